@@ -1,1 +1,40 @@
-//! Language models.
+//! Language models for Longstep, behind one trait.
+//!
+//! A [`ModelReference`] says which model is meant, [`open`] makes a [`ChatModel`] of it: the
+//! embedded engine for a model of the [`catalogue`] or a `.gguf` file, or a client for a server
+//! that speaks OpenAI's dialect. Models of the catalogue come into the cache by [`store::pull`].
+//!
+//! ```no_run
+//! use longstep::prompt::{ChatRequest, Constraint, Message, Role};
+//! use longstep_llm::{ChatModel, ModelReference, OpenOptions, cache_directory, open};
+//!
+//! # fn main() -> Result<(), longstep_llm::ModelError> {
+//! let reference: ModelReference = longstep_llm::catalogue::DEFAULT.parse()?;
+//! let options = OpenOptions::new(cache_directory()?);
+//! let mut model = open(&reference, &options, &mut |_| {})?;
+//! let request = ChatRequest {
+//!     messages: vec![Message::new(Role::User, "Is the door open? Answer yes or no.")],
+//!     fixed: 0,
+//!     answer_so_far: String::new(),
+//!     constraint: Constraint::Lark(r#"start: "yes" | "no""#.into()),
+//!     max_tokens: 8,
+//! };
+//! let reply = model.chat(&request, &mut |progress| eprintln!("{progress:?}"))?;
+//! assert!(["yes", "no"].contains(&reply.text.as_str()));
+//! # Ok(())
+//! # }
+//! ```
+
+mod cache;
+pub mod catalogue;
+mod embedded;
+mod error;
+mod model;
+mod openai;
+mod reference;
+pub mod store;
+
+pub use cache::cache_directory;
+pub use error::ModelError;
+pub use model::{ChatModel, OpenOptions, Progress, open};
+pub use reference::ModelReference;

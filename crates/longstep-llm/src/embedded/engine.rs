@@ -1,0 +1,153 @@
+//! The context of a loaded model: which tokens it has seen, and what may come next.
+
+use std::num::NonZeroU32;
+use std::sync::OnceLock;
+
+use llama_cpp_2::context::LlamaContext;
+use llama_cpp_2::context::params::LlamaContextParams;
+use llama_cpp_2::llama_backend::LlamaBackend;
+use llama_cpp_2::llama_batch::LlamaBatch;
+use llama_cpp_2::model::LlamaModel;
+use llama_cpp_2::token::LlamaToken;
+
+/// Tokens computed in one go. More needs more memory and is hardly faster.
+const BATCH: usize = 512;
+
+/// The one sequence that we use.
+pub(super) const SEQUENCE: i32 = 0;
+
+/// llama.cpp itself, started once for the process and silent.
+pub(super) fn backend() -> Result<&'static LlamaBackend, String> {
+    static BACKEND: OnceLock<Result<LlamaBackend, String>> = OnceLock::new();
+    BACKEND
+        .get_or_init(|| {
+            let mut backend = LlamaBackend::init().map_err(|error| error.to_string())?;
+            backend.void_logs();
+            Ok(backend)
+        })
+        .as_ref()
+        .map_err(Clone::clone)
+}
+
+/// A context of a model, and the tokens whose computation it holds.
+pub(super) struct Engine<'model> {
+    context: LlamaContext<'model>,
+    /// The tokens in the cache, from position 0 on.
+    tokens: Vec<LlamaToken>,
+    /// Where in the last batch the newest token was; its logits say what comes next.
+    newest: i32,
+}
+
+impl<'model> Engine<'model> {
+    /// A context for `size` tokens.
+    pub(super) fn new(
+        model: &'model LlamaModel,
+        size: u32,
+        threads: usize,
+    ) -> Result<Self, String> {
+        let threads = i32::try_from(threads).unwrap_or(i32::MAX);
+        let parameters = LlamaContextParams::default()
+            .with_n_ctx(NonZeroU32::new(size))
+            .with_n_batch(BATCH as u32)
+            .with_n_ubatch(BATCH as u32)
+            .with_n_seq_max(1)
+            .with_n_threads(threads)
+            .with_n_threads_batch(threads)
+            // Prefixes of every length must be reusable, also with sliding windows.
+            .with_swa_full(true)
+            .with_kv_unified(true);
+        let context = model
+            .new_context(backend()?, parameters)
+            .map_err(|error| format!("no context of {size} tokens: {error}"))?;
+        Ok(Self {
+            context,
+            tokens: Vec::new(),
+            newest: 0,
+        })
+    }
+
+    /// How many of these tokens, from the first on, are in the cache.
+    pub(super) fn known(&self, tokens: &[LlamaToken]) -> usize {
+        let pairs = self.tokens.iter().zip(tokens);
+        pairs.take_while(|(ours, theirs)| ours == theirs).count()
+    }
+
+    /// Forgets all but the first `keep` tokens; returns how many could be kept, which is none
+    /// for models whose memory cannot be cut.
+    pub(super) fn keep(&mut self, keep: usize) -> usize {
+        if keep < self.tokens.len() {
+            let from = u32::try_from(keep).ok();
+            let cut = self
+                .context
+                .clear_kv_cache_seq(Some(SEQUENCE as u32), from, None);
+            if matches!(cut, Ok(true)) {
+                self.tokens.truncate(keep);
+            } else {
+                self.forget();
+            }
+        }
+        self.tokens.len()
+    }
+
+    /// Forgets everything.
+    pub(super) fn forget(&mut self) {
+        self.context.clear_kv_cache();
+        self.tokens.clear();
+    }
+
+    /// Computes further tokens; `read` is told how many are done and stops it with `false`.
+    pub(super) fn feed(
+        &mut self,
+        tokens: &[LlamaToken],
+        read: &mut dyn FnMut(usize) -> bool,
+    ) -> Result<(), String> {
+        for (number, part) in tokens.chunks(BATCH).enumerate() {
+            if !read(number * BATCH) {
+                return Err("it was stopped".into());
+            }
+            self.compute(part).inspect_err(|_| self.forget())?;
+        }
+        Ok(())
+    }
+
+    fn compute(&mut self, part: &[LlamaToken]) -> Result<(), String> {
+        let mut batch = LlamaBatch::new(part.len(), 1);
+        for (index, token) in part.iter().enumerate() {
+            let position =
+                i32::try_from(self.tokens.len() + index).map_err(|error| error.to_string())?;
+            let wanted = index + 1 == part.len();
+            batch
+                .add(*token, position, &[SEQUENCE], wanted)
+                .map_err(|error| error.to_string())?;
+        }
+        self.context
+            .decode(&mut batch)
+            .map_err(|error| error.to_string())?;
+        self.tokens.extend_from_slice(part);
+        self.newest = i32::try_from(part.len()).map_or(0, |length| length - 1);
+        Ok(())
+    }
+
+    /// How strongly each token of the vocabulary is expected next. Only after [`Engine::feed`].
+    pub(super) fn logits(&self) -> &[f32] {
+        self.context.get_logits_ith(self.newest)
+    }
+
+    /// The tokens in the cache and the context that holds them, to be saved.
+    pub(super) fn saved(&self) -> (&LlamaContext<'model>, &[LlamaToken]) {
+        (&self.context, &self.tokens)
+    }
+
+    /// Lets `load` put a saved state into the emptied context; it returns the tokens of that
+    /// state, or `None` when there is no good one.
+    pub(super) fn restore(
+        &mut self,
+        load: impl FnOnce(&mut LlamaContext<'model>) -> Option<Vec<LlamaToken>>,
+    ) {
+        self.forget();
+        match load(&mut self.context) {
+            Some(tokens) => self.tokens = tokens,
+            None => self.forget(),
+        }
+    }
+}

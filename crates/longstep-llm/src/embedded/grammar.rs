@@ -1,0 +1,77 @@
+//! Grammars over a model's vocabulary.
+
+use std::sync::Arc;
+
+use llama_cpp_2::model::LlamaModel;
+use llama_cpp_2::sampling::LlamaSampler;
+use llguidance::api::TopLevelGrammar;
+use llguidance::earley::SlicedBiasComputer;
+use llguidance::{Matcher, ParserFactory};
+use longstep::prompt::Constraint;
+use toktrie::{InferenceCapabilities, TokEnv, TokTrie, TokenId, TokenizerEnv};
+
+use crate::ModelError;
+
+/// The vocabulary of a model, tokenising exactly as the model does. llguidance needs that to
+/// know which tokens a forced text would be, so that they can be fed without being sampled.
+struct Vocabulary {
+    trie: TokTrie,
+    model: Arc<LlamaModel>,
+}
+
+impl TokenizerEnv for Vocabulary {
+    fn tok_trie(&self) -> &TokTrie {
+        &self.trie
+    }
+
+    fn tokenize_bytes(&self, text: &[u8]) -> Vec<TokenId> {
+        let tokens = self.model.vocab().tokenize(text, false, false);
+        tokens
+            .into_iter()
+            .map(|token| token.0.cast_unsigned())
+            .collect()
+    }
+}
+
+/// Makes matchers of grammars. Built once for a model, as it walks the whole vocabulary.
+pub(super) struct Grammars {
+    factory: ParserFactory,
+}
+
+impl Grammars {
+    pub(super) fn new(model: &Arc<LlamaModel>) -> Result<Self, String> {
+        let trie = LlamaSampler::llguidance_tok_env(model).tok_trie().clone();
+        let vocabulary: TokEnv = Arc::new(Vocabulary {
+            trie,
+            model: Arc::clone(model),
+        });
+        let capabilities = InferenceCapabilities {
+            ff_tokens: true,
+            ..InferenceCapabilities::default()
+        };
+        let slices = SlicedBiasComputer::general_slices();
+        let mut factory = ParserFactory::new(&vocabulary, capabilities, &slices)
+            .map_err(|error| error.to_string())?;
+        factory.quiet();
+        Ok(Self { factory })
+    }
+
+    /// What follows the constraint token by token; `None` where all text is allowed.
+    pub(super) fn matcher(&self, constraint: &Constraint) -> Result<Option<Matcher>, ModelError> {
+        let grammar = match constraint {
+            Constraint::Free => return Ok(None),
+            Constraint::Lark(grammar) => TopLevelGrammar::from_lark(grammar.clone()),
+            Constraint::JsonSchema(schema) => TopLevelGrammar::from_json_schema(schema.clone()),
+        };
+        let matcher = Matcher::new(self.factory.create_parser(grammar));
+        match matcher.get_error() {
+            Some(error) => Err(ModelError::Grammar(first_line(&error))),
+            None => Ok(Some(matcher)),
+        }
+    }
+}
+
+/// Errors are one line: what follows in llguidance's is the grammar again.
+fn first_line(error: &str) -> String {
+    error.lines().next().unwrap_or_default().trim().to_owned()
+}

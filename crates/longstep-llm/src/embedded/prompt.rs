@@ -1,0 +1,105 @@
+//! From a conversation to tokens, by the template that the model brings along.
+
+use llama_cpp_2::model::{LlamaChatMessage, LlamaChatTemplate, LlamaModel};
+use llama_cpp_2::token::LlamaToken;
+use longstep::prompt::{ChatRequest, Message, Role};
+
+/// A conversation as tokens.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct PromptTokens {
+    /// All of them, the beginning of the answer included.
+    pub(super) tokens: Vec<LlamaToken>,
+    /// How many of the first ones belong to the request's fixed messages.
+    pub(super) fixed: usize,
+}
+
+/// Turns conversations into tokens for one model.
+pub(super) struct Template {
+    template: LlamaChatTemplate,
+}
+
+impl Template {
+    pub(super) fn of(model: &LlamaModel) -> Result<Self, String> {
+        let template = model
+            .chat_template(None)
+            .map_err(|_| "it has no chat template".to_owned())?;
+        Ok(Self { template })
+    }
+
+    /// The tokens of a request.
+    ///
+    /// Only the template's own text may become control tokens. So it is rendered around
+    /// placeholders, and what people said is tokenised apart, as plain text: an `<|im_end|>`
+    /// typed into an instruction stays eleven characters.
+    pub(super) fn tokens(
+        &self,
+        model: &LlamaModel,
+        request: &ChatRequest,
+    ) -> Result<PromptTokens, String> {
+        let rendered = self.render(model, &request.messages)?;
+        let vocabulary = model.vocab();
+        let mut tokens = Vec::new();
+        if vocabulary.should_add_bos() {
+            tokens.push(vocabulary.bos());
+        }
+        let mut fixed = 0;
+        let mut rest = rendered.as_str();
+        for (index, message) in request.messages.iter().enumerate() {
+            let (marker, after) = rest
+                .split_once(&placeholder(index))
+                .ok_or("its chat template leaves out or reorders messages")?;
+            add_marker(&mut tokens, model, marker);
+            tokens.extend(plain(model, &message.text));
+            if index < request.fixed {
+                fixed = tokens.len();
+            }
+            rest = after;
+        }
+        add_marker(&mut tokens, model, rest);
+        tokens.extend(plain(model, &request.answer_so_far));
+        Ok(PromptTokens { tokens, fixed })
+    }
+
+    fn render(&self, model: &LlamaModel, messages: &[Message]) -> Result<String, String> {
+        let turns: Result<Vec<_>, _> = messages
+            .iter()
+            .enumerate()
+            .map(|(index, message)| {
+                LlamaChatMessage::new(role(message.role).into(), placeholder(index))
+            })
+            .collect();
+        let turns = turns.map_err(|error| error.to_string())?;
+        model
+            .apply_chat_template(&self.template, &turns, true)
+            .map_err(|error| format!("its chat template is of an unknown kind: {error}"))
+    }
+}
+
+/// Stands for the text of a message; only ever rendered among texts of the template itself.
+fn placeholder(index: usize) -> String {
+    format!("MESSAGE{index:06}HERE")
+}
+
+fn role(role: Role) -> &'static str {
+    match role {
+        Role::System => "system",
+        Role::User => "user",
+        Role::Assistant => "assistant",
+    }
+}
+
+/// Text of the template, control tokens and all. A template that writes the beginning-of-text
+/// token itself does not get it twice.
+fn add_marker(tokens: &mut Vec<LlamaToken>, model: &LlamaModel, text: &str) {
+    let marker = model.vocab().tokenize(text.as_bytes(), false, true);
+    let twice = tokens.len() == 1 && marker.first() == tokens.first();
+    tokens.extend(marker.into_iter().skip(usize::from(twice)));
+}
+
+/// Text of people, in which nothing is a control token.
+fn plain(model: &LlamaModel, text: &str) -> Vec<LlamaToken> {
+    if text.is_empty() {
+        return Vec::new();
+    }
+    model.vocab().tokenize(text.as_bytes(), false, false)
+}

