@@ -1,0 +1,415 @@
+//! What a robot can do and what can be true, and the words for both.
+//!
+//! A domain is a folder: `domain.pddl` holds the semantics, `domain.toml` the words, `prompt/` what a
+//! model is told. [`load`] reads the three together and reports everything on which they disagree.
+
+mod condition;
+mod lexicon;
+mod load;
+mod pddl;
+mod sexpr;
+mod shipped;
+mod starter;
+mod template;
+mod words;
+
+pub use condition::{Atom, Condition, Effect, Slot, Term};
+pub use lexicon::{Lexicon, base_name, plain_words, singular};
+pub use load::{Files, load};
+pub use shipped::{shipped, shipped_names};
+pub use starter::starter;
+pub use template::{Template, with_article};
+
+use crate::prompt::Example;
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(u16);
+
+        impl $name {
+            /// The id of the thing at `index` in its list.
+            pub fn new(index: usize) -> Self {
+                debug_assert!(index <= usize::from(u16::MAX));
+                Self(index as u16)
+            }
+
+            /// The index in its list.
+            pub fn index(self) -> usize {
+                usize::from(self.0)
+            }
+        }
+    };
+}
+pub(crate) use id;
+
+id!(
+    /// A type of entities; [`TypeId::OBJECT`] is the root.
+    TypeId
+);
+id!(
+    /// A predicate of a domain.
+    PredicateId
+);
+id!(
+    /// An action of a domain.
+    ActionId
+);
+id!(
+    /// A word that goals are told in.
+    GoalWordId
+);
+
+impl TypeId {
+    /// PDDL's root type, which every entity has.
+    pub const OBJECT: TypeId = TypeId(0);
+}
+
+/// The tree of types.
+#[derive(Debug, Clone)]
+pub struct Types {
+    names: Vec<String>,
+    parents: Vec<TypeId>,
+}
+
+impl Default for Types {
+    fn default() -> Self {
+        Self {
+            names: vec!["object".to_owned()],
+            parents: vec![TypeId::OBJECT],
+        }
+    }
+}
+
+impl Types {
+    fn intern(&mut self, name: &str) -> TypeId {
+        self.find(name).unwrap_or_else(|| {
+            self.names.push(name.to_owned());
+            self.parents.push(TypeId::OBJECT);
+            TypeId::new(self.names.len() - 1)
+        })
+    }
+
+    fn set_parent(&mut self, child: TypeId, parent: TypeId) -> bool {
+        let acyclic = !self.is_a(parent, child);
+        if acyclic {
+            self.parents[child.index()] = parent;
+        }
+        acyclic
+    }
+
+    /// The type of that name.
+    pub fn find(&self, name: &str) -> Option<TypeId> {
+        self.names.iter().position(|n| n == name).map(TypeId::new)
+    }
+
+    /// The type's name.
+    pub fn name(&self, id: TypeId) -> &str {
+        &self.names[id.index()]
+    }
+
+    /// How many types there are.
+    pub(crate) fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(String::as_str)
+    }
+
+    /// Whether every `sub` is a `kind`.
+    pub fn is_a(&self, mut sub: TypeId, kind: TypeId) -> bool {
+        while sub != kind && sub != TypeId::OBJECT {
+            sub = self.parents[sub.index()];
+        }
+        sub == kind
+    }
+}
+
+/// A typed parameter of a predicate, an action or a goal word.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name, without the question mark.
+    pub name: String,
+    /// What may stand there.
+    pub kind: TypeId,
+}
+
+/// Something that can be true of entities.
+#[derive(Debug, Clone)]
+pub struct Predicate {
+    /// The name in `domain.pddl`.
+    pub name: String,
+    /// Its arguments.
+    pub parameters: Vec<Parameter>,
+}
+
+/// An action as PDDL tells it.
+#[derive(Debug, Clone)]
+pub(crate) struct ActionSchema {
+    pub(crate) name: String,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) precondition: Condition,
+    pub(crate) effects: Vec<Effect>,
+}
+
+/// Something the robot can do: semantics and words together.
+#[derive(Debug, Clone)]
+pub struct Action {
+    /// The name in `domain.pddl`.
+    pub name: String,
+    /// Parameters; slots `0..parameters.len()` of the conditions.
+    pub parameters: Vec<Parameter>,
+    /// What must hold before.
+    pub precondition: Condition,
+    /// What changes.
+    pub effects: Vec<Effect>,
+    /// The word in a plan, for example `PutIn`.
+    pub call: String,
+    /// The parameters that the call shows, in its order; the others are implicit.
+    pub explicit: Vec<usize>,
+    /// The implicit parameter that a plan's `object_name` gives.
+    pub object: Option<usize>,
+    /// The explanation of a step.
+    pub says: Template,
+    /// What the action is for, as a model and a person are told.
+    pub means: String,
+}
+
+impl Action {
+    /// The parameters that the call syntax hides.
+    pub fn implicit(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.parameters.len()).filter(|index| !self.explicit.contains(index))
+    }
+}
+
+/// What to think of a static fact that the environment does not give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unknown {
+    /// It does not hold.
+    #[default]
+    False,
+    /// It neither forbids nor proves: it is taken to hold, and said so in the report. An environment
+    /// that gives such a fact of anything is taken to give it of everything that has it.
+    Assume,
+}
+
+/// The words for a predicate.
+#[derive(Debug, Clone)]
+pub struct PredicateWords {
+    /// The fact as a sentence, for example `{item} is on {place}`.
+    pub says: Template,
+    /// Its opposite as a sentence.
+    pub denies: Template,
+    /// The fact as a model sees it in the entry of its first argument, for example `on {place}`.
+    pub short: Option<Template>,
+    /// Something that happens rather than lasts: false at the start of every instruction, never written
+    /// to an environment.
+    pub event: bool,
+    /// What to think of it when the environment does not say.
+    pub unknown: Unknown,
+    /// Whether some action changes it.
+    pub fluent: bool,
+}
+
+/// A fact or its opposite, over `?self` (slot 0) and the word's own parameters.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Literal {
+    /// The fact.
+    pub atom: Atom,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+/// How a state is written in an environment, for example `on_something(<something>)`.
+#[derive(Debug, Clone)]
+pub struct StateWord {
+    /// The word before the parenthesis.
+    pub word: String,
+    /// How many entities stand in the parentheses; their slots follow `?self`.
+    pub arity: usize,
+    /// The fact it stands for.
+    pub atom: Atom,
+    /// What it means, as a model and a person are told.
+    pub means: String,
+}
+
+/// How a static property is written in an environment, for example `IS_OPENABLE`.
+#[derive(Debug, Clone)]
+pub struct PropertyWord {
+    /// The word.
+    pub word: String,
+    /// What it says of `?self`.
+    pub literals: Vec<Literal>,
+}
+
+/// Static facts that follow from names or from other facts.
+#[derive(Debug, Clone)]
+pub struct Derivation {
+    /// What follows, of `?self` (slot 0) and `?other` (slot 1).
+    pub literals: Vec<Literal>,
+    /// `?self` must have an identifier that ends with one of these; empty means any.
+    pub names: Vec<String>,
+    /// The same for `?other`, if the literals speak of it.
+    pub other_names: Vec<String>,
+    /// `?self` must be named after `?other`, as in `{other}_handle`.
+    pub pattern: Option<String>,
+    /// What must hold besides.
+    pub when: Condition,
+    /// Whether `?other` is spoken of.
+    pub binary: bool,
+}
+
+/// A fact that is taken to hold at the start when the environment does not say otherwise.
+#[derive(Debug, Clone)]
+pub struct DefaultFact {
+    /// The fact about `?self`.
+    pub atom: Atom,
+    /// When.
+    pub when: Condition,
+}
+
+/// When a [`Rule`] must hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RuleTime {
+    /// In the state that an environment describes: one that breaks it contradicts itself.
+    Start,
+    /// In every state that a plan passes through.
+    Always,
+    /// After the last step.
+    End,
+    /// After the last step of a plan that was made from a goal; of a plan that came from elsewhere
+    /// it is only remarked on, since nobody said what that plan was for.
+    Tidy,
+}
+
+/// Something that a good plan keeps to beyond its steps being possible.
+#[derive(Debug, Clone)]
+pub struct Rule {
+    /// A short name.
+    pub name: String,
+    /// When it must hold.
+    pub time: RuleTime,
+    /// The outermost universally quantified variables, bound to slots from 0: one finding for each
+    /// binding that breaks the rule.
+    pub variables: Vec<Parameter>,
+    /// What must hold of each binding.
+    pub condition: Condition,
+    /// What is said when it is broken.
+    pub says: Template,
+    /// Goal words that set the rule aside for what they speak of.
+    pub unless: Vec<String>,
+}
+
+/// A piece of how a goal is written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FormPiece {
+    /// Literal text.
+    Text(String),
+    /// A parameter of the word.
+    Parameter(usize),
+}
+
+/// A word that goals are told in, for example `put({item}, {place})`.
+#[derive(Debug, Clone)]
+pub struct GoalWord {
+    /// The text before the parenthesis; forms may share it.
+    pub word: String,
+    /// How it is written.
+    pub form: Vec<FormPiece>,
+    /// The parameters; slots from 0 of the conditions.
+    pub parameters: Vec<Parameter>,
+    /// What it stands for.
+    pub condition: Condition,
+    /// Which arguments make sense in the state at hand.
+    pub offered: Condition,
+    /// The parameter that the instruction must speak of.
+    pub subject: Option<usize>,
+    /// Of words with the same mark, one goal has at most one for the same first argument.
+    pub exclusive: Option<String>,
+    /// Parameters that achieving it may move, so that what held of them may be asked for again.
+    pub disturbs: Vec<usize>,
+    /// The goal as a sentence for a person.
+    pub says: Template,
+    /// What it means, as a model is told.
+    pub means: String,
+}
+
+/// The words for the environment's two lists.
+#[derive(Debug, Clone)]
+pub struct EnvironmentTypes {
+    /// The type of what `assets` lists.
+    pub asset: TypeId,
+    /// The type of what `objects` lists.
+    pub object: TypeId,
+}
+
+/// A robot's domain, ready for use. Make one with [`load`] or [`shipped`].
+#[derive(Debug, Clone)]
+pub struct Domain {
+    /// The name.
+    pub name: String,
+    /// One sentence on what it is for.
+    pub about: String,
+    /// The types.
+    pub types: Types,
+    /// The constants: names and types; the first entities of every world.
+    pub constants: Vec<(String, TypeId)>,
+    /// The predicates.
+    pub predicates: Vec<Predicate>,
+    /// The words of the predicates, in the same order.
+    pub predicate_words: Vec<PredicateWords>,
+    /// The actions.
+    pub actions: Vec<Action>,
+    /// Which types an environment's lists have.
+    pub environment: EnvironmentTypes,
+    /// The words for states.
+    pub states: Vec<StateWord>,
+    /// The words for properties.
+    pub properties: Vec<PropertyWord>,
+    /// What follows from names and facts.
+    pub derivations: Vec<Derivation>,
+    /// What is taken to hold at the start.
+    pub defaults: Vec<DefaultFact>,
+    /// The rules.
+    pub rules: Vec<Rule>,
+    /// The words that goals are told in.
+    pub goal_words: Vec<GoalWord>,
+    /// Everyday names.
+    pub lexicon: Lexicon,
+    /// What a model is told first: `prompt/goal.md`, rendered.
+    pub goal_prompt: String,
+    /// The worked examples of `prompt/examples.toml`.
+    pub examples: Vec<Example>,
+}
+
+impl Domain {
+    /// The predicate with this id.
+    pub fn predicate(&self, id: PredicateId) -> &Predicate {
+        &self.predicates[id.index()]
+    }
+
+    /// The words of the predicate with this id.
+    pub fn words(&self, id: PredicateId) -> &PredicateWords {
+        &self.predicate_words[id.index()]
+    }
+
+    /// The action with this id.
+    pub fn action(&self, id: ActionId) -> &Action {
+        &self.actions[id.index()]
+    }
+
+    /// Every action with its id, in the order of `domain.pddl`.
+    pub fn action_ids(&self) -> impl Iterator<Item = (ActionId, &Action)> {
+        self.actions
+            .iter()
+            .enumerate()
+            .map(|(index, action)| (ActionId::new(index), action))
+    }
+
+    /// The goal word with this id.
+    pub fn goal_word(&self, id: GoalWordId) -> &GoalWord {
+        &self.goal_words[id.index()]
+    }
+}

@@ -1,0 +1,50 @@
+//! The domains that come with the library.
+
+use include_dir::{Dir, include_dir};
+
+use super::{Domain, Files, load};
+use crate::diagnostic::Diagnostics;
+
+static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../domains");
+
+/// The names of the shipped domains, sorted.
+pub fn shipped_names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = SHIPPED.dirs().filter_map(|dir| dir.path().to_str()).collect();
+    names.sort_unstable();
+    names
+}
+
+/// The shipped domain of that name, or none if there is no such domain.
+///
+/// # Errors
+///
+/// None for the domains as they are shipped; the tests load each of them.
+pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
+    let folder = SHIPPED.get_dir(name).filter(|dir| dir.path().components().count() == 1)?;
+    let text = |file: &str| {
+        let path = folder.path().join(file);
+        SHIPPED.get_file(path).and_then(|file| file.contents_utf8()).unwrap_or_default().to_owned()
+    };
+    Some(load(&Files {
+        folder: format!("domains/{name}/"),
+        pddl: text("domain.pddl"),
+        words: text("domain.toml"),
+        goal_prompt: text("prompt/goal.md"),
+        examples: text("prompt/examples.toml"),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_domain_loads() {
+        for name in shipped_names() {
+            let domain = shipped(name).unwrap().unwrap_or_else(|findings| panic!("{findings}"));
+            assert_eq!(domain.name, name);
+        }
+        assert!(shipped("garage").is_none());
+        assert!(shipped("household/prompt").is_none());
+    }
+}

@@ -1,0 +1,81 @@
+//! Sentences with holes for entities: `put {item} on {place}`.
+
+/// A sentence with holes.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Template {
+    pieces: Vec<Piece>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Piece {
+    Text(String),
+    /// The index of a parameter.
+    Hole(usize),
+}
+
+impl Template {
+    /// Reads `text`; `index_of` tells the parameter of a hole's name.
+    ///
+    /// # Errors
+    ///
+    /// The name of a hole that is no parameter, or `"{"` when a hole is not closed.
+    pub fn read(text: &str, index_of: impl Fn(&str) -> Option<usize>) -> Result<Self, String> {
+        let mut pieces = Vec::new();
+        let mut rest = text;
+        while let Some(start) = rest.find('{') {
+            let Some(length) = rest[start..].find('}') else {
+                return Err("{".to_owned());
+            };
+            let name = &rest[start + 1..start + length];
+            if start > 0 {
+                pieces.push(Piece::Text(rest[..start].to_owned()));
+            }
+            pieces.push(Piece::Hole(index_of(name).ok_or_else(|| name.to_owned())?));
+            rest = &rest[start + length + 1..];
+        }
+        if !rest.is_empty() {
+            pieces.push(Piece::Text(rest.to_owned()));
+        }
+        Ok(Self { pieces })
+    }
+
+    /// The sentence with `name` called for each hole.
+    pub fn fill(&self, mut name: impl FnMut(usize) -> String) -> String {
+        self.pieces
+            .iter()
+            .map(|piece| match piece {
+                Piece::Text(text) => text.clone(),
+                Piece::Hole(index) => name(*index),
+            })
+            .collect()
+    }
+}
+
+/// A name with its article: "the juice", but "plate 2".
+///
+/// ```
+/// use longstep::domain::with_article;
+/// assert_eq!(with_article("juice"), "the juice");
+/// assert_eq!(with_article("plate 2"), "plate 2");
+/// ```
+pub fn with_article(name: &str) -> String {
+    if name.ends_with(|c: char| c.is_ascii_digit()) {
+        name.to_owned()
+    } else {
+        format!("the {name}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holes_are_filled_and_unknown_ones_refused() {
+        let index = |name: &str| (name == "item").then_some(0);
+        let template = Template::read("put {item} down", index).unwrap();
+        assert_eq!(template.fill(|_| "the cup".into()), "put the cup down");
+        assert_eq!(Template::read("put {it}", index), Err("it".to_owned()));
+        assert_eq!(Template::read("put {item", index), Err("{".to_owned()));
+    }
+}

@@ -1,0 +1,141 @@
+//! What a person wants, in the few typed words that the domain declares.
+//!
+//! A [`Goal`] is written `put(cup, shelf) & closed(door)`. A model writes one under a grammar that only lets
+//! it say what makes sense ([`offers`], [`grammar()`]); [`understand`] then looks at the answer once more
+//! against what the instruction speaks of; search turns the goal into steps.
+
+mod grammar;
+mod language;
+mod mention;
+mod offer;
+
+pub(crate) use grammar::{JOINT, QUESTION};
+pub use grammar::{grammar, schema};
+pub(crate) use language::read_form;
+pub use language::{GoalError, parse};
+pub use mention::{LeftOut, Understanding, understand};
+pub use offer::{Offer, offers};
+
+use crate::domain::{Domain, FormPiece, GoalWordId};
+use crate::search::Wanted;
+use crate::verify::{Purpose, Waiver, wanted_at_end};
+use crate::world::{EntityId, Fact, World, fact_text};
+use crate::domain::Condition;
+
+/// One thing that is wanted.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum GoalFact {
+    /// A goal word of the domain with its arguments.
+    Word {
+        /// The word.
+        word: GoalWordId,
+        /// One entity for each parameter.
+        arguments: Vec<EntityId>,
+    },
+    /// A plain fact, written with the environment's own words.
+    Plain(Fact),
+}
+
+/// Everything that is wanted.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Goal {
+    /// Its parts.
+    pub facts: Vec<GoalFact>,
+}
+
+impl GoalFact {
+    /// The fact in the goal language, with `name` called for each entity.
+    fn written(&self, domain: &Domain, name: impl Fn(EntityId) -> String) -> String {
+        match self {
+            Self::Word { word, arguments } => {
+                let piece = |piece: &FormPiece| match piece {
+                    FormPiece::Text(text) => text.clone(),
+                    FormPiece::Parameter(index) => name(arguments[*index]),
+                };
+                domain.goal_word(*word).form.iter().map(piece).collect()
+            }
+            Self::Plain(fact) => {
+                let arity = domain.predicate(fact.predicate()).parameters.len();
+                let word = domain.states.iter().find(|s| s.atom.predicate == fact.predicate());
+                let word = word.map_or("?", |word| &word.word);
+                let arguments: Vec<String> = (0..arity).map(|place| name(fact.argument(place))).collect();
+                format!("{word}({})", arguments.join(", "))
+            }
+        }
+    }
+
+    /// As a model writes it: `put(pie, oven)`.
+    pub fn everyday(&self, domain: &Domain, world: &World) -> String {
+        self.written(domain, |entity| world.entity(entity).name.clone())
+    }
+
+    /// With the environment's identifiers: `put(<pie_320>, <microwave_314>)`.
+    pub fn exact(&self, domain: &Domain, world: &World) -> String {
+        self.written(domain, |entity| world.entity(entity).identifier.clone())
+    }
+
+    /// As a sentence for a person.
+    pub fn sentence(&self, domain: &Domain, world: &World) -> String {
+        match self {
+            Self::Word { word, arguments } => {
+                let name = |parameter: usize| world.entity(arguments[parameter]).with_article();
+                domain.goal_word(*word).says.fill(name)
+            }
+            Self::Plain(fact) => fact_text(domain, world, *fact, true),
+        }
+    }
+
+    /// What must hold for it.
+    fn wanted(&self, domain: &Domain) -> Wanted {
+        match self {
+            Self::Word { word, arguments } => Wanted {
+                condition: domain.goal_word(*word).condition.clone(),
+                bindings: arguments.clone(),
+            },
+            Self::Plain(fact) => Wanted {
+                condition: Condition::Atom {
+                    atom: crate::domain::Atom {
+                        predicate: fact.predicate(),
+                        terms: (0..domain.predicate(fact.predicate()).parameters.len())
+                            .map(|place| crate::domain::Term::Constant(fact.argument(place)))
+                            .collect(),
+                    },
+                    holds: true,
+                    initially: false,
+                },
+                bindings: Vec::new(),
+            },
+        }
+    }
+}
+
+impl Goal {
+    /// The rules that this goal sets aside: who asks for the fridge to be open does not want it closed.
+    fn waivers(&self, domain: &Domain) -> Vec<Waiver> {
+        let mut waivers = Vec::new();
+        for fact in &self.facts {
+            let GoalFact::Word { word, arguments } = fact else { continue };
+            let word = &domain.goal_word(*word).word;
+            for (rule, _) in domain.rules.iter().enumerate().filter(|(_, rule)| rule.unless.contains(word)) {
+                waivers.extend(arguments.iter().map(|entity| Waiver { rule, entity: *entity }));
+            }
+        }
+        waivers
+    }
+
+    /// What a plan for this goal is for: its parts, in order, and the rules it sets aside.
+    pub fn purpose(&self, domain: &Domain) -> Purpose {
+        Purpose {
+            wanted: self.facts.iter().map(|fact| fact.wanted(domain)).collect(),
+            waivers: self.waivers(domain),
+            from_goal: true,
+        }
+    }
+
+    /// Everything that must hold at the end, the domain's rules included: what search is given.
+    pub fn wanted(&self, domain: &Domain, world: &World) -> Vec<Wanted> {
+        let Purpose { mut wanted, waivers, .. } = self.purpose(domain);
+        wanted.extend(wanted_at_end(domain, world, &waivers));
+        wanted
+    }
+}

@@ -1,0 +1,188 @@
+//! The goal strategy as a conversation that somebody else carries out.
+//!
+//! The dialogue never calls a model. It says what to send ([`GoalDialogue::request`]) and is given the reply
+//! ([`GoalDialogue::supply`]) until it understands.
+
+use serde::Deserialize;
+
+use super::example::{fixed_turns, scene_and_instruction};
+use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage, scene};
+use crate::domain::Domain;
+use crate::goal::{self, Goal, GoalError, GoalFact, Understanding, grammar, offers, schema, understand};
+use crate::world::World;
+
+/// Goals in one answer at most.
+const GOAL_LIMIT: usize = 6;
+/// Tokens for one goal or a question.
+const STEP_TOKENS: u32 = 96;
+/// Tokens for a whole answer of a server.
+const ANSWER_TOKENS: u32 = 1024;
+
+/// Why a reply cannot be used. It is never completed by guesswork.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DialogueError {
+    /// The reply is cut off.
+    #[error("the model's answer was cut off: `{0}`")]
+    CutOff(String),
+    /// The model or its server would not answer.
+    #[error("the model refused to answer")]
+    Refused,
+    /// The reply is not in the form that was asked for.
+    #[error("the model's answer cannot be read: {0}")]
+    Unreadable(String),
+    /// The reply names something that there is not.
+    #[error("the model's answer is no goal here: {0}")]
+    NoGoal(#[from] GoalError),
+}
+
+/// What to do next.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Turn {
+    /// Send [`GoalDialogue::request`] again: the answer goes on.
+    GoOn,
+    /// This is what was understood.
+    Done(Understanding),
+}
+
+/// Asks a model what an instruction wants.
+#[derive(Debug, Clone)]
+pub struct GoalDialogue<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    instruction: &'a str,
+    kind: ConstraintKind,
+    messages: Vec<Message>,
+    fixed: usize,
+    answer: String,
+    facts: Vec<GoalFact>,
+    /// What the calls so far cost.
+    pub usage: Usage,
+}
+
+impl<'a> GoalDialogue<'a> {
+    /// Begins a conversation about `instruction` with a model of the given kind.
+    pub fn new(domain: &'a Domain, world: &'a World, instruction: &'a str, kind: ConstraintKind) -> Self {
+        let mut messages = fixed_turns(domain, kind);
+        let fixed = messages.len();
+        let scene = scene(domain, world, &offers(domain, world, &[]));
+        messages.push(Message::new(Role::User, scene_and_instruction(&scene, &one_line(instruction))));
+        Self {
+            domain,
+            world,
+            instruction,
+            kind,
+            messages,
+            fixed,
+            answer: String::new(),
+            facts: Vec::new(),
+            usage: Usage::default(),
+        }
+    }
+
+    /// What to send to the model now.
+    pub fn request(&self) -> ChatRequest {
+        let offers = offers(self.domain, self.world, &self.facts);
+        let constraint = match self.kind {
+            ConstraintKind::Grammar => {
+                let more = self.facts.len() + 1 < GOAL_LIMIT;
+                Constraint::Lark(grammar(self.domain, self.world, &offers, self.answer.is_empty(), more))
+            }
+            ConstraintKind::JsonSchema => Constraint::JsonSchema(schema(self.domain, self.world, &offers)),
+        };
+        ChatRequest {
+            messages: self.messages.clone(),
+            fixed: self.fixed,
+            answer_so_far: self.answer.clone(),
+            constraint,
+            max_tokens: match self.kind {
+                ConstraintKind::Grammar => STEP_TOKENS,
+                ConstraintKind::JsonSchema => ANSWER_TOKENS,
+            },
+        }
+    }
+
+    /// The model's answer as far as it has come.
+    pub fn answer(&self) -> &str {
+        &self.answer
+    }
+
+    /// Takes the model's reply to the last request.
+    ///
+    /// # Errors
+    ///
+    /// When the reply is cut off, refused, or not what was asked for.
+    pub fn supply(&mut self, reply: &Reply) -> Result<Turn, DialogueError> {
+        self.usage += reply.usage;
+        self.answer.push_str(&reply.text);
+        match reply.finish {
+            Finish::Stop => {}
+            Finish::Length => return Err(DialogueError::CutOff(shortened(&self.answer))),
+            Finish::Refused => return Err(DialogueError::Refused),
+        }
+        match self.kind {
+            ConstraintKind::Grammar => self.supply_part(&reply.text),
+            ConstraintKind::JsonSchema => self.supply_whole(&reply.text),
+        }
+    }
+
+    fn supply_part(&mut self, text: &str) -> Result<Turn, DialogueError> {
+        if let Some(question) = self.answer.strip_prefix(goal::QUESTION) {
+            return Ok(Turn::Done(Understanding::Question(question.trim().to_owned())));
+        }
+        let text = text.trim();
+        let (part, goes_on) = match text.strip_suffix(goal::JOINT.trim()) {
+            Some(part) => (part.trim(), true),
+            None => (text, false),
+        };
+        if !part.is_empty() {
+            self.facts.extend(goal::parse(self.domain, self.world, part)?.facts);
+        }
+        let more = goes_on && !offers(self.domain, self.world, &self.facts).is_empty();
+        Ok(if more { Turn::GoOn } else { self.done() })
+    }
+
+    fn supply_whole(&mut self, text: &str) -> Result<Turn, DialogueError> {
+        #[derive(Deserialize)]
+        struct Answer {
+            #[serde(default)]
+            question: String,
+            #[serde(default)]
+            goals: Vec<String>,
+        }
+        // A server that ignores the schema may put a fence around the object.
+        let bare = text.trim().trim_start_matches("```json").trim_start_matches("```").trim_end_matches("```");
+        let answer: Answer = serde_json::from_str(bare.trim())
+            .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))?;
+        if !answer.question.trim().is_empty() {
+            return Ok(Turn::Done(Understanding::Question(answer.question.trim().to_owned())));
+        }
+        for part in answer.goals.iter().take(GOAL_LIMIT) {
+            for fact in goal::parse(self.domain, self.world, part)?.facts {
+                if !self.facts.contains(&fact) {
+                    self.facts.push(fact);
+                }
+            }
+        }
+        Ok(self.done())
+    }
+
+    fn done(&mut self) -> Turn {
+        let goal = Goal {
+            facts: std::mem::take(&mut self.facts),
+        };
+        Turn::Done(understand(self.domain, self.world, self.instruction, goal))
+    }
+}
+
+/// An instruction is one line of a conversation, whatever was typed.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn shortened(text: &str) -> String {
+    let mut short: String = one_line(text).chars().take(120).collect();
+    if short.len() < text.trim().len() {
+        short.push('…');
+    }
+    short
+}

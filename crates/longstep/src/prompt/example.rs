@@ -1,0 +1,137 @@
+//! What is the same in every request of a domain: the task, and worked examples.
+
+use minijinja::{Environment, UndefinedBehavior, context};
+use serde_json::json;
+
+use super::{ConstraintKind, Message, Role};
+use crate::domain::{Domain, FormPiece, GoalWord};
+use crate::goal::read_form;
+
+/// A worked example for the model: a small scene, an instruction and the answer to it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Example {
+    /// Names of things and what is said of them.
+    pub objects: Vec<(String, String)>,
+    /// Names of places and what is said of them.
+    pub places: Vec<(String, String)>,
+    /// The instruction.
+    pub instruction: String,
+    /// Goals joined by ` & `, or `question: ...`.
+    pub answer: String,
+}
+
+impl Example {
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.objects.iter().chain(&self.places).map(|(name, _)| name.as_str())
+    }
+}
+
+/// Whether the example's answer is one that a model could give: goals of this domain about things of the
+/// example's scene.
+pub(crate) fn check_example(domain: &Domain, example: &Example) -> Result<(), String> {
+    if example.answer.starts_with(crate::goal::QUESTION) {
+        return Ok(());
+    }
+    for part in example.answer.split(" & ") {
+        let fits = |word: &GoalWord| {
+            read_form(word, part).is_some_and(|names| names.iter().all(|name| example.names().any(|n| n == *name)))
+        };
+        if domain.goal_words.iter().any(fits) {
+            continue;
+        }
+        return Err(match domain.goal_words.iter().find_map(|word| read_form(word, part)) {
+            Some(names) => {
+                let missing = names.iter().find(|name| !example.names().any(|n| n == **name));
+                format!("`{}` in `{part}` is not in the example's scene", missing.unwrap_or(&""))
+            }
+            None => format!("`{part}` has the form of no goal word of this domain"),
+        });
+    }
+    Ok(())
+}
+
+/// Renders `prompt/goal.md`. Errors carry the line in the template.
+pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<String, (u32, String)> {
+    let goals: Vec<_> = domain
+        .goal_words
+        .iter()
+        .map(|word| context! { form => form(word), means => &word.means })
+        .collect();
+    let actions: Vec<_> = domain
+        .actions
+        .iter()
+        .map(|action| context! { call => &action.call, means => &action.means })
+        .collect();
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment
+        .render_str(template, context! { name => &domain.name, about => &domain.about, goals, actions })
+        .map(|text| text.trim_end().to_owned())
+        .map_err(|error| {
+            let message = error.detail().map_or_else(|| error.to_string(), str::to_owned);
+            (error.line().unwrap_or(1) as u32, message)
+        })
+}
+
+fn form(word: &GoalWord) -> String {
+    let piece = |piece: &FormPiece| match piece {
+        FormPiece::Text(text) => text.clone(),
+        FormPiece::Parameter(index) => word.parameters[*index].name.to_uppercase(),
+    };
+    word.form.iter().map(piece).collect()
+}
+
+/// The turns that come before the scene and the instruction: the task, then each example as a pair of turns.
+pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
+    let mut task = domain.goal_prompt.clone();
+    if kind == ConstraintKind::JsonSchema {
+        task.push_str(
+            "\n\nWrite the answer as a JSON object with two keys: \"goals\", the list of goals, and \"question\", \
+             which is empty unless you have to ask.",
+        );
+    }
+    let mut turns = vec![Message::new(Role::System, task)];
+    for example in &domain.examples {
+        let text = scene_and_instruction(&scene_text(&example.objects, &example.places), &example.instruction);
+        turns.push(Message::new(Role::User, text));
+        turns.push(Message::new(Role::Assistant, answer(example, kind)));
+    }
+    turns
+}
+
+fn answer(example: &Example, kind: ConstraintKind) -> String {
+    match kind {
+        ConstraintKind::Grammar => example.answer.clone(),
+        ConstraintKind::JsonSchema => match example.answer.strip_prefix(crate::goal::QUESTION) {
+            Some(question) => json!({"question": question, "goals": []}).to_string(),
+            None => {
+                let goals: Vec<&str> = example.answer.split(" & ").collect();
+                json!({"question": "", "goals": goals}).to_string()
+            }
+        },
+    }
+}
+
+/// The two lists of a scene.
+pub(super) fn scene_text(objects: &[(String, String)], places: &[(String, String)]) -> String {
+    let mut text = String::new();
+    for (title, entries) in [("Objects", objects), ("Places", places)] {
+        text.push_str(title);
+        text.push_str(":\n");
+        for (name, said) in entries {
+            text.push_str("- ");
+            text.push_str(name);
+            if !said.is_empty() {
+                text.push_str(": ");
+                text.push_str(said);
+            }
+            text.push('\n');
+        }
+    }
+    text
+}
+
+/// A person's turn: the scene first, since it changes less often than the instruction.
+pub(super) fn scene_and_instruction(scene: &str, instruction: &str) -> String {
+    format!("{scene}\nInstruction: {instruction}")
+}

@@ -1,0 +1,43 @@
+//! The world as a model sees it: everyday names, a line for each thing.
+
+use rustc_hash::FxHashSet;
+
+use super::example::scene_text;
+use crate::domain::Domain;
+use crate::goal::Offer;
+use crate::world::{EntityId, Fact, World};
+
+/// The scene: every object with where it is, and every place that a goal or an object's line can speak of.
+pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {
+    let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
+    let mut shown: FxHashSet<EntityId> = offers.iter().flat_map(|o| o.arguments.iter().flatten().copied()).collect();
+    shown.extend(world.entities().map(|(id, _)| id).filter(|id| is_object(*id)));
+    let facts = world.state.sorted();
+    let (mut objects, mut places) = (Vec::new(), Vec::new());
+    for (id, entity) in world.entities().filter(|(id, _)| shown.contains(id)) {
+        let object = is_object(id);
+        let said: Vec<String> = facts
+            .iter()
+            .filter_map(|fact| line(domain, world, *fact, id, object, &shown))
+            .collect();
+        let list = if object { &mut objects } else { &mut places };
+        list.push((entity.name.clone(), said.join(", ")));
+    }
+    scene_text(&objects, &places)
+}
+
+/// What a fact adds to the line of `id`. Where a place stands is nobody's business here.
+fn line(
+    domain: &Domain,
+    world: &World,
+    fact: Fact,
+    id: EntityId,
+    object: bool,
+    shown: &FxHashSet<EntityId>,
+) -> Option<String> {
+    let arity = domain.predicate(fact.predicate()).parameters.len();
+    let short = domain.words(fact.predicate()).short.as_ref()?;
+    let others_shown = || (1..arity).all(|place| shown.contains(&fact.argument(place)));
+    let fits = arity > 0 && fact.argument(0) == id && (arity == 1 || object) && others_shown();
+    fits.then(|| short.fill(|place| world.entity(fact.argument(place)).name.clone()))
+}

@@ -1,0 +1,81 @@
+//! Ground conditions.
+
+/// A literal: a fact's number in the task, and whether it holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Literal {
+    pub(super) fact: u32,
+    pub(super) holds: bool,
+}
+
+/// A ground condition in negation normal form.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) enum Formula {
+    /// All of them; an empty one is true.
+    And(Vec<Formula>),
+    /// At least one of them; an empty one is false.
+    Or(Vec<Formula>),
+    Literal(Literal),
+}
+
+impl Formula {
+    pub(super) const TRUE: Formula = Formula::And(Vec::new());
+    pub(super) const FALSE: Formula = Formula::Or(Vec::new());
+
+    pub(super) fn is_true(&self) -> bool {
+        *self == Self::TRUE
+    }
+
+    pub(super) fn is_false(&self) -> bool {
+        *self == Self::FALSE
+    }
+
+    /// The conjunction, flattened.
+    pub(super) fn and(parts: impl IntoIterator<Item = Formula>) -> Self {
+        let mut all = Vec::new();
+        for part in parts {
+            match part {
+                Self::And(inner) => all.extend(inner),
+                other if other.is_false() => return Self::FALSE,
+                other => all.push(other),
+            }
+        }
+        if all.len() == 1 { all.remove(0) } else { Self::And(all) }
+    }
+
+    /// The disjunction, flattened.
+    pub(super) fn or(parts: impl IntoIterator<Item = Formula>) -> Self {
+        let mut any = Vec::new();
+        for part in parts {
+            match part {
+                Self::Or(inner) => any.extend(inner),
+                other if other.is_true() => return Self::TRUE,
+                other => any.push(other),
+            }
+        }
+        if any.len() == 1 { any.remove(0) } else { Self::Or(any) }
+    }
+
+    /// The formula with every literal looked at again.
+    pub(super) fn map(self, literal: &impl Fn(Literal) -> Formula) -> Self {
+        match self {
+            Self::And(all) => Self::and(all.into_iter().map(|part| part.map(literal))),
+            Self::Or(any) => Self::or(any.into_iter().map(|part| part.map(literal))),
+            Self::Literal(inner) => literal(inner),
+        }
+    }
+
+    pub(super) fn holds(&self, is: &impl Fn(Literal) -> bool) -> bool {
+        match self {
+            Self::And(all) => all.iter().all(|part| part.holds(is)),
+            Self::Or(any) => any.iter().any(|part| part.holds(is)),
+            Self::Literal(literal) => is(*literal),
+        }
+    }
+
+    pub(super) fn for_each(&self, visit: &mut impl FnMut(Literal)) {
+        match self {
+            Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.for_each(visit)),
+            Self::Literal(literal) => visit(*literal),
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Forward search: A* to a shortest plan, and greedily on when that takes too long.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use rustc_hash::FxHashMap;
+
+use super::Outcome;
+use super::formula::Literal;
+use super::landmark_cut::LandmarkCut;
+use super::task::Task;
+
+/// How far a search goes before it gives up, in states looked at, so that the answer never depends on the
+/// speed of the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// States for which the distance to the goal is estimated while looking for a shortest plan.
+    pub shortest: usize,
+    /// The same while looking for any plan, after that.
+    pub any: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            shortest: 20_000,
+            any: 50_000,
+        }
+    }
+}
+
+/// How much the greedy search prefers states that look close to the goal.
+const GREED: u32 = 5;
+
+/// A state: one bit for each fact of the task.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+struct Bits(Box<[u64]>);
+
+impl Bits {
+    fn holds(&self, fact: u32) -> bool {
+        self.0[fact as usize / 64] >> (fact % 64) & 1 == 1
+    }
+
+    fn is(&self, literal: Literal) -> bool {
+        self.holds(literal.fact) == literal.holds
+    }
+
+    fn set(&mut self, literal: Literal) {
+        let bit = 1 << (literal.fact % 64);
+        let word = &mut self.0[literal.fact as usize / 64];
+        if literal.holds {
+            *word |= bit;
+        } else {
+            *word &= !bit;
+        }
+    }
+}
+
+pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
+    let mut heuristic = LandmarkCut::new(task);
+    let shortest = Search::new(task, &mut heuristic, 1, limits.shortest).run();
+    let Outcome::GaveUp { expanded: before, .. } = shortest else {
+        return shortest;
+    };
+    match Search::new(task, &mut heuristic, GREED, limits.any).run() {
+        Outcome::Solved { steps, expanded, .. } => Outcome::Solved {
+            steps,
+            shortest: false,
+            expanded: before + expanded,
+        },
+        Outcome::ProvenUnsolvable { expanded } => Outcome::ProvenUnsolvable {
+            expanded: before + expanded,
+        },
+        Outcome::GaveUp { expanded, .. } => Outcome::GaveUp {
+            why: format!("no plan found in {} states", limits.shortest + limits.any),
+            expanded: before + expanded,
+        },
+    }
+}
+
+struct Node {
+    state: Bits,
+    parent: Option<(u32, u32)>,
+    /// Steps from the start.
+    depth: u32,
+    /// Steps to the goal at least; of the parent until the node's turn comes.
+    estimate: u32,
+    estimated: bool,
+    expanded: bool,
+}
+
+/// Sorted by promise, then by closeness, then preferred first, then in the order of discovery.
+type Entry = Reverse<(u32, u32, bool, u32)>;
+
+struct Search<'a> {
+    task: &'a Task,
+    heuristic: &'a mut LandmarkCut,
+    weight: u32,
+    limit: usize,
+    nodes: Vec<Node>,
+    known: FxHashMap<Bits, u32>,
+    open: BinaryHeap<Entry>,
+    /// For each node, the preferred operators; empty until it is estimated.
+    preferred: FxHashMap<u32, Vec<u32>>,
+}
+
+impl<'a> Search<'a> {
+    fn new(task: &'a Task, heuristic: &'a mut LandmarkCut, weight: u32, limit: usize) -> Self {
+        Self {
+            task,
+            heuristic,
+            weight,
+            limit,
+            nodes: Vec::new(),
+            known: FxHashMap::default(),
+            open: BinaryHeap::new(),
+            preferred: FxHashMap::default(),
+        }
+    }
+
+    fn run(mut self) -> Outcome {
+        let mut start = Bits(vec![0; self.task.initial.len().div_ceil(64)].into());
+        for (fact, holds) in self.task.initial.iter().enumerate() {
+            start.set(Literal {
+                fact: fact as u32,
+                holds: *holds,
+            });
+        }
+        let (mut expanded, mut estimated) = (0, 0);
+        if !self.task.always.holds(&|literal| start.is(literal)) {
+            return Outcome::ProvenUnsolvable { expanded };
+        }
+        self.discover(start, None, 0, 0, false);
+        while let Some(Reverse((promise, _, _, number))) = self.open.pop() {
+            let node = &self.nodes[number as usize];
+            if node.expanded || promise > self.promise(node) {
+                continue;
+            }
+            if self.task.goal.holds(&|literal| node.state.is(literal)) {
+                return Outcome::Solved {
+                    steps: self.steps(number),
+                    shortest: self.weight == 1,
+                    expanded,
+                };
+            }
+            if !node.estimated {
+                if estimated == self.limit {
+                    return Outcome::GaveUp {
+                        why: format!("no plan found in {} states", self.limit),
+                        expanded,
+                    };
+                }
+                estimated += 1;
+                let estimate = self.heuristic.estimate(|fact| node.state.holds(fact));
+                let Some(steps) = estimate.steps else {
+                    // A dead end: nothing leads from here to the goal.
+                    self.nodes[number as usize].expanded = true;
+                    continue;
+                };
+                self.preferred.insert(number, estimate.preferred);
+                let node = &mut self.nodes[number as usize];
+                node.estimated = true;
+                node.estimate = node.estimate.max(steps);
+                let later = self.promise(&self.nodes[number as usize]);
+                if later > promise {
+                    self.open.push(self.entry(number, false));
+                    continue;
+                }
+            }
+            expanded += 1;
+            self.expand(number);
+        }
+        Outcome::ProvenUnsolvable { expanded }
+    }
+
+    fn promise(&self, node: &Node) -> u32 {
+        node.depth + self.weight * node.estimate
+    }
+
+    fn entry(&self, number: u32, preferred: bool) -> Entry {
+        let node = &self.nodes[number as usize];
+        Reverse((self.promise(node), node.estimate, !preferred, number))
+    }
+
+    fn expand(&mut self, number: u32) {
+        let task = self.task;
+        self.nodes[number as usize].expanded = true;
+        let preferred = self.preferred.remove(&number).unwrap_or_default();
+        for (index, operator) in task.operators.iter().enumerate() {
+            let node = &self.nodes[number as usize];
+            if !operator.precondition.holds(&|literal| node.state.is(literal)) {
+                continue;
+            }
+            let mut next = node.state.clone();
+            let fires = |holds: bool| {
+                operator.effects.iter().filter(move |effect| {
+                    effect.literal.holds == holds && effect.condition.holds(&|literal| node.state.is(literal))
+                })
+            };
+            // What is both taken away and given stays, as PDDL has it.
+            for effect in fires(false).chain(fires(true)) {
+                next.set(effect.literal);
+            }
+            if next == node.state || !task.always.holds(&|literal| next.is(literal)) {
+                continue;
+            }
+            let (depth, estimate) = (node.depth + 1, node.estimate.saturating_sub(1));
+            let is_preferred = preferred.binary_search(&(index as u32)).is_ok();
+            self.discover(next, Some((number, index as u32)), depth, estimate, is_preferred);
+        }
+    }
+
+    fn discover(&mut self, state: Bits, parent: Option<(u32, u32)>, depth: u32, estimate: u32, preferred: bool) {
+        if let Some(number) = self.known.get(&state).copied() {
+            let node = &mut self.nodes[number as usize];
+            if depth < node.depth {
+                node.depth = depth;
+                node.parent = parent;
+                // An estimate that is not consistent may have expanded it too early.
+                node.expanded = false;
+                self.open.push(self.entry(number, preferred));
+            }
+            return;
+        }
+        let number = self.nodes.len() as u32;
+        self.known.insert(state.clone(), number);
+        self.nodes.push(Node {
+            state,
+            parent,
+            depth,
+            estimate,
+            estimated: false,
+            expanded: false,
+        });
+        self.open.push(self.entry(number, preferred));
+    }
+
+    fn steps(&self, number: u32) -> Vec<super::GroundAction> {
+        let mut steps = Vec::new();
+        let mut at = number;
+        while let Some((parent, operator)) = self.nodes[at as usize].parent {
+            steps.push(self.task.operators[operator as usize].step.clone());
+            at = parent;
+        }
+        steps.reverse();
+        steps
+    }
+}

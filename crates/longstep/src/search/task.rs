@@ -1,0 +1,280 @@
+//! Grounding: a domain, a world and a goal as numbered facts and operators.
+
+use rustc_hash::FxHashMap;
+
+use super::formula::{Formula, Literal};
+use super::{GroundAction, Wanted};
+use crate::domain::{Action, Condition, Domain, RuleTime};
+use crate::world::{Bindings, EntityId, Fact, World, ground as ground_atom, grounded_term};
+
+/// One fact that an operator makes true or false when `condition` held before.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct GroundEffect {
+    pub(super) condition: Formula,
+    pub(super) literal: Literal,
+}
+
+/// An action with arguments.
+#[derive(Debug, Clone)]
+pub(super) struct Operator {
+    pub(super) step: GroundAction,
+    pub(super) precondition: Formula,
+    pub(super) effects: Vec<GroundEffect>,
+}
+
+/// What is searched.
+#[derive(Debug, Clone)]
+pub(super) struct Task {
+    /// Whether each fact holds at the start.
+    pub(super) initial: Vec<bool>,
+    pub(super) operators: Vec<Operator>,
+    pub(super) goal: Formula,
+    /// Must hold in every state.
+    pub(super) always: Formula,
+}
+
+/// Grounds everything that the precondition's unchanging parts allow.
+pub(super) fn ground(domain: &Domain, world: &World, wanted: &[Wanted]) -> Task {
+    let mut grounder = Grounder {
+        domain,
+        world,
+        numbers: FxHashMap::default(),
+        initial: Vec::new(),
+    };
+    let goals: Vec<Formula> = wanted
+        .iter()
+        .map(|wanted| grounder.formula(&wanted.condition, &mut wanted.bindings.clone()))
+        .collect();
+    let mut always = Vec::new();
+    for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+        let kinds: Vec<_> = rule.variables.iter().map(|v| v.kind).collect();
+        let condition = kinds.iter().enumerate().rev().fold(rule.condition.clone(), |inner, (slot, kind)| {
+            Condition::Forall(slot, *kind, Box::new(inner))
+        });
+        always.push(grounder.formula(&condition, &mut Vec::new()));
+    }
+    let mut operators = Vec::new();
+    for (id, action) in domain.action_ids() {
+        let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
+        let mut arguments = Vec::with_capacity(action.parameters.len());
+        grounder.bind(action, &conjuncts, &mut arguments, &mut |grounder, arguments, precondition| {
+            let effects = grounder.effects(action, arguments);
+            operators.push(Operator {
+                step: GroundAction {
+                    action: id,
+                    arguments: arguments.to_vec(),
+                },
+                precondition,
+                effects,
+            });
+        });
+    }
+    Task {
+        initial: grounder.initial,
+        operators,
+        goal: Formula::and(goals),
+        always: Formula::and(always),
+    }
+}
+
+/// The parts of a conjunction, each with the number of parameters that must be bound before it can be asked.
+fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
+    match condition {
+        Condition::And(all) => all.iter().flat_map(conjuncts).collect(),
+        other => vec![(parameters_needed(other, usize::MAX), other)],
+    }
+}
+
+fn parameters_needed(condition: &Condition, bound: usize) -> usize {
+    use crate::domain::Term;
+    let of = |term: &Term| match term {
+        Term::Variable(slot) if *slot < bound => slot + 1,
+        _ => 0,
+    };
+    match condition {
+        Condition::And(parts) | Condition::Or(parts) => {
+            parts.iter().map(|part| parameters_needed(part, bound)).max().unwrap_or(0)
+        }
+        // The quantified slot follows all parameters, so none of them may be missing.
+        Condition::Forall(slot, _, inner) | Condition::Exists(slot, _, inner) => {
+            (*slot).max(parameters_needed(inner, bound.min(*slot)))
+        }
+        Condition::Atom { atom, .. } => atom.terms.iter().map(of).max().unwrap_or(0),
+        Condition::Equal { left, right, .. } => of(left).max(of(right)),
+    }
+}
+
+struct Grounder<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    numbers: FxHashMap<Fact, u32>,
+    initial: Vec<bool>,
+}
+
+impl Grounder<'_> {
+    fn number(&mut self, fact: Fact) -> u32 {
+        *self.numbers.entry(fact).or_insert_with(|| {
+            self.initial.push(self.world.state.holds(fact));
+            (self.initial.len() - 1) as u32
+        })
+    }
+
+    /// Binds the parameters from the next one on, leaving a branch as soon as an unchanging part fails.
+    fn bind(
+        &mut self,
+        action: &Action,
+        conjuncts: &[(usize, &Condition)],
+        arguments: &mut Bindings,
+        found: &mut impl FnMut(&mut Self, &[EntityId], Formula),
+    ) {
+        let bound = arguments.len();
+        for (needed, condition) in conjuncts {
+            if *needed == bound && self.refutes(condition, arguments) {
+                return;
+            }
+        }
+        if bound == action.parameters.len() {
+            let parts: Vec<Formula> = conjuncts.iter().map(|(_, c)| self.formula(c, arguments)).collect();
+            let precondition = Formula::and(parts);
+            if !precondition.is_false() {
+                found(self, arguments, precondition);
+            }
+            return;
+        }
+        let world = self.world;
+        for entity in world.of_kind(action.parameters[bound].kind) {
+            arguments.push(*entity);
+            self.bind(action, conjuncts, arguments, found);
+            arguments.pop();
+        }
+    }
+
+    /// Whether a simple condition can never hold.
+    fn refutes(&self, condition: &Condition, bindings: &[EntityId]) -> bool {
+        match condition {
+            Condition::Atom { atom, holds, initially } => {
+                let unchanging = *initially || !self.domain.words(atom.predicate).fluent;
+                unchanging && self.world.state.holds(ground_atom(atom, bindings)) != *holds
+            }
+            Condition::Equal { left, right, holds } => {
+                (grounded_term(*left, bindings) == grounded_term(*right, bindings)) != *holds
+            }
+            _ => false,
+        }
+    }
+
+    fn formula(&mut self, condition: &Condition, bindings: &mut Bindings) -> Formula {
+        match condition {
+            Condition::And(all) => {
+                let mut parts = Vec::with_capacity(all.len());
+                for part in all {
+                    let part = self.formula(part, bindings);
+                    if part.is_false() {
+                        return Formula::FALSE;
+                    }
+                    parts.push(part);
+                }
+                Formula::and(parts)
+            }
+            Condition::Or(any) => {
+                let mut parts = Vec::with_capacity(any.len());
+                for part in any {
+                    let part = self.formula(part, bindings);
+                    if part.is_true() {
+                        return Formula::TRUE;
+                    }
+                    parts.push(part);
+                }
+                Formula::or(parts)
+            }
+            Condition::Forall(_, kind, inner) => {
+                let parts = self.instances(*kind, inner, bindings);
+                Formula::and(parts)
+            }
+            Condition::Exists(_, kind, inner) => {
+                let parts = self.instances(*kind, inner, bindings);
+                Formula::or(parts)
+            }
+            Condition::Atom { atom, holds, initially } => {
+                let fact = ground_atom(atom, bindings);
+                if *initially || !self.domain.words(atom.predicate).fluent {
+                    return constant(self.world.state.holds(fact) == *holds);
+                }
+                Formula::Literal(Literal {
+                    fact: self.number(fact),
+                    holds: *holds,
+                })
+            }
+            Condition::Equal { left, right, holds } => {
+                constant((grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds)
+            }
+        }
+    }
+
+    fn instances(&mut self, kind: crate::domain::TypeId, inner: &Condition, bindings: &mut Bindings) -> Vec<Formula> {
+        let world = self.world;
+        let mut parts = Vec::new();
+        for entity in world.of_kind(kind) {
+            bindings.push(*entity);
+            parts.push(self.formula(inner, bindings));
+            bindings.pop();
+        }
+        parts
+    }
+
+    fn effects(&mut self, action: &Action, arguments: &[EntityId]) -> Vec<GroundEffect> {
+        let mut effects = Vec::new();
+        for effect in &action.effects {
+            let mut bindings = arguments.to_vec();
+            self.effect(effect, 0, &mut bindings, &mut effects);
+        }
+        // What is both made false and made true under the same condition ends up true.
+        let added: rustc_hash::FxHashSet<(u32, Formula)> = effects
+            .iter()
+            .filter(|e| e.literal.holds)
+            .map(|e| (e.literal.fact, e.condition.clone()))
+            .collect();
+        effects.retain(|e| {
+            e.literal.holds
+                || !(added.contains(&(e.literal.fact, Formula::TRUE))
+                    || added.contains(&(e.literal.fact, e.condition.clone())))
+        });
+        effects.sort();
+        effects.dedup();
+        effects
+    }
+
+    fn effect(
+        &mut self,
+        effect: &crate::domain::Effect,
+        depth: usize,
+        bindings: &mut Bindings,
+        effects: &mut Vec<GroundEffect>,
+    ) {
+        let Some((slot, kind)) = effect.forall.get(depth) else {
+            let condition = self.formula(&effect.condition, bindings);
+            if !condition.is_false() {
+                let fact = self.number(ground_atom(&effect.atom, bindings));
+                effects.push(GroundEffect {
+                    condition,
+                    literal: Literal {
+                        fact,
+                        holds: effect.adds,
+                    },
+                });
+            }
+            return;
+        };
+        debug_assert_eq!(*slot, bindings.len());
+        let world = self.world;
+        for entity in world.of_kind(*kind) {
+            bindings.push(*entity);
+            self.effect(effect, depth + 1, bindings, effects);
+            bindings.pop();
+        }
+    }
+}
+
+fn constant(value: bool) -> Formula {
+    if value { Formula::TRUE } else { Formula::FALSE }
+}

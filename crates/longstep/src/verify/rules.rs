@@ -1,0 +1,141 @@
+//! Rules, and the bindings that break them.
+
+use crate::domain::{Atom, Condition, Domain, Rule, RuleTime, Term};
+use crate::search::Wanted;
+use crate::world::{Bindings, EntityId, Moment, State, World, holds};
+
+/// A rule that is set aside for whatever an entity is part of, because the goal asks for the opposite.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Waiver {
+    /// The rule's place in the domain's list.
+    pub rule: usize,
+    /// The entity that the goal speaks of.
+    pub entity: EntityId,
+}
+
+impl Waiver {
+    pub(super) fn covers(&self, rule: usize, bindings: &[EntityId]) -> bool {
+        self.rule == rule && (bindings.is_empty() || bindings.contains(&self.entity))
+    }
+}
+
+/// The bindings of the rule's variables under which it does not hold, in order.
+///
+/// A rule is mostly of the form "not (this and that)", so candidates come from the facts that hold rather
+/// than from all combinations of entities.
+pub fn broken_bindings(rule: &Rule, world: &World, state: &State) -> Vec<Bindings> {
+    let parts = match &rule.condition {
+        Condition::Or(parts) => parts.as_slice(),
+        other => std::slice::from_ref(other),
+    };
+    // For the rule to be broken, each atom that must not hold in one of the alternatives has to hold.
+    let triggers: Vec<&Atom> = parts.iter().flat_map(denied_atoms).collect();
+    let mut partial = vec![vec![None; rule.variables.len()]];
+    for atom in triggers {
+        partial = join(&partial, atom, state);
+    }
+    let mut broken = Vec::new();
+    for bindings in partial {
+        complete(rule, world, state, &bindings, &mut Vec::new(), &mut broken);
+    }
+    broken.sort();
+    broken.dedup();
+    broken
+}
+
+/// Atoms that have to hold for the alternative to fail.
+fn denied_atoms(part: &Condition) -> Vec<&Atom> {
+    match part {
+        Condition::Atom {
+            atom,
+            holds: false,
+            initially: false,
+        } => vec![atom],
+        Condition::Or(parts) => parts.iter().flat_map(denied_atoms).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Each partial binding, extended in every way in which the atom holds.
+fn join(partial: &[Vec<Option<EntityId>>], atom: &Atom, state: &State) -> Vec<Vec<Option<EntityId>>> {
+    let facts = state.of_predicate(atom.predicate);
+    let mut joined = Vec::new();
+    for bindings in partial {
+        for fact in &facts {
+            let mut extended = bindings.clone();
+            let fits = atom.terms.iter().enumerate().all(|(place, term)| {
+                let entity = fact.argument(place);
+                match term {
+                    Term::Constant(constant) => *constant == entity,
+                    // A variable that is quantified inside the rule is not one of the rule's own.
+                    Term::Variable(slot) => extended
+                        .get_mut(*slot)
+                        .is_none_or(|bound| *bound.get_or_insert(entity) == entity),
+                }
+            });
+            if fits {
+                joined.push(extended);
+            }
+        }
+    }
+    joined
+}
+
+fn complete(
+    rule: &Rule,
+    world: &World,
+    state: &State,
+    partial: &[Option<EntityId>],
+    bindings: &mut Bindings,
+    broken: &mut Vec<Bindings>,
+) {
+    let Some(variable) = rule.variables.get(bindings.len()) else {
+        if !holds(Moment { world, state }, &rule.condition, bindings) {
+            broken.push(bindings.clone());
+        }
+        return;
+    };
+    let all = world.of_kind(variable.kind);
+    let fixed = partial[bindings.len()];
+    let candidates = fixed.as_ref().map_or(all, std::slice::from_ref);
+    for entity in candidates.iter().filter(|entity| fixed.is_none() || all.contains(entity)) {
+        bindings.push(*entity);
+        complete(rule, world, state, partial, bindings, broken);
+        bindings.pop();
+    }
+}
+
+/// What the rules ask of the last state of a plan that is made from a goal.
+pub(crate) fn wanted_at_end(domain: &Domain, world: &World, waivers: &[Waiver]) -> Vec<Wanted> {
+    let mut wanted = Vec::new();
+    let at_end = |rule: &Rule| matches!(rule.time, RuleTime::End | RuleTime::Tidy);
+    for (number, rule) in domain.rules.iter().enumerate().filter(|(_, rule)| at_end(rule)) {
+        if !waivers.iter().any(|waiver| waiver.rule == number) {
+            let whole = rule.variables.iter().enumerate().rev().fold(rule.condition.clone(), |inner, (slot, v)| {
+                Condition::Forall(slot, v.kind, Box::new(inner))
+            });
+            wanted.push(Wanted {
+                condition: whole,
+                bindings: Vec::new(),
+            });
+            continue;
+        }
+        let mut all = vec![Vec::new()];
+        for variable in &rule.variables {
+            let longer = |bindings: Bindings| {
+                world.of_kind(variable.kind).iter().map(move |entity| {
+                    let mut longer = bindings.clone();
+                    longer.push(*entity);
+                    longer
+                })
+            };
+            all = all.into_iter().flat_map(longer).collect();
+        }
+        all.retain(|bindings| !waivers.iter().any(|waiver| waiver.covers(number, bindings)));
+        wanted.extend(all.into_iter().map(|bindings| Wanted {
+            condition: rule.condition.clone(),
+            bindings,
+        }));
+    }
+    wanted
+}

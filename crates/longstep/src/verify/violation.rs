@@ -1,0 +1,224 @@
+//! What can be wrong with a plan.
+
+use super::simulate::Change;
+use crate::domain::Domain;
+use crate::goal::Goal;
+use crate::plan::Step;
+use crate::world::{EntityId, Fact, Ground, World, fact_text};
+
+/// A fact that a step needed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Missing {
+    /// The fact; none when no fact could have helped.
+    pub fact: Option<Fact>,
+    /// Whether it had to hold, or not to hold.
+    pub holds: bool,
+    /// The step that took it away, counted from 0; none if it never was.
+    pub undone_by: Option<usize>,
+}
+
+/// A finding about a plan. Steps count from 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Violation {
+    /// A step calls an action that the domain does not have.
+    UnknownAction {
+        /// The step.
+        step: usize,
+        /// What it calls.
+        name: String,
+        /// An action of a similar name.
+        near: Option<String>,
+    },
+    /// A name that the environment does not list.
+    UnknownEntity {
+        /// The step; none for `object_name`.
+        step: Option<usize>,
+        /// The name.
+        name: String,
+        /// A listed name like it.
+        near: Option<String>,
+    },
+    /// A call with too few or too many arguments.
+    WrongArguments {
+        /// The step.
+        step: usize,
+        /// The call as written.
+        call: String,
+        /// How many arguments it takes.
+        expected: usize,
+    },
+    /// An argument of the wrong type.
+    WrongType {
+        /// The step.
+        step: usize,
+        /// The argument.
+        name: String,
+        /// The type that it should have.
+        expected: String,
+    },
+    /// A step was not applicable.
+    Precondition {
+        /// The step.
+        step: usize,
+        /// What it needed.
+        missing: Vec<Missing>,
+    },
+    /// A rule of the domain is broken.
+    Rule {
+        /// The step after which it is; none for the end.
+        step: Option<usize>,
+        /// The rule's place in the domain's list.
+        rule: usize,
+        /// The entities for which it is.
+        bindings: Vec<EntityId>,
+    },
+    /// Something wanted does not hold at the end.
+    Goal {
+        /// Which, in the order of the purpose's list.
+        index: usize,
+    },
+}
+
+/// Something that a verdict rests on and the environment does not say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Assumption {
+    /// A fact.
+    Fact {
+        /// The fact.
+        fact: Fact,
+        /// Why it is assumed.
+        ground: Ground,
+    },
+    /// An argument that the plan does not show and that could be another.
+    Argument {
+        /// The step, from 0.
+        step: usize,
+        /// The parameter's name.
+        parameter: String,
+        /// What it was taken to be.
+        entity: EntityId,
+    },
+}
+
+/// Fills in which step took each missing fact away.
+pub(super) fn with_culprits(mut missing: Vec<Missing>, trace: &[Vec<Change>]) -> Vec<Missing> {
+    for missing in &mut missing {
+        let undoes = |changes: &Vec<Change>| {
+            changes.iter().any(|c| Some(c.fact) == missing.fact && c.holds != missing.holds)
+        };
+        missing.undone_by = trace.iter().rposition(undoes);
+    }
+    missing
+}
+
+impl Violation {
+    /// The kind, as `--json` names it.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::UnknownAction { .. } => "unknown_action",
+            Self::UnknownEntity { .. } => "unknown_entity",
+            Self::WrongArguments { .. } => "wrong_arguments",
+            Self::WrongType { .. } => "wrong_type",
+            Self::Precondition { .. } => "precondition",
+            Self::Rule { .. } => "rule",
+            Self::Goal { .. } => "goal",
+        }
+    }
+
+    /// The step that it is about, from 0.
+    pub fn step(&self) -> Option<usize> {
+        match self {
+            Self::UnknownAction { step, .. }
+            | Self::WrongArguments { step, .. }
+            | Self::WrongType { step, .. }
+            | Self::Precondition { step, .. } => Some(*step),
+            Self::UnknownEntity { step, .. } | Self::Rule { step, .. } => *step,
+            Self::Goal { .. } => None,
+        }
+    }
+
+    /// The facts that were missing, as sentences.
+    pub fn missing(&self, domain: &Domain, world: &World) -> Vec<String> {
+        let Self::Precondition { missing, .. } = self else {
+            return Vec::new();
+        };
+        let text = |m: &Missing| m.fact.map(|fact| fact_text(domain, world, fact, m.holds));
+        missing.iter().filter_map(text).collect()
+    }
+
+    /// The last step that took a missing fact away.
+    pub fn undone_by(&self) -> Option<usize> {
+        match self {
+            Self::Precondition { missing, .. } => missing.iter().filter_map(|m| m.undone_by).max(),
+            _ => None,
+        }
+    }
+
+    /// One sentence for a person; steps are counted from 1 in it.
+    pub fn message(&self, domain: &Domain, world: &World, steps: &[Step], goal: Option<&Goal>) -> String {
+        let near = |near: &Option<String>| near.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+        match self {
+            Self::UnknownAction { step, name, near: n } => {
+                format!("step {}: `{name}` is no action of the domain `{}`{}", step + 1, domain.name, near(n))
+            }
+            Self::UnknownEntity { step, name, near: n } => {
+                let place = step.map_or("`object_name`".to_owned(), |step| format!("step {}", step + 1));
+                format!("{place}: the environment lists no `{name}`{}", near(n))
+            }
+            Self::WrongArguments { step, call, expected } => {
+                format!("step {}: `{call}` should have {expected} argument(s)", step + 1)
+            }
+            Self::WrongType { step, name, expected } => {
+                format!("step {}: `{name}` is no {expected}", step + 1)
+            }
+            Self::Precondition { step, missing } => {
+                let texts = self.missing(domain, world);
+                let call = steps[*step].call(domain, world);
+                let mut message = if texts.is_empty() {
+                    format!("step {}: {call} can never be done like this", step + 1)
+                } else {
+                    format!("step {}: {call} needs that {}", step + 1, texts.join(", and that "))
+                };
+                for missing in missing {
+                    if let (Some(fact), Some(culprit)) = (missing.fact, missing.undone_by) {
+                        let now = fact_text(domain, world, fact, !missing.holds);
+                        let call = steps[culprit].call(domain, world);
+                        message.push_str(&format!("; since step {} ({call}), {now}", culprit + 1));
+                    }
+                }
+                message
+            }
+            Self::Rule { step, rule, bindings } => {
+                let says = domain.rules[*rule].says.fill(|slot| world.entity(bindings[slot]).with_article());
+                match step {
+                    Some(step) => format!("after step {}: {says}", step + 1),
+                    None => format!("at the end: {says}"),
+                }
+            }
+            Self::Goal { index } => match goal.and_then(|goal| goal.facts.get(*index)) {
+                Some(fact) => format!("at the end, this is not reached: {}", fact.sentence(domain, world)),
+                None => "at the end, the goal is not reached".to_owned(),
+            },
+        }
+    }
+}
+
+impl Assumption {
+    /// One sentence for a person.
+    pub fn message(&self, domain: &Domain, world: &World) -> String {
+        match self {
+            Self::Fact { fact, ground } => {
+                let text = fact_text(domain, world, *fact, true);
+                match ground {
+                    Ground::Derived => format!("{text} (its name says so)"),
+                    Ground::Default => format!("{text} (usual, the environment does not say)"),
+                    Ground::Unknown => format!("{text} (the environment does not say)"),
+                }
+            }
+            Self::Argument { step, parameter, entity } => {
+                let name = world.entity(*entity).with_article();
+                format!("step {}: the {parameter} is {name} (the plan leaves it open)", step + 1)
+            }
+        }
+    }
+}

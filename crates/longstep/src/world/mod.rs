@@ -1,0 +1,115 @@
+//! One state of the world: as facts, and as the paper's JSON.
+
+mod diff;
+mod environment;
+mod evaluate;
+mod fact;
+mod naming;
+mod read;
+mod write;
+
+pub use diff::{Difference, differences};
+pub use environment::{Environment, Words};
+pub use evaluate::{Bindings, Moment, holds};
+pub(crate) use evaluate::{ground, grounded_term};
+pub use fact::{EntityId, Fact, FactSet, State};
+pub use naming::fact_text;
+pub use read::read;
+pub use write::write;
+
+use indexmap::IndexMap;
+
+use crate::domain::{Domain, TypeId};
+
+/// An entity of a world.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entity {
+    /// The identifier as the environment writes it, for example `<plate_274>`.
+    pub identifier: String,
+    /// Its type.
+    pub kind: TypeId,
+    /// Its everyday name, which no other entity of the world has: "plate 2".
+    pub name: String,
+    /// Every name it may be called by, synonyms included.
+    pub names: Vec<String>,
+}
+
+/// Why something is taken to hold that the environment does not say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Ground {
+    /// Its name says so.
+    Derived,
+    /// It is usual.
+    Default,
+    /// Nothing speaks against it.
+    Unknown,
+}
+
+/// A world: its entities and what holds at the start of an instruction.
+#[derive(Debug, Clone)]
+pub struct World {
+    entities: Vec<Entity>,
+    by_identifier: IndexMap<String, EntityId>,
+    by_kind: Vec<Vec<EntityId>>,
+    /// What holds, assumptions included.
+    pub state: State,
+    /// What of it is assumed, and why.
+    assumed: rustc_hash::FxHashMap<Fact, Ground>,
+    /// The environment that it was read from.
+    pub environment: Environment,
+}
+
+impl World {
+    /// Every entity with its id: constants of the domain, assets, objects.
+    pub fn entities(&self) -> impl Iterator<Item = (EntityId, &Entity)> {
+        self.entities
+            .iter()
+            .enumerate()
+            .map(|(index, entity)| (EntityId::new(index), entity))
+    }
+
+    /// The entity with this id.
+    pub fn entity(&self, id: EntityId) -> &Entity {
+        &self.entities[id.index()]
+    }
+
+    /// The entity with this identifier.
+    pub fn find(&self, identifier: &str) -> Option<EntityId> {
+        self.by_identifier.get(identifier).copied()
+    }
+
+    /// The entity with this everyday name.
+    pub fn find_name(&self, name: &str) -> Option<EntityId> {
+        self.entities().find(|(_, entity)| entity.name == name).map(|(id, _)| id)
+    }
+
+    /// The entities of a type, in order.
+    pub fn of_kind(&self, kind: TypeId) -> &[EntityId] {
+        &self.by_kind[kind.index()]
+    }
+
+    /// Why the fact is assumed at the start, if it is.
+    pub fn assumed(&self, fact: Fact) -> Option<Ground> {
+        self.assumed.get(&fact).copied()
+    }
+
+    /// The same world in another state, with the environment that says so.
+    #[must_use]
+    pub fn advanced(&self, domain: &Domain, state: &State) -> Self {
+        let environment = write(domain, self, state);
+        let mut next = self.clone();
+        next.state = state.clone();
+        for (index, words) in domain.predicate_words.iter().enumerate() {
+            if words.event {
+                let happened: Vec<Fact> =
+                    next.state.sorted().into_iter().filter(|f| f.predicate().index() == index).collect();
+                for fact in happened {
+                    next.state.set(fact, false);
+                }
+            }
+        }
+        next.assumed.retain(|fact, _| state.holds(*fact));
+        next.environment = environment;
+        next
+    }
+}
