@@ -59,7 +59,8 @@
 
   (:action open
     :parameters (?thing - thing)
-    :precondition (and (near ?thing) (can-open ?thing) (not (open ?thing)))
+    :precondition (and (near ?thing) (can-open ?thing) (not (open ?thing))
+                       (imply (heats ?thing) (not (switched-on ?thing))))
     :effect (and (open ?thing) (not (closed ?thing))))
 
   (:action close

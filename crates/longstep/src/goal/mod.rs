@@ -16,11 +16,10 @@ pub use language::{GoalError, parse};
 pub use mention::{LeftOut, Understanding, understand};
 pub use offer::{Offer, offers};
 
-use crate::domain::{Domain, FormPiece, GoalWordId};
+use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, RuleTime, Term};
 use crate::search::Wanted;
 use crate::verify::{Purpose, Waiver, wanted_at_end};
 use crate::world::{EntityId, Fact, World, fact_text};
-use crate::domain::Condition;
 
 /// One thing that is wanted.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -92,19 +91,21 @@ impl GoalFact {
                 condition: domain.goal_word(*word).condition.clone(),
                 bindings: arguments.clone(),
             },
-            Self::Plain(fact) => Wanted {
-                condition: Condition::Atom {
-                    atom: crate::domain::Atom {
-                        predicate: fact.predicate(),
-                        terms: (0..domain.predicate(fact.predicate()).parameters.len())
-                            .map(|place| crate::domain::Term::Constant(fact.argument(place)))
-                            .collect(),
+            Self::Plain(fact) => {
+                let arity = domain.predicate(fact.predicate()).parameters.len();
+                let atom = Atom {
+                    predicate: fact.predicate(),
+                    terms: (0..arity).map(Term::Variable).collect(),
+                };
+                Wanted {
+                    condition: Condition::Atom {
+                        atom,
+                        holds: true,
+                        initially: false,
                     },
-                    holds: true,
-                    initially: false,
-                },
-                bindings: Vec::new(),
-            },
+                    bindings: (0..arity).map(|place| fact.argument(place)).collect(),
+                }
+            }
         }
     }
 }
@@ -114,10 +115,17 @@ impl Goal {
     fn waivers(&self, domain: &Domain) -> Vec<Waiver> {
         let mut waivers = Vec::new();
         for fact in &self.facts {
-            let GoalFact::Word { word, arguments } = fact else { continue };
-            let word = &domain.goal_word(*word).word;
-            for (rule, _) in domain.rules.iter().enumerate().filter(|(_, rule)| rule.unless.contains(word)) {
-                waivers.extend(arguments.iter().map(|entity| Waiver { rule, entity: *entity }));
+            for (number, rule) in domain.rules.iter().enumerate() {
+                match fact {
+                    GoalFact::Word { word, arguments } if rule.unless.contains(&domain.goal_word(*word).word) => {
+                        waivers.extend(arguments.iter().map(|entity| Waiver { rule: number, entity: *entity }));
+                    }
+                    // Who names a plain fact about a thing wants that rather than what is tidy.
+                    GoalFact::Plain(fact) if rule.time == RuleTime::Tidy => {
+                        waivers.push(Waiver { rule: number, entity: fact.argument(0) });
+                    }
+                    _ => {}
+                }
             }
         }
         waivers

@@ -1,6 +1,6 @@
 //! Grounding: a domain, a world and a goal as numbered facts and operators.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::formula::{Formula, Literal};
 use super::{GroundAction, Wanted};
@@ -53,7 +53,7 @@ pub(super) fn ground(domain: &Domain, world: &World, wanted: &[Wanted]) -> Task 
         });
         always.push(grounder.formula(&condition, &mut Vec::new()));
     }
-    let mut operators = Vec::new();
+    let mut operators: Vec<Operator> = Vec::new();
     for (id, action) in domain.action_ids() {
         let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
         let mut arguments = Vec::with_capacity(action.parameters.len());
@@ -69,6 +69,10 @@ pub(super) fn ground(domain: &Domain, world: &World, wanted: &[Wanted]) -> Task 
             });
         });
     }
+    // Of equally short plans, the one that deals with the things of the goal is the one to expect: walk to the
+    // sink rather than to its tap. Operators that come first are tried first.
+    let spoken_of: FxHashSet<EntityId> = wanted.iter().flat_map(|wanted| wanted.bindings.iter().copied()).collect();
+    operators.sort_by_key(|operator| operator.step.arguments.iter().filter(|entity| !spoken_of.contains(entity)).count());
     Task {
         initial: grounder.initial,
         operators,
