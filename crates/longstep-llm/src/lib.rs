@@ -33,6 +33,8 @@ mod model;
 mod openai;
 mod reference;
 pub mod store;
+#[cfg(test)]
+mod test_server;
 
 pub use cache::cache_directory;
 pub use error::ModelError;

@@ -10,8 +10,7 @@ use llama_cpp_2::llama_batch::LlamaBatch;
 use llama_cpp_2::model::LlamaModel;
 use llama_cpp_2::token::LlamaToken;
 
-/// Tokens computed in one go. More needs more memory and is hardly faster.
-const BATCH: usize = 512;
+use super::blocks;
 
 /// The one sequence that we use.
 pub(super) const SEQUENCE: i32 = 0;
@@ -34,6 +33,9 @@ pub(super) struct Engine<'model> {
     context: LlamaContext<'model>,
     /// The tokens in the cache, from position 0 on.
     tokens: Vec<LlamaToken>,
+    /// Where the blocks end in which those of the prompt were computed; what comes behind was
+    /// written by the model.
+    ends: Vec<usize>,
     /// Where in the last batch the newest token was; its logits say what comes next.
     newest: i32,
 }
@@ -48,8 +50,8 @@ impl<'model> Engine<'model> {
         let threads = i32::try_from(threads).unwrap_or(i32::MAX);
         let parameters = LlamaContextParams::default()
             .with_n_ctx(NonZeroU32::new(size))
-            .with_n_batch(BATCH as u32)
-            .with_n_ubatch(BATCH as u32)
+            .with_n_batch(blocks::LARGE as u32)
+            .with_n_ubatch(blocks::LARGE as u32)
             .with_n_seq_max(1)
             .with_n_threads(threads)
             .with_n_threads_batch(threads)
@@ -62,6 +64,7 @@ impl<'model> Engine<'model> {
         Ok(Self {
             context,
             tokens: Vec::new(),
+            ends: Vec::new(),
             newest: 0,
         })
     }
@@ -82,6 +85,7 @@ impl<'model> Engine<'model> {
                 .clear_kv_cache_seq(Some(SEQUENCE as u32), from, None);
             if matches!(cut, Ok(true)) {
                 self.tokens.truncate(keep);
+                self.ends.retain(|end| *end <= keep);
             } else {
                 self.forget();
             }
@@ -93,21 +97,36 @@ impl<'model> Engine<'model> {
     pub(super) fn forget(&mut self) {
         self.context.clear_kv_cache();
         self.tokens.clear();
+        self.ends.clear();
     }
 
-    /// Computes further tokens; `read` is told how many are done and stops it with `false`.
-    pub(super) fn feed(
+    /// Computes a prompt, as far as it is not in the cache, and returns how many tokens were.
+    /// `read` is told how many are done, and stops it with `false`.
+    pub(super) fn read(
         &mut self,
         tokens: &[LlamaToken],
+        fixed: usize,
         read: &mut dyn FnMut(usize) -> bool,
-    ) -> Result<(), String> {
-        for (number, part) in tokens.chunks(BATCH).enumerate() {
-            if !read(number * BATCH) {
+    ) -> Result<usize, String> {
+        let planned = blocks::ends(tokens.len(), fixed);
+        let known = blocks::reusable(&self.ends, &planned, self.known(tokens));
+        let known = self.keep(known);
+        for end in planned.into_iter().filter(|end| *end > known) {
+            let start = self.tokens.len();
+            if !read(start) {
                 return Err("it was stopped".into());
             }
-            self.compute(part).inspect_err(|_| self.forget())?;
+            self.compute(tokens.get(start..end).unwrap_or_default())?;
+            self.ends.push(end);
         }
-        Ok(())
+        Ok(known)
+    }
+
+    /// Computes what the model has written.
+    pub(super) fn append(&mut self, tokens: &[LlamaToken]) -> Result<(), String> {
+        tokens
+            .chunks(blocks::LARGE)
+            .try_for_each(|part| self.compute(part))
     }
 
     fn compute(&mut self, part: &[LlamaToken]) -> Result<(), String> {
@@ -120,15 +139,16 @@ impl<'model> Engine<'model> {
                 .add(*token, position, &[SEQUENCE], wanted)
                 .map_err(|error| error.to_string())?;
         }
-        self.context
-            .decode(&mut batch)
-            .map_err(|error| error.to_string())?;
+        if let Err(error) = self.context.decode(&mut batch) {
+            self.forget();
+            return Err(error.to_string());
+        }
         self.tokens.extend_from_slice(part);
         self.newest = i32::try_from(part.len()).map_or(0, |length| length - 1);
         Ok(())
     }
 
-    /// How strongly each token of the vocabulary is expected next. Only after [`Engine::feed`].
+    /// How strongly each token of the vocabulary is expected next. Only after something was computed.
     pub(super) fn logits(&self) -> &[f32] {
         self.context.get_logits_ith(self.newest)
     }
@@ -138,15 +158,19 @@ impl<'model> Engine<'model> {
         (&self.context, &self.tokens)
     }
 
-    /// Lets `load` put a saved state into the emptied context; it returns the tokens of that
-    /// state, or `None` when there is no good one.
+    /// Lets `load` put the saved state of a prompt into the emptied context; it returns the
+    /// tokens of that prompt, or `None` when there is no good state.
     pub(super) fn restore(
         &mut self,
+        fixed: usize,
         load: impl FnOnce(&mut LlamaContext<'model>) -> Option<Vec<LlamaToken>>,
     ) {
         self.forget();
         match load(&mut self.context) {
-            Some(tokens) => self.tokens = tokens,
+            Some(tokens) => {
+                self.ends = blocks::ends(tokens.len(), fixed);
+                self.tokens = tokens;
+            }
             None => self.forget(),
         }
     }

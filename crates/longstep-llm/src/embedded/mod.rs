@@ -4,6 +4,7 @@
 //! [`EmbeddedModel`] that callers hold is a channel to it. Dropping that ends the thread and
 //! frees the model.
 
+mod blocks;
 mod engine;
 mod file;
 mod grammar;

@@ -102,7 +102,7 @@ impl<'model> Worker<'model> {
     }
 
     fn answer(&mut self, request: &ChatRequest, tell: &mut Tell<'_>) -> Result<Reply, ModelError> {
-        let prompt = self.prompt(request)?;
+        let (prompt, continued) = self.prompt(request)?;
         let total = prompt.tokens.len();
         if total == 0 {
             return Err(self.unsupported("it says nothing".into()));
@@ -113,7 +113,11 @@ impl<'model> Worker<'model> {
             return Err(ModelError::TooLong { tokens, limit });
         }
         let matcher = self.grammars.matcher(&request.constraint)?;
-        let cached = self.read(&prompt, tell)?;
+        let cached = if continued {
+            self.go_on(&prompt.tokens)?
+        } else {
+            self.read(&prompt, tell)?
+        };
         let mut written = Written::default();
         let finish = self.write(matcher, request.max_tokens as usize, &mut written, tell)?;
         let text = String::from_utf8_lossy(&written.bytes).into_owned();
@@ -140,18 +144,34 @@ impl<'model> Worker<'model> {
 
     /// The tokens of a request. One that goes on with the last answer keeps that answer's own
     /// tokens: the same text may be cut into others when it is tokenised anew, and the model
-    /// would go on from something that it never wrote.
-    fn prompt(&mut self, request: &ChatRequest) -> Result<PromptTokens, ModelError> {
+    /// would go on from something that it never wrote. Says whether it is such a one.
+    fn prompt(&mut self, request: &ChatRequest) -> Result<(PromptTokens, bool), ModelError> {
         if let Some(turn) = self.last.take()
             && !request.answer_so_far.is_empty()
             && turn.answer == request.answer_so_far
             && turn.messages == request.messages
         {
-            return Ok(turn.prompt);
+            return Ok((turn.prompt, true));
         }
-        self.template
+        let prompt = self
+            .template
             .tokens(self.model, request)
-            .map_err(|reason| self.unsupported(reason))
+            .map_err(|reason| self.unsupported(reason))?;
+        Ok((prompt, false))
+    }
+
+    /// Computes what of its own answer the engine has not yet; returns how many tokens it had.
+    fn go_on(&mut self, tokens: &[LlamaToken]) -> Result<usize, ModelError> {
+        let known = self
+            .engine
+            .known(tokens)
+            .min(tokens.len().saturating_sub(1));
+        let known = self.engine.keep(known);
+        let new = tokens.get(known..).unwrap_or_default();
+        self.engine
+            .append(new)
+            .map_err(|reason| self.failed(reason))?;
+        Ok(known)
     }
 
     /// Reads the prompt, as far as it is not known yet; returns how many tokens were.
@@ -164,23 +184,15 @@ impl<'model> Worker<'model> {
         if let Some(state) = &state
             && self.engine.known(tokens) < *fixed
         {
-            self.engine.restore(|context| state.load(context));
+            self.engine.restore(*fixed, |context| state.load(context));
         }
-        // At least one token must be computed for the engine to say what comes next.
-        let known = self
-            .engine
-            .known(tokens)
-            .min(tokens.len().saturating_sub(1));
-        let known = self.engine.keep(known);
         let total = tokens.len();
-        let new = tokens.get(known..).unwrap_or_default();
-        let outcome = self.engine.feed(new, &mut |done| {
-            let done = known + done;
+        let outcome = self.engine.read(tokens, *fixed, &mut |done| {
             tell(Progress::ReadingPrompt { done, total })
         });
-        outcome.map_err(|reason| self.failed(reason))?;
+        let known = outcome.map_err(|reason| self.failed(reason))?;
         if let Some(state) = state
-            && new.len() > WORTH_SAVING
+            && total - known > WORTH_SAVING
         {
             let (context, tokens) = self.engine.saved();
             if let Err(reason) = state.save(context, tokens) {
@@ -229,11 +241,13 @@ impl<'model> Worker<'model> {
                 return Ok(Finish::Stop);
             }
             let tokens = written.tokens.len();
+            if !tell(Progress::Writing { tokens }) {
+                return Err(self.failed("it was stopped".into()));
+            }
             let new = written.tokens.get(before..).unwrap_or_default();
-            let outcome = self
-                .engine
-                .feed(new, &mut |_| tell(Progress::Writing { tokens }));
-            outcome.map_err(|reason| self.failed(reason))?;
+            self.engine
+                .append(new)
+                .map_err(|reason| self.failed(reason))?;
         }
     }
 

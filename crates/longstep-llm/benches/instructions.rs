@@ -1,0 +1,206 @@
+//! How many instructions of the recorded scenes a model gets right, and how long each takes.
+//!
+//! `LONGSTEP_CORPUS` is the folder of the recordings; the argument or `LONGSTEP_MODEL` is a model reference,
+//! by default the catalogue's default model. Prints a line for each instruction and the figures at the end.
+//!
+//! ```text
+//! LONGSTEP_CORPUS=../shared/corpus cargo bench -p longstep-llm --bench instructions
+//! ```
+#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr, clippy::panic, missing_docs)]
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use longstep::domain::{self, Domain};
+use longstep::goal::Understanding;
+use longstep::json::Path;
+use longstep::plan::{Plan, Step};
+use longstep::prompt::{GoalDialogue, Turn};
+use longstep::search::{self, Limits, Outcome};
+use longstep::verify::{self, Report};
+use longstep::world::{self, Environment, World, differences};
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, cache_directory, catalogue, open};
+use serde_json::Value;
+
+fn read(file: &str) -> Value {
+    let folder = std::env::var_os("LONGSTEP_CORPUS").expect("set LONGSTEP_CORPUS to the folder of the recordings");
+    serde_json::from_str(&std::fs::read_to_string(PathBuf::from(folder).join(file)).unwrap()).unwrap()
+}
+
+fn world_of(domain: &Domain, environment: &Value) -> World {
+    let environment = Environment::from_json(&environment.to_string()).unwrap();
+    world::read(domain, &environment, "environment", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// What came of an instruction.
+struct Made {
+    answer: String,
+    left_out: usize,
+    report: Option<Report>,
+    model_time: Duration,
+    search_time: Duration,
+}
+
+fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: &str) -> Made {
+    let started = Instant::now();
+    let mut dialogue = GoalDialogue::new(domain, world, instruction, model.constraint_kind());
+    let understanding = loop {
+        let reply = model.chat(&dialogue.request(), &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
+        match dialogue.supply(&reply) {
+            Ok(Turn::GoOn) => {}
+            Ok(Turn::Done(understanding)) => break Some(understanding),
+            Err(error) => {
+                println!("    {error}");
+                break None;
+            }
+        }
+    };
+    let mut made = Made {
+        answer: dialogue.answer().to_owned(),
+        left_out: 0,
+        report: None,
+        model_time: started.elapsed(),
+        search_time: Duration::ZERO,
+    };
+    if let Some(Understanding::Goal(goal, left_out)) = understanding {
+        made.left_out = left_out.len();
+        let started = Instant::now();
+        let outcome = search::solve(domain, world, &goal.wanted(domain, world), &Limits::default());
+        made.search_time = started.elapsed();
+        if let Outcome::Solved { steps, .. } = outcome {
+            let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
+            let plan = Plan {
+                steps: steps.into_iter().map(step).collect(),
+            };
+            made.report = Some(verify::check(domain, world, plan, &goal.purpose(domain)));
+        }
+    }
+    made
+}
+
+#[derive(Default)]
+struct Tally {
+    verified: usize,
+    right: usize,
+    all: usize,
+    times: Vec<Duration>,
+    searches: Vec<Duration>,
+}
+
+impl Tally {
+    fn count(&mut self, name: &str, made: &Made, right: bool) {
+        let verified = made.report.as_ref().is_some_and(|report| report.violations.is_empty());
+        self.all += 1;
+        self.verified += usize::from(verified);
+        self.right += usize::from(right);
+        self.times.push(made.model_time);
+        self.searches.push(made.search_time);
+        let mark = if right { "ok   " } else { "WRONG" };
+        let left = if made.left_out > 0 { format!(" (left out {})", made.left_out) } else { String::new() };
+        println!("{mark} {:5.2} s  {name}  ->  {}{left}", made.model_time.as_secs_f64(), made.answer);
+    }
+
+    fn print(&mut self, title: &str) {
+        let median = |times: &mut Vec<Duration>| {
+            times.sort();
+            times.get(times.len() / 2).copied().unwrap_or_default()
+        };
+        println!(
+            "== {title}: {} of {} right, {} verified; median {:.2} s for the model, {:.2} ms for the search",
+            self.right,
+            self.all,
+            self.verified,
+            median(&mut self.times).as_secs_f64(),
+            median(&mut self.searches).as_secs_f64() * 1000.0
+        );
+    }
+}
+
+fn household(model: &mut dyn ChatModel) {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let mut tally = Tally::default();
+    for scene in ["drawer", "fridge", "shelf", "table", "window"] {
+        for step in read(&format!("household/{scene}.json"))["steps"].as_array().unwrap() {
+            let world = world_of(&domain, &step["recorded"]["environment_before"]);
+            let instruction = step["instruction"].as_str().unwrap();
+            let made = plan(model, &domain, &world, instruction);
+            let right = made.report.as_ref().is_some_and(|report| {
+                let after = world::write(&domain, &world, &report.after);
+                serde_json::to_value(after).unwrap() == step["recorded"]["environment_after"]
+            });
+            tally.count(&format!("{scene}: {instruction}"), &made, right);
+        }
+    }
+    tally.print("household");
+}
+
+/// Whether a goal fact of the scenarios holds at the end. Any of the kitchen's plates is as good as another
+/// that shares its place.
+fn reached(domain: &Domain, world: &World, report: &Report, fact: &str, any_plate: bool) -> bool {
+    let (word, arguments) = fact.trim().split_once('(').unwrap();
+    let names: Vec<&str> = arguments.trim_end_matches(')').split(',').map(str::trim).collect();
+    let predicate = match word {
+        "REPLACED" => "placed",
+        "SWITCHED_ON" => "switched-on",
+        other => &other.to_lowercase(),
+    };
+    let index = domain.predicates.iter().position(|p| p.name == predicate).unwrap();
+    let fits = |id: world::EntityId, name: &str| {
+        let identifier = &world.entity(id).identifier;
+        identifier == name || (any_plate && identifier.starts_with("<plate_") && name.starts_with("<plate_"))
+    };
+    report
+        .after
+        .of_predicate(domain::PredicateId::new(index))
+        .iter()
+        .any(|fact| names.iter().enumerate().all(|(place, name)| fits(fact.argument(place), name)))
+}
+
+fn kitchen(model: &mut dyn ChatModel, shared: bool) {
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let kitchen = world_of(&domain, &read("virtualhome14/kitchen.json"));
+    let mut tally = Tally::default();
+    for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
+        let world = if shared { kitchen.clone() } else { world_of(&domain, &scenario["environment"]) };
+        for key in ["instruction", "instruction_goal_level"] {
+            let instruction = scenario[key].as_str().unwrap();
+            let made = plan(model, &domain, &world, instruction);
+            let goals: Vec<&str> = scenario["goal"].as_array().unwrap().iter().map(|g| g.as_str().unwrap()).collect();
+            let right = made.report.as_ref().is_some_and(|report| {
+                let all = goals.iter().all(|goal| {
+                    goal.split('|').any(|fact| reached(&domain, &world, report, fact, shared))
+                });
+                let named = |identifier: &str| {
+                    goals.iter().any(|goal| goal.contains(identifier))
+                        || (identifier.starts_with("<plate_") && goals.iter().any(|goal| goal.contains("(<plate_")))
+                };
+                let unasked = differences(&domain, &world.state, &report.after)
+                    .iter()
+                    .any(|difference| !named(&world.entity(difference.fact.argument(0)).identifier));
+                report.violations.is_empty() && all && !unasked
+            });
+            tally.count(&format!("{}: {instruction}", scenario["id"]), &made, right);
+        }
+    }
+    tally.print(if shared { "fourteen scenarios in kitchen.json" } else { "fourteen scenarios, own environments" });
+}
+
+fn main() {
+    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
+    let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
+    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
+    let options = OpenOptions::new(cache_directory().unwrap());
+    let mut model = open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"));
+    if "household".contains(&only) {
+        household(model.as_mut());
+    }
+    if "own".contains(&only) {
+        kitchen(model.as_mut(), false);
+    }
+    if "kitchen".contains(&only) {
+        kitchen(model.as_mut(), true);
+    }
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status.lines().find(|line| line.starts_with("VmHWM")).unwrap_or_default();
+    println!("peak memory {}", peak.trim_start_matches("VmHWM:").trim());
+}
