@@ -7,11 +7,11 @@
 
 /// Tokens of a block in the fixed part, which is read once. More needs more memory and is
 /// hardly faster.
-pub(super) const LARGE: usize = 512;
+pub(super) const LARGE: usize = 256;
 
 /// Tokens of a block behind the fixed part. Half of one is computed in vain where a prompt
 /// departs from the one before.
-const SMALL: usize = 32;
+const SMALL: usize = 16;
 
 /// Where the blocks of a prompt of `total` tokens end, of which the first `fixed` are fixed.
 pub(super) fn ends(total: usize, fixed: usize) -> Vec<usize> {
@@ -44,22 +44,22 @@ mod tests {
     #[test]
     fn blocks_cover_the_prompt() {
         assert_eq!(ends(1, 0), [1]);
-        assert_eq!(ends(70, 0), [32, 64, 70]);
-        assert_eq!(ends(64, 0), [32, 64]);
-        assert_eq!(ends(1100, 1030), [512, 1024, 1030, 1062, 1094, 1100]);
-        assert_eq!(ends(1024, 1024), [512, 1024]);
+        assert_eq!(ends(70, 0), [16, 32, 48, 64, 70]);
+        assert_eq!(ends(64, 0), [16, 32, 48, 64]);
+        assert_eq!(ends(600, 530), [256, 512, 530, 546, 562, 578, 594, 600]);
+        assert_eq!(ends(512, 512), [256, 512]);
         assert_eq!(ends(10, 20), [10]);
     }
 
     #[test]
     fn only_blocks_of_the_same_cut_are_taken() {
-        let planned = ends(1100, 1030);
+        let planned = ends(600, 530);
         assert_eq!(reusable(&[], &planned, 0), 0);
-        assert_eq!(reusable(&planned, &planned, 1100), 1094);
-        assert_eq!(reusable(&planned, &planned, 1093), 1062);
+        assert_eq!(reusable(&planned, &planned, 600), 594);
+        assert_eq!(reusable(&planned, &planned, 593), 578);
         // The cache was cut at its own end in the middle of a block of ours.
-        assert_eq!(reusable(&ends(1070, 1030), &planned, 1070), 1062);
-        assert_eq!(reusable(&ends(1070, 600), &planned, 1070), 512);
+        assert_eq!(reusable(&ends(570, 530), &planned, 570), 562);
+        assert_eq!(reusable(&ends(570, 300), &planned, 570), 256);
         assert_eq!(reusable(&planned, &ends(70, 0), 70), 0);
     }
 }
