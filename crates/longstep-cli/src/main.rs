@@ -1,1 +1,36 @@
-fn main() {}
+//! The `longstep` program.
+//!
+//! Results go to stdout, progress and errors to stderr. Exit codes: 0 verified, 10 not valid, 11 proven
+//! unsolvable, 12 search gave up, 13 a question back, 20 a limit, 30 unreadable input, 40 model or network.
+
+mod arguments;
+mod domain;
+mod failure;
+mod inputs;
+mod model;
+mod plan;
+mod progress;
+mod show;
+mod solve;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Command::Plan(arguments) => plan::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
+        Command::Solve(arguments) => solve::run(&arguments),
+        Command::Domain(command) => domain::run(&command),
+        Command::Model(command) => model::run(&command),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => ExitCode::from(failure::tell(&error)),
+    }
+}

@@ -15,11 +15,11 @@ use longstep::domain::{self, Domain};
 use longstep::goal::Understanding;
 use longstep::json::Path;
 use longstep::plan::{Plan, Step};
-use longstep::prompt::{GoalDialogue, Turn};
+use longstep::prompt::GoalDialogue;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{self, Report};
 use longstep::world::{self, Environment, World, differences};
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, cache_directory, catalogue, open};
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, cache_directory, catalogue, open, understand};
 use serde_json::Value;
 
 fn read(file: &str) -> Value {
@@ -44,15 +44,11 @@ struct Made {
 fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: &str) -> Made {
     let started = Instant::now();
     let mut dialogue = GoalDialogue::new(domain, world, instruction, model.constraint_kind());
-    let understanding = loop {
-        let reply = model.chat(&dialogue.request(), &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
-        match dialogue.supply(&reply) {
-            Ok(Turn::GoOn) => {}
-            Ok(Turn::Done(understanding)) => break Some(understanding),
-            Err(error) => {
-                println!("    {error}");
-                break None;
-            }
+    let understanding = match understand(model, &mut dialogue, &mut |_| {}) {
+        Ok(understanding) => Some(understanding),
+        Err(error) => {
+            println!("    {error}");
+            None
         }
     };
     let mut made = Made {

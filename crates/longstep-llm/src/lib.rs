@@ -33,6 +33,7 @@ mod model;
 mod openai;
 mod reference;
 pub mod store;
+mod understand;
 #[cfg(test)]
 mod test_server;
 
@@ -40,3 +41,4 @@ pub use cache::cache_directory;
 pub use error::ModelError;
 pub use model::{ChatModel, OpenOptions, Progress, open};
 pub use reference::ModelReference;
+pub use understand::{UnderstandError, understand};

@@ -1,4 +1,5 @@
 //! Longstep turns what a person says into a robot action plan that has been checked.
+pub mod answer;
 pub mod call;
 pub mod diagnostic;
 pub mod domain;

@@ -42,18 +42,17 @@ const DETERMINERS: &[&str] = &["the", "a", "an", "that", "this", "my", "your", "
 
 /// Looks at a goal against the instruction.
 pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal) -> Understanding {
-    let words: Vec<String> = plain_words(instruction).iter().map(|word| singular(word)).collect();
-    let meant = meant_entities(world, &words);
+    let meant = spoken_of(world, instruction);
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
         GoalFact::Plain(_) => None,
     };
-    let spoken_of = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
+    let about = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
     if goal.facts.is_empty() {
         return Understanding::Question("What should I do?".to_owned());
     }
-    if goal.facts.iter().any(spoken_of) {
-        let (kept, dropped): (Vec<_>, Vec<_>) = goal.facts.into_iter().partition(spoken_of);
+    if goal.facts.iter().any(about) {
+        let (kept, dropped): (Vec<_>, Vec<_>) = goal.facts.into_iter().partition(about);
         let left_out = dropped
             .into_iter()
             .map(|fact| LeftOut {
@@ -77,12 +76,13 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
     Understanding::Goal(Goal { facts: first }, left_out)
 }
 
-/// The entities that the words can mean. Of things that share their last word, those that fit better win:
+/// The entities that an instruction can speak of. Of things that share their last word, those that fit better win:
 /// "the water glass" is not the wine glass.
-fn meant_entities(world: &World, words: &[String]) -> Vec<EntityId> {
+pub fn spoken_of(world: &World, instruction: &str) -> Vec<EntityId> {
+    let words: Vec<String> = plain_words(instruction).iter().map(|word| singular(word)).collect();
     let scored: Vec<(EntityId, usize)> = world
         .entities()
-        .map(|(id, entity)| (id, entity.words_in(words)))
+        .map(|(id, entity)| (id, entity.words_in(&words)))
         .filter(|(_, score)| *score > 0)
         .collect();
     let head = |id: EntityId| -> Option<String> {
@@ -97,7 +97,7 @@ fn meant_entities(world: &World, words: &[String]) -> Vec<EntityId> {
 }
 
 /// A thing that the instruction names with a determiner and that nothing in the world is called.
-pub(crate) fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Option<String> {
+pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Option<String> {
     let words = plain_words(instruction);
     let mut known: Vec<String> = Vec::new();
     for (_, entity) in world.entities() {

@@ -13,7 +13,7 @@ pub(crate) use grammar::{JOINT, QUESTION};
 pub use grammar::{grammar, schema};
 pub(crate) use language::read_form;
 pub use language::{GoalError, parse};
-pub use mention::{LeftOut, Understanding, understand};
+pub use mention::{LeftOut, Understanding, spoken_of, understand, unknown_thing};
 pub use offer::{Offer, offers};
 
 use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, RuleTime, Term};

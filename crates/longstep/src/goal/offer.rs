@@ -15,12 +15,16 @@ pub struct Offer {
 
 /// What can still be said after `said`: arguments of the right type for which the word is offered, nothing
 /// that holds already unless something said disturbs it, one place for an object, nothing twice.
-pub fn offers(domain: &Domain, world: &World, said: &[GoalFact]) -> Vec<Offer> {
+///
+/// Where something fits that the instruction speaks of (`meant`), nothing else is offered in its place: who
+/// says "table" does not mean the floor.
+pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], meant: &[EntityId]) -> Vec<Offer> {
     let mut offers = Vec::new();
     for (index, word) in domain.goal_words.iter().enumerate() {
         let mut arguments = Vec::new();
         let mut bindings = Vec::with_capacity(word.parameters.len());
         collect(domain, world, word, said, &mut bindings, &mut arguments);
+        narrow(domain, world, meant, word.parameters.len(), &mut arguments);
         if !arguments.is_empty() {
             offers.push(Offer {
                 word: GoalWordId::new(index),
@@ -28,7 +32,32 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact]) -> Vec<Offer> {
             });
         }
     }
-    offers
+    // Two forms of one word are two readings of one wish; the one that fits what is spoken of wins.
+    let fits = |offer: &Offer| offer.arguments.iter().any(|bindings| bindings.iter().all(|e| meant.contains(e)));
+    let fitting: Vec<&str> = offers.iter().filter(|o| fits(o)).map(|o| domain.goal_word(o.word).word.as_str()).collect();
+    offers.iter().filter(|o| fits(o) || !fitting.contains(&domain.goal_word(o.word).word.as_str())).cloned().collect()
+}
+
+fn narrow(domain: &Domain, world: &World, meant: &[EntityId], parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
+    let mut keep = |fits: &dyn Fn(&Vec<EntityId>) -> bool| {
+        if arguments.iter().any(fits) {
+            arguments.retain(fits);
+        }
+    };
+    for parameter in 0..parameters {
+        keep(&|bindings| meant.contains(&bindings[parameter]));
+    }
+    // "The pan on the stove" tells where the pan is: of the places that are spoken of, where a thing is
+    // already is the last one that it should go to.
+    let related = world.state.sorted();
+    let related: Vec<_> = related
+        .iter()
+        .filter(|fact| domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2)
+        .map(|fact| (fact.argument(0), fact.argument(1)))
+        .collect();
+    if parameters == 2 && !meant.is_empty() {
+        keep(&|b| !related.contains(&(b[0], b[1])) && !related.contains(&(b[1], b[0])));
+    }
 }
 
 fn collect(

@@ -9,7 +9,7 @@ use super::example::{fixed_turns, scene_and_instruction};
 use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage, scene};
 use crate::domain::Domain;
 use crate::goal::{self, Goal, GoalError, GoalFact, Understanding, grammar, offers, schema, understand};
-use crate::world::World;
+use crate::world::{EntityId, World};
 
 /// Goals in one answer at most.
 const GOAL_LIMIT: usize = 6;
@@ -50,6 +50,8 @@ pub struct GoalDialogue<'a> {
     domain: &'a Domain,
     world: &'a World,
     instruction: &'a str,
+    /// What the instruction speaks of.
+    meant: Vec<EntityId>,
     kind: ConstraintKind,
     messages: Vec<Message>,
     fixed: usize,
@@ -64,12 +66,18 @@ impl<'a> GoalDialogue<'a> {
     pub fn new(domain: &'a Domain, world: &'a World, instruction: &'a str, kind: ConstraintKind) -> Self {
         let mut messages = fixed_turns(domain, kind);
         let fixed = messages.len();
-        let scene = scene(domain, world, &offers(domain, world, &[]));
+        // When the instruction names a thing that is not here, nothing is taken to be meant for certain.
+        let meant = match goal::unknown_thing(domain, world, instruction) {
+            Some(_) => Vec::new(),
+            None => goal::spoken_of(world, instruction),
+        };
+        let scene = scene(domain, world, &offers(domain, world, &[], &[]));
         messages.push(Message::new(Role::User, scene_and_instruction(&scene, &one_line(instruction))));
         Self {
             domain,
             world,
             instruction,
+            meant,
             kind,
             messages,
             fixed,
@@ -81,7 +89,7 @@ impl<'a> GoalDialogue<'a> {
 
     /// What to send to the model now.
     pub fn request(&self) -> ChatRequest {
-        let offers = offers(self.domain, self.world, &self.facts);
+        let offers = offers(self.domain, self.world, &self.facts, &self.meant);
         let constraint = match self.kind {
             ConstraintKind::Grammar => {
                 let more = self.facts.len() + 1 < GOAL_LIMIT;
@@ -137,7 +145,7 @@ impl<'a> GoalDialogue<'a> {
         if !part.is_empty() {
             self.facts.extend(goal::parse(self.domain, self.world, part)?.facts);
         }
-        let more = goes_on && !offers(self.domain, self.world, &self.facts).is_empty();
+        let more = goes_on && !offers(self.domain, self.world, &self.facts, &self.meant).is_empty();
         Ok(if more { Turn::GoOn } else { self.done() })
     }
 

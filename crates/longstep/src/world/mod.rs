@@ -15,6 +15,7 @@ pub(crate) use evaluate::{ground, grounded_term};
 pub use fact::{EntityId, Fact, FactSet, State};
 pub use naming::fact_text;
 pub use read::read;
+pub(crate) use write::word_for;
 pub use write::write;
 
 use indexmap::IndexMap;

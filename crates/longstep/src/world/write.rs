@@ -73,7 +73,7 @@ fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Opt
 }
 
 /// The entity in whose entry a fact is written, and how.
-pub(super) fn word_for(word: &StateWord, world: &World, fact: Fact) -> (EntityId, String) {
+pub(crate) fn word_for(word: &StateWord, world: &World, fact: Fact) -> (EntityId, String) {
     let mut slots = vec![None; word.arity + 1];
     for (place, term) in word.atom.terms.iter().enumerate() {
         if let Term::Variable(slot) = term {

@@ -1,0 +1,132 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Say what you want; get a robot action plan that has been checked, step by step.
+#[derive(Debug, Parser)]
+#[command(name = "longstep", version, arg_required_else_help = true)]
+#[command(after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up, \
+13 a question back, 20 a limit, 30 unreadable input, 40 model or network.")]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Turn an instruction into a verified plan
+    Plan(PlanArguments),
+    /// Check a plan step by step
+    Verify(VerifyArguments),
+    /// Find a shortest plan for a goal, without a language model
+    Solve(SolveArguments),
+    /// Look at domains, check one, begin a new one
+    #[command(subcommand)]
+    Domain(DomainCommand),
+    /// Look at models and fetch one
+    #[command(subcommand)]
+    Model(ModelCommand),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct WorldArguments {
+    /// The world: an environment file in the paper's JSON
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: PathBuf,
+    /// What the robot can do: a shipped domain's name or a folder
+    #[arg(long, value_name = "DOMAIN", default_value = "household")]
+    pub(crate) domain: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PlanArguments {
+    /// What you want, in your own words
+    pub(crate) instruction: String,
+    #[command(flatten)]
+    pub(crate) world: WorldArguments,
+    /// Which language model: a name of `longstep model list`, a .gguf file, openai:NAME or URL#NAME
+    #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", default_value = longstep_llm::catalogue::DEFAULT)]
+    pub(crate) model: String,
+    /// Threads of an embedded model [default: one for each physical core]
+    #[arg(long, value_name = "N", env = "LONGSTEP_THREADS", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+    /// Also write the plan to a file, in the paper's JSON
+    #[arg(long, value_name = "PLAN.json")]
+    pub(crate) save: Option<PathBuf>,
+    /// Write one JSON object for programs
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArguments {
+    /// The plan, in the paper's JSON
+    #[arg(value_name = "PLAN.json")]
+    pub(crate) plan: PathBuf,
+    /// The world before the plan [default: the plan's own `environment_before`]
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: Option<PathBuf>,
+    /// What the robot can do: a shipped domain's name or a folder
+    #[arg(long, value_name = "DOMAIN", default_value = "household")]
+    pub(crate) domain: String,
+    /// Write one JSON object for programs
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SolveArguments {
+    /// What must hold at the end, for example "put(juice, shelf top) & closed(fridge)"
+    #[arg(long, value_name = "GOAL")]
+    pub(crate) goal: String,
+    #[command(flatten)]
+    pub(crate) world: WorldArguments,
+    /// Also write the plan to a file, in the paper's JSON
+    #[arg(long, value_name = "PLAN.json")]
+    pub(crate) save: Option<PathBuf>,
+    /// Write one JSON object for programs
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum DomainCommand {
+    /// List the shipped domains
+    List,
+    /// Show what a domain's robot can do and be asked for
+    Show {
+        /// A shipped domain's name or a folder
+        domain: String,
+    },
+    /// Report everything that is wrong with a domain's folder
+    Check {
+        /// The folder (or a shipped domain's name)
+        domain: String,
+    },
+    /// Write a commented folder to start from
+    New {
+        /// The folder, which must not be there yet
+        folder: PathBuf,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum ModelCommand {
+    /// List the models of the catalogue and which of them are here
+    List,
+    /// Fetch a model of the catalogue into the cache
+    Pull {
+        /// Its name
+        name: String,
+        /// Take this file instead of fetching one
+        #[arg(long, value_name = "FILE")]
+        from: Option<PathBuf>,
+    },
+    /// Print where a model's file is
+    Path {
+        /// Its name
+        name: String,
+    },
+}

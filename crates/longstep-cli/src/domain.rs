@@ -1,0 +1,102 @@
+//! `longstep domain`: what robots can do.
+
+use std::path::Path;
+
+use anyhow::Result;
+use longstep::domain::{self, Domain, FormPiece, GoalWord};
+use owo_colors::OwoColorize;
+
+use crate::arguments::DomainCommand;
+use crate::failure::Failure;
+use crate::{inputs, show};
+
+pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
+    match command {
+        DomainCommand::List => {
+            for name in domain::shipped_names() {
+                let domain = inputs::domain(name)?;
+                anstream::println!("{:14}  {}", name.bold(), domain.about);
+            }
+        }
+        DomainCommand::Show { domain } => describe(&inputs::domain(domain)?),
+        DomainCommand::Check { domain } => {
+            let loaded = inputs::domain(domain)?;
+            anstream::println!(
+                "{domain}: {} actions, {} goals, {} examples; nothing is wrong",
+                loaded.actions.len(),
+                loaded.goal_words.len(),
+                loaded.examples.len()
+            );
+        }
+        DomainCommand::New { folder } => create(folder)?,
+    }
+    Ok(0)
+}
+
+fn describe(domain: &Domain) {
+    anstream::println!("{}: {}", domain.name.bold(), domain.about);
+    let mut entries: Vec<(String, &str)> = domain
+        .actions
+        .iter()
+        .map(|action| {
+            let shown: Vec<&str> = action.explicit.iter().map(|p| action.parameters[*p].name.as_str()).collect();
+            (format!("{}({})", action.call, shown.join(", ")), action.means.as_str())
+        })
+        .collect();
+    table("Actions", &entries);
+    entries = domain
+        .states
+        .iter()
+        .map(|state| {
+            let holes = if state.arity == 0 { String::new() } else { vec!["<thing>"; state.arity].join(", ") };
+            (format!("{}({holes})", state.word), state.means.as_str())
+        })
+        .collect();
+    table("States of an environment", &entries);
+    entries = domain.goal_words.iter().map(|word| (form(word), word.means.as_str())).collect();
+    table("Goals that can be asked for", &entries);
+}
+
+fn form(word: &GoalWord) -> String {
+    let piece = |piece: &FormPiece| match piece {
+        FormPiece::Text(text) => text.clone(),
+        FormPiece::Parameter(index) => word.parameters[*index].name.to_uppercase(),
+    };
+    word.form.iter().map(piece).collect()
+}
+
+fn table(title: &str, entries: &[(String, &str)]) {
+    anstream::println!();
+    show::heading(title);
+    let width = entries.iter().map(|(left, _)| left.chars().count()).max().unwrap_or(0);
+    for (left, right) in entries {
+        anstream::println!("  {left:width$}  {}", right.dimmed());
+    }
+}
+
+fn create(folder: &Path) -> Result<()> {
+    let shown = folder.display();
+    let failed = |error: std::io::Error| {
+        Failure::unreadable(format!("cannot write {shown}: {}", inputs::plain(&error)))
+            .hint("check that the folder around it exists and may be written to")
+    };
+    if folder.exists() {
+        return Err(Failure::unreadable(format!("{shown} is there already")).hint("choose another name").into());
+    }
+    let name = folder.file_name().map_or_else(|| "robot".to_owned(), |name| name.to_string_lossy().into_owned());
+    // Written beside its place and moved there whole.
+    let parent = folder.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let draft = tempfile::Builder::new().prefix(".longstep-").tempdir_in(parent).map_err(failed)?;
+    for (path, text) in domain::starter(&name) {
+        let path = draft.path().join(path);
+        if let Some(inside) = path.parent() {
+            std::fs::create_dir_all(inside).map_err(failed)?;
+        }
+        std::fs::write(&path, text).map_err(failed)?;
+    }
+    std::fs::rename(draft.keep(), folder).map_err(failed)?;
+    anstream::println!("{shown} is a domain now; look at it with");
+    anstream::println!("  longstep domain check {shown}");
+    anstream::println!("  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}");
+    Ok(())
+}

@@ -1,0 +1,91 @@
+//! Errors as a person sees them: one line that says what and where, a hint, and the exit code.
+
+use longstep::diagnostic::Diagnostics;
+use longstep::goal::GoalError;
+use longstep::prompt::DialogueError;
+use longstep_llm::{ModelError, UnderstandError};
+use owo_colors::OwoColorize;
+
+/// Input that cannot be read.
+pub(crate) const UNREADABLE: u8 = 30;
+/// A limit was reached.
+pub(crate) const LIMIT: u8 = 20;
+/// The model or the network failed.
+pub(crate) const MODEL: u8 = 40;
+
+/// An error of the program's own.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    message: String,
+    hint: Option<String>,
+    code: u8,
+}
+
+impl Failure {
+    pub(crate) fn unreadable(message: impl Into<String>) -> Self {
+        Self::new(message, UNREADABLE)
+    }
+
+    pub(crate) fn new(message: impl Into<String>, code: u8) -> Self {
+        Self {
+            message: message.into(),
+            hint: None,
+            code,
+        }
+    }
+
+    pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// Prints an error to stderr and returns the exit code for it.
+pub(crate) fn tell(error: &anyhow::Error) -> u8 {
+    if let Some(findings) = error.downcast_ref::<Diagnostics>() {
+        for finding in &findings.0 {
+            anstream::eprintln!("{} {}", "error:".red().bold(), finding.to_string().replace("  hint:", "hint:"));
+        }
+        return UNREADABLE;
+    }
+    let (hint, code) = classify(error);
+    anstream::eprintln!("{} {error:#}", "error:".red().bold());
+    if let Some(hint) = hint {
+        anstream::eprintln!("{} {hint}", "hint:".cyan().bold());
+    }
+    code
+}
+
+fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
+    if let Some(failure) = error.downcast_ref::<Failure>() {
+        return (failure.hint.clone(), failure.code);
+    }
+    let model = error.downcast_ref::<ModelError>().or_else(|| match error.downcast_ref::<UnderstandError>() {
+        Some(UnderstandError::Model(error)) => Some(error),
+        _ => None,
+    });
+    if let Some(error) = model {
+        let code = match error {
+            ModelError::TooLong { .. } => LIMIT,
+            ModelError::UnknownReference { .. } => UNREADABLE,
+            _ => MODEL,
+        };
+        return (error.hint(), code);
+    }
+    if let Some(UnderstandError::Answer(error)) = error.downcast_ref::<UnderstandError>() {
+        let code = if matches!(error, DialogueError::CutOff(_)) { LIMIT } else { MODEL };
+        return (Some("say it in other words, or use another model with --model".to_owned()), code);
+    }
+    if error.downcast_ref::<GoalError>().is_some() {
+        return (Some("`longstep domain show DOMAIN` lists the goals that can be asked for".to_owned()), UNREADABLE);
+    }
+    (None, UNREADABLE)
+}

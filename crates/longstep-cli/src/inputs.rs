@@ -1,0 +1,151 @@
+//! Reading domains, environments and plans, and writing files whole or not at all.
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::Result;
+use longstep::diagnostic::nearest;
+use longstep::domain::{self, Domain, Files};
+use longstep::json;
+use longstep::plan::PlanFile;
+use longstep::world::{self, Environment, World};
+
+use crate::failure::Failure;
+
+/// Files larger than this are not environments or plans.
+const SIZE_LIMIT: u64 = 64 << 20;
+
+/// Reads a text file; errors say which and why.
+pub(crate) fn text(path: &Path) -> Result<String> {
+    let shown = path.display();
+    let metadata = std::fs::metadata(path)
+        .map_err(|error| Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))).hint("check the path"))?;
+    if metadata.is_dir() {
+        return Err(Failure::unreadable(format!("{shown} is a folder, not a file")).into());
+    }
+    if metadata.len() > SIZE_LIMIT {
+        return Err(Failure::unreadable(format!("{shown} is larger than {} MiB", SIZE_LIMIT >> 20)).into());
+    }
+    let bytes = std::fs::read(path)
+        .map_err(|error| Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))))?;
+    String::from_utf8(bytes).map_err(|_| {
+        Failure::unreadable(format!("{shown} is not a text file (not UTF-8)")).hint("save it as UTF-8").into()
+    })
+}
+
+/// An I/O error without the operating system's number.
+pub(crate) fn plain(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or_default().to_lowercase()
+}
+
+/// Loads a shipped domain by name, or any domain by folder.
+pub(crate) fn domain(name: &str) -> Result<Domain> {
+    if let Some(shipped) = domain::shipped(name) {
+        return Ok(shipped?);
+    }
+    let folder = Path::new(name);
+    if !folder.is_dir() {
+        let shipped = domain::shipped_names();
+        let hint = match nearest(name, shipped.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("shipped domains are {}; or give the path of a domain's folder", shipped.join(", ")),
+        };
+        return Err(Failure::unreadable(format!("there is no domain `{name}`")).hint(hint).into());
+    }
+    let prefix = format!("{}/", name.trim_end_matches('/'));
+    let files = Files {
+        pddl: text(&folder.join("domain.pddl"))?,
+        words: text(&folder.join("domain.toml"))?,
+        goal_prompt: text(&folder.join("prompt/goal.md"))?,
+        examples: text(&folder.join("prompt/examples.toml"))?,
+        folder: prefix,
+    };
+    Ok(domain::load(&files)?)
+}
+
+/// Reads an environment file as a world of the domain.
+pub(crate) fn world(domain: &Domain, path: &Path) -> Result<World> {
+    let text = text(path)?;
+    let shown = path.display().to_string();
+    let environment = Environment::from_json(&text).map_err(|error| {
+        Failure::unreadable(format!("{shown}: {error}"))
+            .hint("an environment is JSON with `assets`, `asset_states`, `objects` and `object_states`")
+    })?;
+    let wrapped = text_has_key(&text, "environment");
+    let inside = if wrapped { json::Path::key("environment") } else { json::Path::default() };
+    read_world(domain, &environment, &shown, &text, &inside)
+}
+
+fn text_has_key(text: &str, key: &str) -> bool {
+    serde_json::from_str::<serde_json::Value>(text).is_ok_and(|value| value.get(key).is_some())
+}
+
+/// Reads an environment that stands at `inside` of `text`. When it fits another shipped domain, says so.
+pub(crate) fn read_world(
+    domain: &Domain,
+    environment: &Environment,
+    shown: &str,
+    text: &str,
+    inside: &json::Path,
+) -> Result<World> {
+    world::read(domain, environment, shown, text, inside).map_err(|mut findings| {
+        let fits = |name: &&str| {
+            let other = domain::shipped(name).and_then(Result::ok);
+            other.is_some_and(|other| world::read(&other, environment, "", "", inside).is_ok())
+        };
+        if let Some(other) = domain::shipped_names().into_iter().find(fits)
+            && let Some(last) = findings.0.last_mut()
+        {
+            last.hint = Some(format!("this is an environment of the domain `{other}`: add --domain {other}"));
+        }
+        findings.into()
+    })
+}
+
+/// Reads a plan file; also returns its text, for places in errors.
+pub(crate) fn plan(path: &Path) -> Result<(PlanFile, String)> {
+    let text = text(path)?;
+    let plan = serde_json::from_str(&text).map_err(|error| {
+        Failure::unreadable(format!("{}: {error}", path.display()))
+            .hint("a plan is the paper's JSON, with `task_cohesion` and its `task_sequence`")
+    })?;
+    Ok((plan, text))
+}
+
+/// Writes a file whole or not at all.
+pub(crate) fn save(path: &Path, plan: &PlanFile) -> Result<()> {
+    let failed = |error: std::io::Error| {
+        Failure::unreadable(format!("cannot write {}: {}", path.display(), plain(&error)))
+            .hint("check that the folder exists and may be written to")
+    };
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut file = tempfile::Builder::new().permissions_like_new_files().tempfile_in(folder).map_err(failed)?;
+    let mut json = serde_json::to_string_pretty(plan)?;
+    json.push('\n');
+    file.write_all(json.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+/// Files that replace others get the permissions that new files get, not a temporary file's.
+trait PermissionsLikeNewFiles {
+    fn permissions_like_new_files(&mut self) -> &mut Self;
+}
+
+impl PermissionsLikeNewFiles for tempfile::Builder<'_, '_> {
+    #[cfg(unix)]
+    fn permissions_like_new_files(&mut self) -> &mut Self {
+        use std::os::unix::fs::PermissionsExt;
+        // The umask of the process takes away what it should.
+        self.permissions(std::fs::Permissions::from_mode(0o666))
+    }
+
+    #[cfg(not(unix))]
+    fn permissions_like_new_files(&mut self) -> &mut Self {
+        self
+    }
+}

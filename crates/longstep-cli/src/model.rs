@@ -1,0 +1,65 @@
+//! `longstep model`: the catalogue and the cache.
+
+use anyhow::Result;
+use longstep::diagnostic::nearest;
+use longstep_llm::catalogue::{self, Entry};
+use longstep_llm::store::{self, PullOptions};
+use longstep_llm::{ModelError, cache_directory};
+use owo_colors::OwoColorize;
+
+use crate::arguments::ModelCommand;
+use crate::failure::Failure;
+use crate::progress::Download;
+
+pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
+    let cache = cache_directory()?;
+    match command {
+        ModelCommand::List => {
+            for entry in catalogue::ENTRIES {
+                let here = store::path(entry, &cache).is_some();
+                let mark = if here { "here" } else { "-" };
+                let default = if entry.name == catalogue::DEFAULT { " (default)" } else { "" };
+                anstream::println!(
+                    "{:20}  {:>8}  {:4}  {:10}  {}{default}",
+                    entry.name.bold(),
+                    format!("{} MB", entry.bytes / 1_000_000),
+                    mark,
+                    entry.licence,
+                    entry.description
+                );
+            }
+            anstream::println!("\nmodels are kept in {}", cache.display());
+        }
+        ModelCommand::Pull { name, from } => {
+            let entry = find(name)?;
+            let options = PullOptions {
+                from: from.clone(),
+                ..PullOptions::from_environment()
+            };
+            let bar = Download::new(entry.bytes);
+            let path = store::pull(entry, &cache, &options, &mut |progress| bar.show(&progress))?;
+            drop(bar);
+            anstream::println!("{}", path.display());
+        }
+        ModelCommand::Path { name } => {
+            let entry = find(name)?;
+            let path = store::locate(entry, &cache)?.ok_or_else(|| ModelError::NotPulled {
+                name: entry.name,
+                cache: cache.clone(),
+            })?;
+            anstream::println!("{}", path.display());
+        }
+    }
+    Ok(0)
+}
+
+fn find(name: &str) -> Result<&'static Entry> {
+    Ok(catalogue::find(name).ok_or_else(|| {
+        let names: Vec<&str> = catalogue::ENTRIES.iter().map(|entry| entry.name).collect();
+        let hint = match nearest(name, names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("the catalogue has {}", names.join(", ")),
+        };
+        Failure::unreadable(format!("there is no model `{name}` in the catalogue")).hint(hint)
+    })?)
+}

@@ -1,0 +1,84 @@
+//! What is going on, on stderr, while a person waits.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use longstep_llm::Progress;
+use longstep_llm::store::PullProgress;
+use owo_colors::OwoColorize;
+
+/// A line that says what the model is doing; not there when stderr is no terminal.
+pub(crate) struct Spinner {
+    bar: ProgressBar,
+}
+
+impl Spinner {
+    pub(crate) fn new() -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(100));
+        Self { bar }
+    }
+
+    pub(crate) fn show(&self, progress: &Progress) {
+        match progress {
+            Progress::Loading => self.bar.set_message("loading the model"),
+            Progress::ReadingPrompt { done, total } => {
+                self.bar.set_message(format!("reading the scene ({}%)", 100 * done / (*total).max(1)));
+            }
+            Progress::Writing { .. } => self.bar.set_message("thinking"),
+            Progress::Waiting => self.bar.set_message("waiting for the server"),
+            Progress::Warning(text) => {
+                self.bar.suspend(|| anstream::eprintln!("{} {text}", "warning:".yellow().bold()));
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Drop for Spinner {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A bar for a file that is fetched. Without a terminal, notes are printed and nothing else.
+pub(crate) struct Download {
+    bar: ProgressBar,
+}
+
+impl Download {
+    pub(crate) fn new(bytes: u64) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(bytes), ProgressDrawTarget::stderr());
+        let template = "{msg} {wide_bar} {bytes}/{total_bytes} {bytes_per_sec} {eta}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        Self { bar }
+    }
+
+    pub(crate) fn show(&self, progress: &PullProgress) {
+        match progress {
+            PullProgress::Note(text) => self.bar.suspend(|| anstream::eprintln!("{text}")),
+            PullProgress::Bytes { done, .. } => self.bar.set_position(*done),
+            PullProgress::Part { number, of } => {
+                self.bar.set_message(format!("package {number} of {of}"));
+                let length = self.bar.length().unwrap_or_default();
+                self.bar.set_position(length * u64::from(number.saturating_sub(1)) / u64::from((*of).max(1)));
+            }
+            PullProgress::Joining { done, .. } => {
+                self.bar.set_message("joining");
+                self.bar.set_position(*done);
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Drop for Download {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,120 @@
+//! Answers for a person.
+
+use longstep::answer::{Answer, Status, changes};
+use owo_colors::OwoColorize;
+
+/// Prints a heading.
+pub(crate) fn heading(text: &str) {
+    anstream::println!("{}", text.bold());
+}
+
+/// Prints an answer: the steps, what changed, what was assumed, and the verdict.
+pub(crate) fn answer(answer: &Answer, notes: &[String]) {
+    if answer.status == Status::Question {
+        anstream::println!("{} {}", "Question:".yellow().bold(), answer.plan.question);
+        return;
+    }
+    steps(answer);
+    if let (Some(before), Some(after)) = (&answer.plan.environment_before, &answer.plan.environment_after) {
+        let changed = changes(before, after);
+        if !changed.is_empty() {
+            anstream::println!();
+            heading("Changes");
+            let width = changed.iter().map(|(identifier, ..)| identifier.chars().count()).max().unwrap_or(0);
+            for (identifier, was, is) in changed {
+                let or_nothing = |text: String| if text.is_empty() { "nothing said".to_owned() } else { text };
+                anstream::println!(
+                    "  {identifier:width$}  {} {} {}",
+                    or_nothing(was).dimmed(),
+                    "->".dimmed(),
+                    or_nothing(is)
+                );
+            }
+        }
+    }
+    list("Assumptions", &answer.assumptions);
+    let differing: Vec<String> = answer
+        .claims
+        .differing
+        .iter()
+        .map(|d| format!("{}: claimed {}, simulated {}", d.entity, nothing(&d.claimed), nothing(&d.simulated)))
+        .collect();
+    list("The plan claims something else than was simulated", &differing);
+    list("Notes", notes);
+    let violations: Vec<String> = answer.violations.iter().map(|violation| violation.message.clone()).collect();
+    list("What is wrong", &violations);
+    anstream::println!();
+    verdict(answer);
+}
+
+fn nothing(text: &str) -> &str {
+    if text.is_empty() { "nothing" } else { text }
+}
+
+fn steps(answer: &Answer) {
+    let calls = &answer.plan.task_cohesion.task_sequence;
+    let width = calls.iter().map(|call| call.chars().count()).max().unwrap_or(0);
+    let digits = calls.len().to_string().len();
+    for (index, (call, step)) in calls.iter().zip(&answer.steps).enumerate() {
+        let bad = answer.violations.iter().any(|violation| violation.step == Some(index));
+        let number = format!("{:>digits$}.", index + 1);
+        let padding = " ".repeat(width - call.chars().count());
+        if bad {
+            anstream::println!("  {} {}{padding}  {}", number.red(), call.red(), step.explanation.dimmed());
+        } else {
+            anstream::println!("  {} {call}{padding}  {}", number.dimmed(), step.explanation.dimmed());
+        }
+    }
+}
+
+fn list(title: &str, entries: &[String]) {
+    if entries.is_empty() {
+        return;
+    }
+    anstream::println!();
+    heading(title);
+    for entry in entries {
+        anstream::println!("  - {entry}");
+    }
+}
+
+fn verdict(answer: &Answer) {
+    let count = match answer.steps.len() {
+        0 => "nothing to do".to_owned(),
+        1 => "1 step".to_owned(),
+        many => format!("{many} steps"),
+    };
+    let times = &answer.timings_ms;
+    let mut parts = Vec::new();
+    if times.model > 0.0 {
+        parts.push(format!("model {:.1} s", times.model / 1000.0));
+    }
+    if times.search > 0.0 {
+        parts.push(format!("search {}", milliseconds(times.search)));
+    }
+    parts.push(format!("verification {}", milliseconds(times.verify)));
+    let time = parts.join(", ");
+    match answer.status {
+        Status::Verified => anstream::println!("{} {count} ({time})", "Verified:".green().bold()),
+        Status::Invalid => {
+            let found = answer.violations.len();
+            let found = if found == 1 { "1 thing is wrong".to_owned() } else { format!("{found} things are wrong") };
+            anstream::println!("{} {found} ({time})", "Not valid:".red().bold());
+        }
+        Status::Unsolvable => {
+            anstream::println!("{} no plan can reach this goal ({time})", "Unsolvable:".red().bold());
+        }
+        Status::GaveUp => anstream::println!("{} no plan found within the limits ({time})", "Gave up:".yellow().bold()),
+        Status::Question => {}
+    }
+}
+
+fn milliseconds(value: f64) -> String {
+    if value < 1.0 { format!("{value:.2} ms") } else { format!("{value:.1} ms") }
+}
+
+/// Prints an answer as one JSON object.
+pub(crate) fn json(answer: &Answer) -> anyhow::Result<()> {
+    anstream::println!("{}", serde_json::to_string_pretty(answer)?);
+    Ok(())
+}
