@@ -34,6 +34,13 @@
     (wiped ?place - thing ?tool - item)
     (adjusted ?handle - item))
 
+  ; Of equally short plans, search prefers the action that comes first here: what is carried is moved.
+  (:action move-object
+    :parameters (?item - item ?to - thing)
+    :precondition (and (holding ?item) (lifted ?item))
+    :effect (and (forall (?other - thing) (not (hand-at ?other)))
+                 (hand-at ?to)))
+
   (:action move-hand
     :parameters (?to - thing)
     ; a hand that holds on to something constrained cannot go elsewhere
@@ -61,12 +68,6 @@
                  (forall (?below - thing)
                    (when (and (lifted ?item) (bin ?below) (hand-at ?below)) (inside ?item ?below)))
                  (not (lifted ?item))))
-
-  (:action move-object
-    :parameters (?item - item ?to - thing)
-    :precondition (and (holding ?item) (lifted ?item))
-    :effect (and (forall (?other - thing) (not (hand-at ?other)))
-                 (hand-at ?to)))
 
   (:action detach
     :parameters (?item - item ?from - thing)

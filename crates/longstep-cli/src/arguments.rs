@@ -7,8 +7,10 @@ use clap::{Args, Parser, Subcommand};
 /// Say what you want; get a robot action plan that has been checked, step by step.
 #[derive(Debug, Parser)]
 #[command(name = "longstep", version, arg_required_else_help = true)]
-#[command(after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up, \
-13 a question back, 20 a limit, 30 unreadable input, 40 model or network.")]
+#[command(
+    after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up, \
+13 a question back, 20 a limit, 30 unreadable input, 40 model or network."
+)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,

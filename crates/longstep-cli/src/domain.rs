@@ -22,7 +22,7 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
         DomainCommand::Check { domain } => {
             let loaded = inputs::domain(domain)?;
             anstream::println!(
-                "{domain}: {} actions, {} goals, {} examples; nothing is wrong",
+                "{domain}: nothing is wrong (actions: {}, goals: {}, examples: {})",
                 loaded.actions.len(),
                 loaded.goal_words.len(),
                 loaded.examples.len()
@@ -39,7 +39,11 @@ fn describe(domain: &Domain) {
         .actions
         .iter()
         .map(|action| {
-            let shown: Vec<&str> = action.explicit.iter().map(|p| action.parameters[*p].name.as_str()).collect();
+            let shown: Vec<&str> = action
+                .explicit
+                .iter()
+                .map(|p| action.parameters[*p].name.as_str())
+                .collect();
             (format!("{}({})", action.call, shown.join(", ")), action.means.as_str())
         })
         .collect();
@@ -48,12 +52,20 @@ fn describe(domain: &Domain) {
         .states
         .iter()
         .map(|state| {
-            let holes = if state.arity == 0 { String::new() } else { vec!["<thing>"; state.arity].join(", ") };
+            let holes = if state.arity == 0 {
+                String::new()
+            } else {
+                vec!["<thing>"; state.arity].join(", ")
+            };
             (format!("{}({holes})", state.word), state.means.as_str())
         })
         .collect();
     table("States of an environment", &entries);
-    entries = domain.goal_words.iter().map(|word| (form(word), word.means.as_str())).collect();
+    entries = domain
+        .goal_words
+        .iter()
+        .map(|word| (form(word), word.means.as_str()))
+        .collect();
     table("Goals that can be asked for", &entries);
 }
 
@@ -81,12 +93,22 @@ fn create(folder: &Path) -> Result<()> {
             .hint("check that the folder around it exists and may be written to")
     };
     if folder.exists() {
-        return Err(Failure::unreadable(format!("{shown} is there already")).hint("choose another name").into());
+        return Err(Failure::unreadable(format!("{shown} is there already"))
+            .hint("choose another name")
+            .into());
     }
-    let name = folder.file_name().map_or_else(|| "robot".to_owned(), |name| name.to_string_lossy().into_owned());
+    let name = folder
+        .file_name()
+        .map_or_else(|| "robot".to_owned(), |name| name.to_string_lossy().into_owned());
     // Written beside its place and moved there whole.
-    let parent = folder.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let draft = tempfile::Builder::new().prefix(".longstep-").tempdir_in(parent).map_err(failed)?;
+    let parent = folder
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    let draft = tempfile::Builder::new()
+        .prefix(".longstep-")
+        .tempdir_in(parent)
+        .map_err(failed)?;
     for (path, text) in domain::starter(&name) {
         let path = draft.path().join(path);
         if let Some(inside) = path.parent() {
@@ -97,6 +119,8 @@ fn create(folder: &Path) -> Result<()> {
     std::fs::rename(draft.keep(), folder).map_err(failed)?;
     anstream::println!("{shown} is a domain now; look at it with");
     anstream::println!("  longstep domain check {shown}");
-    anstream::println!("  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}");
+    anstream::println!(
+        "  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}"
+    );
     Ok(())
 }

@@ -52,7 +52,11 @@ impl std::error::Error for Failure {}
 pub(crate) fn tell(error: &anyhow::Error) -> u8 {
     if let Some(findings) = error.downcast_ref::<Diagnostics>() {
         for finding in &findings.0 {
-            anstream::eprintln!("{} {}", "error:".red().bold(), finding.to_string().replace("  hint:", "hint:"));
+            anstream::eprintln!(
+                "{} {}",
+                "error:".red().bold(),
+                finding.to_string().replace("  hint:", "hint:")
+            );
         }
         return UNREADABLE;
     }
@@ -68,10 +72,12 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     if let Some(failure) = error.downcast_ref::<Failure>() {
         return (failure.hint.clone(), failure.code);
     }
-    let model = error.downcast_ref::<ModelError>().or_else(|| match error.downcast_ref::<UnderstandError>() {
-        Some(UnderstandError::Model(error)) => Some(error),
-        _ => None,
-    });
+    let model = error
+        .downcast_ref::<ModelError>()
+        .or_else(|| match error.downcast_ref::<UnderstandError>() {
+            Some(UnderstandError::Model(error)) => Some(error),
+            _ => None,
+        });
     if let Some(error) = model {
         let code = match error {
             ModelError::TooLong { .. } => LIMIT,
@@ -81,11 +87,21 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
         return (error.hint(), code);
     }
     if let Some(UnderstandError::Answer(error)) = error.downcast_ref::<UnderstandError>() {
-        let code = if matches!(error, DialogueError::CutOff(_)) { LIMIT } else { MODEL };
-        return (Some("say it in other words, or use another model with --model".to_owned()), code);
+        let code = if matches!(error, DialogueError::CutOff(_)) {
+            LIMIT
+        } else {
+            MODEL
+        };
+        return (
+            Some("say it in other words, or use another model with --model".to_owned()),
+            code,
+        );
     }
     if error.downcast_ref::<GoalError>().is_some() {
-        return (Some("`longstep domain show DOMAIN` lists the goals that can be asked for".to_owned()), UNREADABLE);
+        return (
+            Some("`longstep domain show DOMAIN` lists the goals that can be asked for".to_owned()),
+            UNREADABLE,
+        );
     }
     (None, UNREADABLE)
 }

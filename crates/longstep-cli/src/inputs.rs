@@ -18,18 +18,21 @@ const SIZE_LIMIT: u64 = 64 << 20;
 /// Reads a text file; errors say which and why.
 pub(crate) fn text(path: &Path) -> Result<String> {
     let shown = path.display();
-    let metadata = std::fs::metadata(path)
-        .map_err(|error| Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))).hint("check the path"))?;
+    let metadata = std::fs::metadata(path).map_err(|error| {
+        Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))).hint("check the path")
+    })?;
     if metadata.is_dir() {
         return Err(Failure::unreadable(format!("{shown} is a folder, not a file")).into());
     }
     if metadata.len() > SIZE_LIMIT {
         return Err(Failure::unreadable(format!("{shown} is larger than {} MiB", SIZE_LIMIT >> 20)).into());
     }
-    let bytes = std::fs::read(path)
-        .map_err(|error| Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))))?;
+    let bytes =
+        std::fs::read(path).map_err(|error| Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))))?;
     String::from_utf8(bytes).map_err(|_| {
-        Failure::unreadable(format!("{shown} is not a text file (not UTF-8)")).hint("save it as UTF-8").into()
+        Failure::unreadable(format!("{shown} is not a text file (not UTF-8)"))
+            .hint("save it as UTF-8")
+            .into()
     })
 }
 
@@ -49,9 +52,14 @@ pub(crate) fn domain(name: &str) -> Result<Domain> {
         let shipped = domain::shipped_names();
         let hint = match nearest(name, shipped.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("shipped domains are {}; or give the path of a domain's folder", shipped.join(", ")),
+            None => format!(
+                "shipped domains are {}; or give the path of a domain's folder",
+                shipped.join(", ")
+            ),
         };
-        return Err(Failure::unreadable(format!("there is no domain `{name}`")).hint(hint).into());
+        return Err(Failure::unreadable(format!("there is no domain `{name}`"))
+            .hint(hint)
+            .into());
     }
     let prefix = format!("{}/", name.trim_end_matches('/'));
     let files = Files {
@@ -73,7 +81,11 @@ pub(crate) fn world(domain: &Domain, path: &Path) -> Result<World> {
             .hint("an environment is JSON with `assets`, `asset_states`, `objects` and `object_states`")
     })?;
     let wrapped = text_has_key(&text, "environment");
-    let inside = if wrapped { json::Path::key("environment") } else { json::Path::default() };
+    let inside = if wrapped {
+        json::Path::key("environment")
+    } else {
+        json::Path::default()
+    };
     read_world(domain, &environment, &shown, &text, &inside)
 }
 
@@ -89,17 +101,24 @@ pub(crate) fn read_world(
     text: &str,
     inside: &json::Path,
 ) -> Result<World> {
-    world::read(domain, environment, shown, text, inside).map_err(|mut findings| {
+    world::read(domain, environment, shown, text, inside).map_err(|findings| {
         let fits = |name: &&str| {
             let other = domain::shipped(name).and_then(Result::ok);
             other.is_some_and(|other| world::read(&other, environment, "", "", inside).is_ok())
         };
-        if let Some(other) = domain::shipped_names().into_iter().find(fits)
-            && let Some(last) = findings.0.last_mut()
+        match domain::shipped_names()
+            .into_iter()
+            .filter(|name| *name != domain.name)
+            .find(fits)
         {
-            last.hint = Some(format!("this is an environment of the domain `{other}`: add --domain {other}"));
+            Some(other) => {
+                let message = format!("{shown} is no environment of the domain `{}`", domain.name);
+                Failure::unreadable(message)
+                    .hint(format!("it fits the domain `{other}`: add --domain {other}"))
+                    .into()
+            }
+            None => findings.into(),
         }
-        findings.into()
     })
 }
 
@@ -123,10 +142,15 @@ pub(crate) fn save(path: &Path, plan: &PlanFile) -> Result<()> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let mut file = tempfile::Builder::new().permissions_like_new_files().tempfile_in(folder).map_err(failed)?;
+    let mut file = tempfile::Builder::new()
+        .permissions_like_new_files()
+        .tempfile_in(folder)
+        .map_err(failed)?;
     let mut json = serde_json::to_string_pretty(plan)?;
     json.push('\n');
-    file.write_all(json.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
+    file.write_all(json.as_bytes())
+        .and_then(|()| file.as_file().sync_all())
+        .map_err(failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
     Ok(())
 }

@@ -18,7 +18,11 @@ pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
             for entry in catalogue::ENTRIES {
                 let here = store::path(entry, &cache).is_some();
                 let mark = if here { "here" } else { "-" };
-                let default = if entry.name == catalogue::DEFAULT { " (default)" } else { "" };
+                let default = if entry.name == catalogue::DEFAULT {
+                    " (default)"
+                } else {
+                    ""
+                };
                 anstream::println!(
                     "{:20}  {:>8}  {:4}  {:10}  {}{default}",
                     entry.name.bold(),

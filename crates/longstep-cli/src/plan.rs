@@ -10,9 +10,9 @@ use longstep_llm::{ModelReference, OpenOptions, cache_directory, open, understan
 
 use crate::arguments::PlanArguments;
 use crate::failure::{Failure, LIMIT};
+use crate::inputs;
 use crate::progress::Spinner;
 use crate::solve::{self, milliseconds};
-use crate::inputs;
 
 /// More than anybody says to a robot in one go.
 const INSTRUCTION_LIMIT: usize = 2000;
@@ -22,12 +22,16 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let instruction = arguments.instruction.trim();
     if instruction.is_empty() {
         let failure = Failure::unreadable("the instruction is empty");
-        return Err(failure.hint("say what you want, for example \"Put the juice on the table\"").into());
+        return Err(failure
+            .hint("say what you want, for example \"Put the juice on the table\"")
+            .into());
     }
     let length = instruction.chars().count();
     if length > INSTRUCTION_LIMIT {
         let message = format!("the instruction has {length} characters, and {INSTRUCTION_LIMIT} are the most");
-        return Err(Failure::new(message, LIMIT).hint("say it in a sentence or two, one thing after the other").into());
+        return Err(Failure::new(message, LIMIT)
+            .hint("say it in a sentence or two, one thing after the other")
+            .into());
     }
     let reference: ModelReference = arguments.model.parse()?;
     let domain = inputs::domain(&arguments.world.domain)?;

@@ -26,12 +26,14 @@ impl Spinner {
         match progress {
             Progress::Loading => self.bar.set_message("loading the model"),
             Progress::ReadingPrompt { done, total } => {
-                self.bar.set_message(format!("reading the scene ({}%)", 100 * done / (*total).max(1)));
+                self.bar
+                    .set_message(format!("reading the scene ({}%)", 100 * done / (*total).max(1)));
             }
             Progress::Writing { .. } => self.bar.set_message("thinking"),
             Progress::Waiting => self.bar.set_message("waiting for the server"),
             Progress::Warning(text) => {
-                self.bar.suspend(|| anstream::eprintln!("{} {text}", "warning:".yellow().bold()));
+                self.bar
+                    .suspend(|| anstream::eprintln!("{} {text}", "warning:".yellow().bold()));
             }
             _ => {}
         }
@@ -66,7 +68,8 @@ impl Download {
             PullProgress::Part { number, of } => {
                 self.bar.set_message(format!("package {number} of {of}"));
                 let length = self.bar.length().unwrap_or_default();
-                self.bar.set_position(length * u64::from(number.saturating_sub(1)) / u64::from((*of).max(1)));
+                self.bar
+                    .set_position(length * u64::from(number.saturating_sub(1)) / u64::from((*of).max(1)));
             }
             PullProgress::Joining { done, .. } => {
                 self.bar.set_message("joining");

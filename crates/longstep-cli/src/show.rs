@@ -20,9 +20,19 @@ pub(crate) fn answer(answer: &Answer, notes: &[String]) {
         if !changed.is_empty() {
             anstream::println!();
             heading("Changes");
-            let width = changed.iter().map(|(identifier, ..)| identifier.chars().count()).max().unwrap_or(0);
+            let width = changed
+                .iter()
+                .map(|(identifier, ..)| identifier.chars().count())
+                .max()
+                .unwrap_or(0);
             for (identifier, was, is) in changed {
-                let or_nothing = |text: String| if text.is_empty() { "nothing said".to_owned() } else { text };
+                let or_nothing = |text: String| {
+                    if text.is_empty() {
+                        "nothing said".to_owned()
+                    } else {
+                        text
+                    }
+                };
                 anstream::println!(
                     "  {identifier:width$}  {} {} {}",
                     or_nothing(was).dimmed(),
@@ -37,11 +47,22 @@ pub(crate) fn answer(answer: &Answer, notes: &[String]) {
         .claims
         .differing
         .iter()
-        .map(|d| format!("{}: claimed {}, simulated {}", d.entity, nothing(&d.claimed), nothing(&d.simulated)))
+        .map(|d| {
+            format!(
+                "{}: claimed {}, simulated {}",
+                d.entity,
+                nothing(&d.claimed),
+                nothing(&d.simulated)
+            )
+        })
         .collect();
     list("The plan claims something else than was simulated", &differing);
     list("Notes", notes);
-    let violations: Vec<String> = answer.violations.iter().map(|violation| violation.message.clone()).collect();
+    let violations: Vec<String> = answer
+        .violations
+        .iter()
+        .map(|violation| violation.message.clone())
+        .collect();
     list("What is wrong", &violations);
     anstream::println!();
     verdict(answer);
@@ -60,7 +81,12 @@ fn steps(answer: &Answer) {
         let number = format!("{:>digits$}.", index + 1);
         let padding = " ".repeat(width - call.chars().count());
         if bad {
-            anstream::println!("  {} {}{padding}  {}", number.red(), call.red(), step.explanation.dimmed());
+            anstream::println!(
+                "  {} {}{padding}  {}",
+                number.red(),
+                call.red(),
+                step.explanation.dimmed()
+            );
         } else {
             anstream::println!("  {} {call}{padding}  {}", number.dimmed(), step.explanation.dimmed());
         }
@@ -98,19 +124,30 @@ fn verdict(answer: &Answer) {
         Status::Verified => anstream::println!("{} {count} ({time})", "Verified:".green().bold()),
         Status::Invalid => {
             let found = answer.violations.len();
-            let found = if found == 1 { "1 thing is wrong".to_owned() } else { format!("{found} things are wrong") };
+            let found = if found == 1 {
+                "1 thing is wrong".to_owned()
+            } else {
+                format!("{found} things are wrong")
+            };
             anstream::println!("{} {found} ({time})", "Not valid:".red().bold());
         }
         Status::Unsolvable => {
             anstream::println!("{} no plan can reach this goal ({time})", "Unsolvable:".red().bold());
         }
-        Status::GaveUp => anstream::println!("{} no plan found within the limits ({time})", "Gave up:".yellow().bold()),
+        Status::GaveUp => anstream::println!(
+            "{} no plan found within the limits ({time})",
+            "Gave up:".yellow().bold()
+        ),
         Status::Question => {}
     }
 }
 
 fn milliseconds(value: f64) -> String {
-    if value < 1.0 { format!("{value:.2} ms") } else { format!("{value:.1} ms") }
+    if value < 1.0 {
+        format!("{value:.2} ms")
+    } else {
+        format!("{value:.1} ms")
+    }
 }
 
 /// Prints an answer as one JSON object.

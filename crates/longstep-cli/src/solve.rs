@@ -21,7 +21,13 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let goal = goal::parse(&domain, &world, &arguments.goal)?;
     let (mut answer, notes) = answer(&domain, &world, &goal, &arguments.goal);
     answer.timings_ms.total = milliseconds(started);
-    finish(&answer, &goal_lines(&domain, &world, &goal), &notes, arguments.save.as_deref(), arguments.json)
+    finish(
+        &answer,
+        &goal_lines(&domain, &world, &goal),
+        &notes,
+        arguments.save.as_deref(),
+        arguments.json,
+    )
 }
 
 /// The sentences for a goal.

@@ -25,18 +25,24 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
         }
         (None, None) => {
             let failure = Failure::unreadable(format!("{shown} has no `environment_before`"));
-            return Err(failure.hint("name the world before the plan with --env ENV.json").into());
+            return Err(failure
+                .hint("name the world before the plan with --env ENV.json")
+                .into());
         }
     };
     let mut notes = Vec::new();
     // A claim that cannot be read is no reason not to look at the steps.
     let claimed = file.environment_after.as_ref().and_then(|environment| {
         let read = inputs::read_world(&domain, environment, &shown, &text, &Path::key("environment_after"));
-        read.map_err(|error| notes.push(format!("`environment_after` was not compared: {error:#}"))).ok()
+        read.map_err(|error| notes.push(format!("`environment_after` was not compared: {error:#}")))
+            .ok()
     });
     // Entities have the same numbers only if both environments list the same things.
     let comparable = claimed.filter(|claimed| {
-        let same = claimed.entities().map(|(_, e)| &e.identifier).eq(world.entities().map(|(_, e)| &e.identifier));
+        let same = claimed
+            .entities()
+            .map(|(_, e)| &e.identifier)
+            .eq(world.entities().map(|(_, e)| &e.identifier));
         if !same {
             notes.push("`environment_after` was not compared: it lists other entities".to_owned());
         }
@@ -50,11 +56,18 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
             let report = check(&domain, &world, plan, &Purpose::default());
             let mut answer = Answer::of_report(&domain, &world, &report, None, &file.instruction_summary);
             answer.timings_ms.verify = milliseconds(verifying);
-            answer.assumptions.extend(open.iter().map(|assumption| assumption.message(&domain, &world)));
+            answer
+                .assumptions
+                .extend(open.iter().map(|assumption| assumption.message(&domain, &world)));
             answer.claims = state.map_or_else(Claims::default, |state| {
                 compare_claims(&domain, &world, state, &report.after)
             });
-            notes.extend(report.warnings.iter().map(|w| w.message(&domain, &world, &report.steps, None)));
+            notes.extend(
+                report
+                    .warnings
+                    .iter()
+                    .map(|w| w.message(&domain, &world, &report.steps, None)),
+            );
             answer
         }
         Err(violations) => {
@@ -65,7 +78,9 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
                 .map(|violation| ViolationAnswer {
                     kind: violation.kind(),
                     step: violation.step(),
-                    action: violation.step().and_then(|s| file.task_cohesion.task_sequence.get(s).cloned()),
+                    action: violation
+                        .step()
+                        .and_then(|s| file.task_cohesion.task_sequence.get(s).cloned()),
                     missing: Vec::new(),
                     undone_by: None,
                     message: violation.message(&domain, &world, &[], None),

@@ -6,7 +6,13 @@
 //! ```text
 //! LONGSTEP_CORPUS=../shared/corpus cargo bench -p longstep-llm --bench instructions
 //! ```
-#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr, clippy::panic, missing_docs)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    clippy::panic,
+    missing_docs
+)]
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -92,8 +98,16 @@ impl Tally {
         self.times.push(made.model_time);
         self.searches.push(made.search_time);
         let mark = if right { "ok   " } else { "WRONG" };
-        let left = if made.left_out > 0 { format!(" (left out {})", made.left_out) } else { String::new() };
-        println!("{mark} {:5.2} s  {name}  ->  {}{left}", made.model_time.as_secs_f64(), made.answer);
+        let left = if made.left_out > 0 {
+            format!(" (left out {})", made.left_out)
+        } else {
+            String::new()
+        };
+        println!(
+            "{mark} {:5.2} s  {name}  ->  {}{left}",
+            made.model_time.as_secs_f64(),
+            made.answer
+        );
     }
 
     fn print(&mut self, title: &str) {
@@ -149,7 +163,12 @@ fn reached(domain: &Domain, world: &World, report: &Report, fact: &str, any_plat
         .after
         .of_predicate(domain::PredicateId::new(index))
         .iter()
-        .any(|fact| names.iter().enumerate().all(|(place, name)| fits(fact.argument(place), name)))
+        .any(|fact| {
+            names
+                .iter()
+                .enumerate()
+                .all(|(place, name)| fits(fact.argument(place), name))
+        })
 }
 
 fn kitchen(model: &mut dyn ChatModel, shared: bool) {
@@ -157,14 +176,24 @@ fn kitchen(model: &mut dyn ChatModel, shared: bool) {
     let kitchen = world_of(&domain, &read("virtualhome14/kitchen.json"));
     let mut tally = Tally::default();
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
-        let world = if shared { kitchen.clone() } else { world_of(&domain, &scenario["environment"]) };
+        let world = if shared {
+            kitchen.clone()
+        } else {
+            world_of(&domain, &scenario["environment"])
+        };
         for key in ["instruction", "instruction_goal_level"] {
             let instruction = scenario[key].as_str().unwrap();
             let made = plan(model, &domain, &world, instruction);
-            let goals: Vec<&str> = scenario["goal"].as_array().unwrap().iter().map(|g| g.as_str().unwrap()).collect();
+            let goals: Vec<&str> = scenario["goal"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|g| g.as_str().unwrap())
+                .collect();
             let right = made.report.as_ref().is_some_and(|report| {
                 let all = goals.iter().all(|goal| {
-                    goal.split('|').any(|fact| reached(&domain, &world, report, fact, shared))
+                    goal.split('|')
+                        .any(|fact| reached(&domain, &world, report, fact, shared))
                 });
                 let named = |identifier: &str| {
                     goals.iter().any(|goal| goal.contains(identifier))
@@ -178,12 +207,19 @@ fn kitchen(model: &mut dyn ChatModel, shared: bool) {
             tally.count(&format!("{}: {instruction}", scenario["id"]), &made, right);
         }
     }
-    tally.print(if shared { "fourteen scenarios in kitchen.json" } else { "fourteen scenarios, own environments" });
+    tally.print(if shared {
+        "fourteen scenarios in kitchen.json"
+    } else {
+        "fourteen scenarios, own environments"
+    });
 }
 
 fn main() {
     let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
-    let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
+    let only = std::env::args()
+        .skip(1)
+        .find(|argument| !argument.starts_with('-'))
+        .unwrap_or_default();
     let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
     let options = OpenOptions::new(cache_directory().unwrap());
     let mut model = open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"));
@@ -197,6 +233,9 @@ fn main() {
         kitchen(model.as_mut(), true);
     }
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let peak = status.lines().find(|line| line.starts_with("VmHWM")).unwrap_or_default();
+    let peak = status
+        .lines()
+        .find(|line| line.starts_with("VmHWM"))
+        .unwrap_or_default();
     println!("peak memory {}", peak.trim_start_matches("VmHWM:").trim());
 }

@@ -80,9 +80,7 @@ pub enum ModelError {
     #[error("the grammar of the request cannot be used: {0}")]
     Grammar(String),
     /// A prompt that leaves no room for the answer.
-    #[error(
-        "the request needs {tokens} tokens (prompt and answer), the model has room for {limit}"
-    )]
+    #[error("the request needs {tokens} tokens (prompt and answer), the model has room for {limit}")]
     TooLong {
         /// Tokens of the prompt plus the most tokens of the answer.
         tokens: usize,
@@ -138,9 +136,7 @@ impl ModelError {
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
-            Self::UnknownReference {
-                close: Some(close), ..
-            } => Some(format!("did you mean `{close}`?")),
+            Self::UnknownReference { close: Some(close), .. } => Some(format!("did you mean `{close}`?")),
             Self::NotPulled { name, .. } | Self::WrongHash { name, .. } => {
                 Some(format!("run `longstep model pull {name}`"))
             }
@@ -150,36 +146,26 @@ impl ModelError {
                 "run it again to go on where it stopped, or take a file from elsewhere with \
                  `longstep model pull {name} --from FILE`"
             )),
-            Self::NotLoaded { .. } => Some(
-                "use a model of the catalogue (`longstep model list`), or fetch the file again"
-                    .into(),
-            ),
-            Self::TooLong { .. } => {
-                Some("shorten the environment, or open the model with a larger context".into())
+            Self::NotLoaded { .. } => {
+                Some("use a model of the catalogue (`longstep model list`), or fetch the file again".into())
             }
+            Self::TooLong { .. } => Some("shorten the environment, or open the model with a larger context".into()),
             Self::NoKey { variable, .. } => Some(format!("set {variable}")),
-            Self::Unreachable { .. } => Some(
-                "check the address and that the server is running, or use an embedded model".into(),
-            ),
+            Self::Unreachable { .. } => {
+                Some("check the address and that the server is running, or use an embedded model".into())
+            }
             Self::Status { status, .. } => status_hint(*status),
-            Self::BadAnswer { .. } => Some(
-                "check that the address is that of a server with OpenAI's chat completions".into(),
-            ),
-            Self::UnknownReference { .. }
-            | Self::Unsupported { .. }
-            | Self::Grammar(_)
-            | Self::Engine { .. } => None,
+            Self::BadAnswer { .. } => {
+                Some("check that the address is that of a server with OpenAI's chat completions".into())
+            }
+            Self::UnknownReference { .. } | Self::Unsupported { .. } | Self::Grammar(_) | Self::Engine { .. } => None,
         }
     }
 
     /// For `map_err` on file operations: `action` on `path` failed.
     pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_path_buf();
-        move |source| Self::File {
-            action,
-            path,
-            source,
-        }
+        move |source| Self::File { action, path, source }
     }
 }
 

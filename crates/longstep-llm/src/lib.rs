@@ -33,9 +33,9 @@ mod model;
 mod openai;
 mod reference;
 pub mod store;
-mod understand;
 #[cfg(test)]
 mod test_server;
+mod understand;
 
 pub use cache::cache_directory;
 pub use error::ModelError;

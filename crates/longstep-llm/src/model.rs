@@ -23,11 +23,7 @@ pub trait ChatModel {
     ///
     /// A [`ModelError`] that says what failed; a refused or cut-off answer is not an error
     /// but a [`Finish`](longstep::prompt::Finish).
-    fn chat(
-        &mut self,
-        request: &ChatRequest,
-        progress: &mut dyn FnMut(Progress),
-    ) -> Result<Reply, ModelError>;
+    fn chat(&mut self, request: &ChatRequest, progress: &mut dyn FnMut(Progress)) -> Result<Reply, ModelError>;
 }
 
 /// What a model is doing, told while it does it.
@@ -97,21 +93,17 @@ pub fn open(
     match reference {
         ModelReference::Catalogue(entry) => {
             progress(Progress::Loading);
-            let path =
-                store::locate(entry, &options.cache)?.ok_or_else(|| ModelError::NotPulled {
-                    name: entry.name,
-                    cache: options.cache.clone(),
-                })?;
+            let path = store::locate(entry, &options.cache)?.ok_or_else(|| ModelError::NotPulled {
+                name: entry.name,
+                cache: options.cache.clone(),
+            })?;
             let identity = entry.sha256.to_owned();
             let model = EmbeddedModel::open(entry.name, &path, identity, options)?;
             Ok(Box::new(model))
         }
         ModelReference::File(path) => {
             progress(Progress::Loading);
-            let name = path
-                .file_name()
-                .unwrap_or(path.as_os_str())
-                .to_string_lossy();
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             let identity = store::identity(path)?;
             let model = EmbeddedModel::open(&name, path, identity, options)?;
             Ok(Box::new(model))

@@ -42,13 +42,8 @@ impl FromStr for ModelReference {
         if let Some(entry) = catalogue::find(text) {
             return Ok(Self::Catalogue(entry));
         }
-        if let Some(model) = text
-            .strip_prefix("openai:")
-            .filter(|model| !model.is_empty())
-        {
-            return Ok(Self::OpenAi {
-                model: model.into(),
-            });
+        if let Some(model) = text.strip_prefix("openai:").filter(|model| !model.is_empty()) {
+            return Ok(Self::OpenAi { model: model.into() });
         }
         if text.starts_with("http://") || text.starts_with("https://") {
             return match text.split_once('#') {
@@ -104,24 +99,13 @@ mod tests {
             model: model.into(),
         };
         let table = [
-            (
-                "smollm2-135m",
-                ModelReference::Catalogue(&catalogue::ENTRIES[2]),
-            ),
-            (
-                "models/mine.gguf",
-                ModelReference::File("models/mine.gguf".into()),
-            ),
+            ("smollm2-135m", ModelReference::Catalogue(&catalogue::ENTRIES[2])),
+            ("models/mine.gguf", ModelReference::File("models/mine.gguf".into())),
             (
                 "C:\\models\\MINE.GGUF",
                 ModelReference::File("C:\\models\\MINE.GGUF".into()),
             ),
-            (
-                "openai:gpt-5",
-                ModelReference::OpenAi {
-                    model: "gpt-5".into(),
-                },
-            ),
+            ("openai:gpt-5", ModelReference::OpenAi { model: "gpt-5".into() }),
             (
                 "http://localhost:8080/v1#tiny",
                 server("http://localhost:8080/v1", "tiny"),
@@ -160,15 +144,9 @@ mod tests {
     #[test]
     fn a_misspelt_name_brings_the_right_one() {
         let error = "qwen2.5-coder-1.5".parse::<ModelReference>().unwrap_err();
-        assert_eq!(
-            error.hint().as_deref(),
-            Some("did you mean `qwen2.5-coder-1.5b`?")
-        );
+        assert_eq!(error.hint().as_deref(), Some("did you mean `qwen2.5-coder-1.5b`?"));
         let error = "smolm2".parse::<ModelReference>().unwrap_err();
-        assert_eq!(
-            error.hint().as_deref(),
-            Some("did you mean `smollm2-135m`?")
-        );
+        assert_eq!(error.hint().as_deref(), Some("did you mean `smollm2-135m`?"));
         assert_eq!("gpt-5".parse::<ModelReference>().unwrap_err().hint(), None);
     }
 }

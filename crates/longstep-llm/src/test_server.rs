@@ -62,8 +62,7 @@ pub(crate) fn answer(status: &str, headers: &[&str], body: &[u8]) -> Vec<u8> {
 
 /// An answer that announces more bytes than it may have.
 pub(crate) fn announced(status: &str, headers: &[&str], length: usize, body: &[u8]) -> Vec<u8> {
-    let mut head =
-        format!("HTTP/1.1 {status}\r\nconnection: close\r\ncontent-length: {length}\r\n");
+    let mut head = format!("HTTP/1.1 {status}\r\nconnection: close\r\ncontent-length: {length}\r\n");
     for header in headers {
         head += header;
         head += "\r\n";

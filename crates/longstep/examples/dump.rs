@@ -11,7 +11,11 @@ fn main() {
     println!("{}", r.messages.last().unwrap().text);
     println!("{:?}", r.constraint);
     if let Some(t) = a.get(4) {
-        let t = g.supply(&prompt::Reply { text: t.clone(), finish: prompt::Finish::Stop, usage: prompt::Usage::default() });
+        let t = g.supply(&prompt::Reply {
+            text: t.clone(),
+            finish: prompt::Finish::Stop,
+            usage: prompt::Usage::default(),
+        });
         println!("{t:?}\n{:?}", g.request().constraint);
     }
 }

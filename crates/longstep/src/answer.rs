@@ -189,7 +189,12 @@ impl Answer {
         let mut answer = Self::without_plan(status, world, summary, "");
         answer.plan.task_cohesion = TaskCohesion::new(domain, world, &report.steps);
         answer.plan.environment_after = Some(world::write(domain, world, &report.after));
-        answer.steps = report.steps.iter().enumerate().map(|(i, s)| StepAnswer::of(domain, world, i, s)).collect();
+        answer.steps = report
+            .steps
+            .iter()
+            .enumerate()
+            .map(|(i, s)| StepAnswer::of(domain, world, i, s))
+            .collect();
         answer.violations = report
             .violations
             .iter()
@@ -224,8 +229,15 @@ impl StepAnswer {
         let action = domain.action(step.action);
         let call = step.call(domain, world);
         let implicit = action.implicit().map(|parameter| {
-            let name = if action.object == Some(parameter) { "object" } else { &action.parameters[parameter].name };
-            (name.to_owned(), world.entity(step.arguments[parameter]).identifier.clone())
+            let name = if action.object == Some(parameter) {
+                "object"
+            } else {
+                &action.parameters[parameter].name
+            };
+            (
+                name.to_owned(),
+                world.entity(step.arguments[parameter]).identifier.clone(),
+            )
         });
         Self {
             index,
@@ -262,7 +274,11 @@ pub fn compare_claims(domain: &Domain, world: &World, claimed: &State, simulated
 fn words_by_entity(domain: &Domain, world: &World, state: &State) -> Vec<Vec<String>> {
     let mut all = vec![Vec::new(); world.entities().count()];
     for fact in state.sorted() {
-        for word in domain.states.iter().filter(|word| word.atom.predicate == fact.predicate()) {
+        for word in domain
+            .states
+            .iter()
+            .filter(|word| word.atom.predicate == fact.predicate())
+        {
             let (subject, text) = world::word_for(word, world, fact);
             all[subject.index()].push(text);
         }
@@ -277,7 +293,10 @@ pub type Changed = (String, String, String);
 /// What differs between two environments, in the order of the first.
 pub fn changes(before: &Environment, after: &Environment) -> Vec<Changed> {
     let entry = |environment: &Environment, identifier: &String| {
-        let states = environment.asset_states.get(identifier).or_else(|| environment.object_states.get(identifier));
+        let states = environment
+            .asset_states
+            .get(identifier)
+            .or_else(|| environment.object_states.get(identifier));
         states.map_or_else(String::new, |words| words.as_slice().join(", "))
     };
     let all = before.objects.iter().chain(&before.assets);

@@ -55,12 +55,25 @@ fn recorded_household_plans_verify_and_end_where_they_claim() {
         let file: PlanFile = serde_json::from_value(recorded.clone()).unwrap();
         let world = world_of(&domain, &recorded["environment_before"]);
         let claimed = world_of(&domain, &recorded["environment_after"]);
-        let report = check(&domain, &world, &file.task_cohesion, Some(&claimed), &Purpose::default());
-        let messages: Vec<_> =
-            report.violations.iter().map(|v| v.message(&domain, &world, &report.steps, None)).collect();
+        let report = check(
+            &domain,
+            &world,
+            &file.task_cohesion,
+            Some(&claimed),
+            &Purpose::default(),
+        );
+        let messages: Vec<_> = report
+            .violations
+            .iter()
+            .map(|v| v.message(&domain, &world, &report.steps, None))
+            .collect();
         assert_eq!(messages, Vec::<String>::new(), "{name}");
         let after = world::write(&domain, &world, &report.after);
-        assert_eq!(serde_json::to_value(after).unwrap(), recorded["environment_after"], "{name}");
+        assert_eq!(
+            serde_json::to_value(after).unwrap(),
+            recorded["environment_after"],
+            "{name}"
+        );
     }
 }
 
@@ -73,7 +86,10 @@ fn environments_are_written_as_they_were_read() {
         assert_eq!(again, text, "{name}");
     }
     for text in [read("virtualhome14/kitchen.json").to_string()] {
-        assert_eq!(serde_json::to_string(&Environment::from_json(&text).unwrap()).unwrap(), text);
+        assert_eq!(
+            serde_json::to_string(&Environment::from_json(&text).unwrap()).unwrap(),
+            text
+        );
     }
 }
 
@@ -111,8 +127,11 @@ fn reference_programs_reach_the_goals_of_their_scenarios() {
         purpose.from_goal = false;
         // Scenario 5's program grabs for a whole set of plates, its goal asks for one.
         let report = check(&domain, &world, &written, None, &purpose);
-        let messages: Vec<_> =
-            report.violations.iter().map(|v| v.message(&domain, &world, &report.steps, None)).collect();
+        let messages: Vec<_> = report
+            .violations
+            .iter()
+            .map(|v| v.message(&domain, &world, &report.steps, None))
+            .collect();
         assert_eq!(messages, Vec::<String>::new(), "{}", scenario["id"]);
     }
 }
@@ -128,7 +147,12 @@ fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
             let start = std::time::Instant::now();
             let outcome = search::solve(&domain, world, &goal.wanted(&domain, world), &Limits::default());
             let time = start.elapsed();
-            let Outcome::Solved { steps, shortest, expanded } = outcome else {
+            let Outcome::Solved {
+                steps,
+                shortest,
+                expanded,
+            } = outcome
+            else {
                 panic!("{}: {outcome:?}", scenario["id"]);
             };
             let plan = Plan {
@@ -138,11 +162,19 @@ fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
                     .collect(),
             };
             let report = verify::check(&domain, world, plan, &goal.purpose(&domain));
-            let calls: Vec<_> = report.steps.iter().map(|step| step.call(&domain, world).to_string()).collect();
+            let calls: Vec<_> = report
+                .steps
+                .iter()
+                .map(|step| step.call(&domain, world).to_string())
+                .collect();
             println!("{} {time:?} {expanded} {calls:?}", scenario["id"]);
             assert!(report.violations.is_empty(), "{}: {calls:?}", scenario["id"]);
             let reference = scenario["reference"].as_array().unwrap().len();
-            assert!(shortest && calls.len() <= reference + 1, "{}: {calls:?}", scenario["id"]);
+            assert!(
+                shortest && calls.len() <= reference + 1,
+                "{}: {calls:?}",
+                scenario["id"]
+            );
         }
     }
 }

@@ -42,11 +42,7 @@ pub(super) struct Engine<'model> {
 
 impl<'model> Engine<'model> {
     /// A context for `size` tokens.
-    pub(super) fn new(
-        model: &'model LlamaModel,
-        size: u32,
-        threads: usize,
-    ) -> Result<Self, String> {
+    pub(super) fn new(model: &'model LlamaModel, size: u32, threads: usize) -> Result<Self, String> {
         let threads = i32::try_from(threads).unwrap_or(i32::MAX);
         let parameters = LlamaContextParams::default()
             .with_n_ctx(NonZeroU32::new(size))
@@ -83,9 +79,7 @@ impl<'model> Engine<'model> {
     pub(super) fn keep(&mut self, keep: usize) -> usize {
         if keep < self.tokens.len() {
             let from = u32::try_from(keep).ok();
-            let cut = self
-                .context
-                .clear_kv_cache_seq(Some(SEQUENCE as u32), from, None);
+            let cut = self.context.clear_kv_cache_seq(Some(SEQUENCE as u32), from, None);
             if matches!(cut, Ok(true)) {
                 self.tokens.truncate(keep);
                 self.ends.retain(|end| *end <= keep);
@@ -127,16 +121,13 @@ impl<'model> Engine<'model> {
 
     /// Computes what the model has written.
     pub(super) fn append(&mut self, tokens: &[LlamaToken]) -> Result<(), String> {
-        tokens
-            .chunks(blocks::LARGE)
-            .try_for_each(|part| self.compute(part))
+        tokens.chunks(blocks::LARGE).try_for_each(|part| self.compute(part))
     }
 
     fn compute(&mut self, part: &[LlamaToken]) -> Result<(), String> {
         let mut batch = LlamaBatch::new(part.len(), 1);
         for (index, token) in part.iter().enumerate() {
-            let position =
-                i32::try_from(self.tokens.len() + index).map_err(|error| error.to_string())?;
+            let position = i32::try_from(self.tokens.len() + index).map_err(|error| error.to_string())?;
             let wanted = index + 1 == part.len();
             batch
                 .add(*token, position, &[SEQUENCE], wanted)

@@ -13,9 +13,7 @@ use crate::ModelError;
 pub(super) fn check(path: &Path) -> Result<(), ModelError> {
     let mut magic = [0; 4];
     let mut file = File::open(path).map_err(ModelError::file("cannot read", path))?;
-    let metadata = file
-        .metadata()
-        .map_err(ModelError::file("cannot read", path))?;
+    let metadata = file.metadata().map_err(ModelError::file("cannot read", path))?;
     if !metadata.is_file() {
         return Err(not_loaded(path, "it is not a file"));
     }
@@ -72,10 +70,7 @@ mod tests {
             (b"GGU", "not a GGUF file"),
             (b"PK\x03\x04 something", "not a GGUF file"),
             (b"GGUF", "damaged or cut off"),
-            (
-                b"GGUF\x03\0\0\0\xff\xff\xff\xff\xff\xff\xff\x7f",
-                "damaged or cut off",
-            ),
+            (b"GGUF\x03\0\0\0\xff\xff\xff\xff\xff\xff\xff\x7f", "damaged or cut off"),
         ] {
             std::fs::write(&path, content).unwrap();
             let error = check(&path).unwrap_err();

@@ -26,10 +26,7 @@ impl TokenizerEnv for Vocabulary {
 
     fn tokenize_bytes(&self, text: &[u8]) -> Vec<TokenId> {
         let tokens = self.model.vocab().tokenize(text, false, false);
-        tokens
-            .into_iter()
-            .map(|token| token.0.cast_unsigned())
-            .collect()
+        tokens.into_iter().map(|token| token.0.cast_unsigned()).collect()
     }
 }
 
@@ -50,8 +47,7 @@ impl Grammars {
             ..InferenceCapabilities::default()
         };
         let slices = SlicedBiasComputer::general_slices();
-        let mut factory = ParserFactory::new(&vocabulary, capabilities, &slices)
-            .map_err(|error| error.to_string())?;
+        let mut factory = ParserFactory::new(&vocabulary, capabilities, &slices).map_err(|error| error.to_string())?;
         factory.quiet();
         Ok(Self { factory })
     }

@@ -43,21 +43,13 @@ pub(crate) struct EmbeddedModel {
 
 impl EmbeddedModel {
     /// Loads the file. `identity` changes with the file's content: saved states are kept by it.
-    pub(crate) fn open(
-        name: &str,
-        path: &Path,
-        identity: String,
-        options: &OpenOptions,
-    ) -> Result<Self, ModelError> {
+    pub(crate) fn open(name: &str, path: &Path, identity: String, options: &OpenOptions) -> Result<Self, ModelError> {
         file::check(path)?;
         let setting = Setting {
             name: name.to_owned(),
             path: path.to_path_buf(),
             identity,
-            threads: options
-                .threads
-                .unwrap_or_else(num_cpus::get_physical)
-                .max(1),
+            threads: options.threads.unwrap_or_else(num_cpus::get_physical).max(1),
             context_tokens: options.context_tokens,
             states: options.cache.join("state"),
         };
@@ -89,20 +81,13 @@ impl ChatModel for EmbeddedModel {
         ConstraintKind::Grammar
     }
 
-    fn chat(
-        &mut self,
-        request: &ChatRequest,
-        progress: &mut dyn FnMut(Progress),
-    ) -> Result<Reply, ModelError> {
+    fn chat(&mut self, request: &ChatRequest, progress: &mut dyn FnMut(Progress)) -> Result<Reply, ModelError> {
         let (events, answers) = channel();
         let job = Job {
             request: request.clone(),
             events,
         };
-        let sent = self
-            .jobs
-            .as_ref()
-            .is_some_and(|jobs| jobs.send(job).is_ok());
+        let sent = self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok());
         if !sent {
             return Err(stopped(&self.name, "it has ended"));
         }
@@ -111,11 +96,7 @@ impl ChatModel for EmbeddedModel {
 }
 
 /// Passes progress on until the answer is there.
-fn follow(
-    name: &str,
-    answers: &Receiver<Event>,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<Reply, ModelError> {
+fn follow(name: &str, answers: &Receiver<Event>, progress: &mut dyn FnMut(Progress)) -> Result<Reply, ModelError> {
     loop {
         match answers.recv() {
             Ok(Event::Progress(step)) => progress(step),

@@ -31,11 +31,7 @@ impl Template {
     /// Only the template's own text may become control tokens. So it is rendered around
     /// placeholders, and what people said is tokenised apart, as plain text: an `<|im_end|>`
     /// typed into an instruction stays eleven characters.
-    pub(super) fn tokens(
-        &self,
-        model: &LlamaModel,
-        request: &ChatRequest,
-    ) -> Result<PromptTokens, String> {
+    pub(super) fn tokens(&self, model: &LlamaModel, request: &ChatRequest) -> Result<PromptTokens, String> {
         let rendered = self.render(model, &request.messages)?;
         let vocabulary = model.vocab();
         let mut tokens = Vec::new();
@@ -64,9 +60,7 @@ impl Template {
         let turns: Result<Vec<_>, _> = messages
             .iter()
             .enumerate()
-            .map(|(index, message)| {
-                LlamaChatMessage::new(role(message.role).into(), placeholder(index))
-            })
+            .map(|(index, message)| LlamaChatMessage::new(role(message.role).into(), placeholder(index)))
             .collect();
         let turns = turns.map_err(|error| error.to_string())?;
         model

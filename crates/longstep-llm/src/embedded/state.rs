@@ -53,19 +53,12 @@ impl States {
     /// Where the state of conversations that begin with these tokens is kept.
     pub(super) fn file(&self, fixed: &[LlamaToken]) -> StateFile {
         let mut hash = Sha256::new();
-        hash.update(format!(
-            "{ENGINE}\n{}\n{}\n",
-            self.identity, self.context_tokens
-        ));
+        hash.update(format!("{ENGINE}\n{}\n{}\n", self.identity, self.context_tokens));
         for token in fixed {
             hash.update(token.0.to_le_bytes());
         }
         let key: [u8; 32] = hash.finalize().into();
-        let name: String = key
-            .iter()
-            .take(12)
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
+        let name: String = key.iter().take(12).map(|byte| format!("{byte:02x}")).collect();
         StateFile {
             path: self.folder.join(format!("{name}.state")),
             key,
@@ -79,9 +72,7 @@ impl StateFile {
     pub(super) fn load(&self, context: &mut LlamaContext<'_>) -> Option<Vec<LlamaToken>> {
         self.check().ok()?;
         let capacity = context.n_ctx() as usize;
-        let (tokens, _) = context
-            .state_seq_load_file(&self.path, SEQUENCE, capacity)
-            .ok()?;
+        let (tokens, _) = context.state_seq_load_file(&self.path, SEQUENCE, capacity).ok()?;
         // What was used last is dropped last. Where that cannot be noted, it is dropped earlier.
         let _ = File::options()
             .append(true)
@@ -91,11 +82,7 @@ impl StateFile {
     }
 
     /// Saves the state of a context that holds these tokens.
-    pub(super) fn save(
-        &self,
-        context: &LlamaContext<'_>,
-        tokens: &[LlamaToken],
-    ) -> Result<(), String> {
+    pub(super) fn save(&self, context: &LlamaContext<'_>, tokens: &[LlamaToken]) -> Result<(), String> {
         let folder = self.path.parent().ok_or("it has no folder")?;
         std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
         let file = tempfile::Builder::new()
@@ -106,8 +93,7 @@ impl StateFile {
             .state_seq_save_file(file.path(), SEQUENCE, tokens)
             .map_err(|error| error.to_string())?;
         self.seal(file.path()).map_err(|error| error.to_string())?;
-        file.persist(&self.path)
-            .map_err(|error| error.error.to_string())?;
+        file.persist(&self.path).map_err(|error| error.error.to_string())?;
         // Too many files are a waste of space and no more; the next save tries again.
         let _ = prune(folder);
         Ok(())
@@ -178,11 +164,7 @@ fn prune(folder: &Path) -> io::Result<()> {
         let name = name.to_string_lossy();
         if name.ends_with(".state") {
             states.push((modified, entry.path()));
-        } else if name.starts_with(".saving-")
-            && now
-                .duration_since(modified)
-                .is_ok_and(|age| age > ABANDONED)
-        {
+        } else if name.starts_with(".saving-") && now.duration_since(modified).is_ok_and(|age| age > ABANDONED) {
             std::fs::remove_file(entry.path())?;
         }
     }
@@ -209,9 +191,7 @@ mod tests {
     #[test]
     fn only_a_whole_state_of_the_same_prefix_is_good() {
         let folder = tempfile::tempdir().unwrap();
-        let content: Vec<u8> = (0..3_000_000_u32)
-            .map(|number| number.to_le_bytes()[1])
-            .collect();
+        let content: Vec<u8> = (0..3_000_000_u32).map(|number| number.to_le_bytes()[1]).collect();
         let file = sealed(folder.path(), &content);
         assert!(file.check().is_ok());
         let whole = std::fs::read(&file.path).unwrap();
@@ -276,14 +256,8 @@ mod tests {
     fn the_engine_named_in_the_key_is_the_one_built() {
         let lock = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.lock");
         let lock = std::fs::read_to_string(lock).unwrap();
-        let version = lock
-            .split("name = \"llama-cpp-2\"\nversion = \"")
-            .nth(1)
-            .unwrap();
+        let version = lock.split("name = \"llama-cpp-2\"\nversion = \"").nth(1).unwrap();
         let version = version.split('"').next().unwrap();
-        assert!(
-            ENGINE.contains(version),
-            "ENGINE must name llama-cpp-2 {version}"
-        );
+        assert!(ENGINE.contains(version), "ENGINE must name llama-cpp-2 {version}");
     }
 }

@@ -135,11 +135,7 @@ impl<'model> Worker<'model> {
                 fixed: prompt.fixed,
             },
         });
-        Ok(Reply {
-            text,
-            finish,
-            usage,
-        })
+        Ok(Reply { text, finish, usage })
     }
 
     /// The tokens of a request. One that goes on with the last answer keeps that answer's own
@@ -162,15 +158,10 @@ impl<'model> Worker<'model> {
 
     /// Computes what of its own answer the engine has not yet; returns how many tokens it had.
     fn go_on(&mut self, tokens: &[LlamaToken]) -> Result<usize, ModelError> {
-        let known = self
-            .engine
-            .known(tokens)
-            .min(tokens.len().saturating_sub(1));
+        let known = self.engine.known(tokens).min(tokens.len().saturating_sub(1));
         let known = self.engine.keep(known);
         let new = tokens.get(known..).unwrap_or_default();
-        self.engine
-            .append(new)
-            .map_err(|reason| self.failed(reason))?;
+        self.engine.append(new).map_err(|reason| self.failed(reason))?;
         Ok(known)
     }
 
@@ -245,9 +236,7 @@ impl<'model> Worker<'model> {
                 return Err(self.failed("it was stopped".into()));
             }
             let new = written.tokens.get(before..).unwrap_or_default();
-            self.engine
-                .append(new)
-                .map_err(|reason| self.failed(reason))?;
+            self.engine.append(new).map_err(|reason| self.failed(reason))?;
         }
     }
 
@@ -314,7 +303,6 @@ struct Written {
 impl Written {
     fn push(&mut self, model: &LlamaModel, token: LlamaToken) {
         self.tokens.push(token);
-        self.bytes
-            .extend(model.vocab().token_to_piece(token, false, None));
+        self.bytes.extend(model.vocab().token_to_piece(token, false, None));
     }
 }

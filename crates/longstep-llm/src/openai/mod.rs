@@ -31,24 +31,14 @@ impl OpenAiModel {
             server: base.clone(),
             variable: "OPENAI_API_KEY",
         })?;
-        Ok(Self::new(
-            model,
-            &base,
-            Some(Secret::new(key)),
-            Dialect::openai(),
-        ))
+        Ok(Self::new(model, &base, Some(Secret::new(key)), Dialect::openai()))
     }
 
     /// A model of another server. OpenAI's key goes to OpenAI alone.
     pub(crate) fn server(url: &str, model: &str) -> Self {
         let openai = is_openai(url);
-        let key =
-            variable("LONGSTEP_API_KEY").or_else(|| variable("OPENAI_API_KEY").filter(|_| openai));
-        let dialect = if openai {
-            Dialect::openai()
-        } else {
-            Dialect::common()
-        };
+        let key = variable("LONGSTEP_API_KEY").or_else(|| variable("OPENAI_API_KEY").filter(|_| openai));
+        let dialect = if openai { Dialect::openai() } else { Dialect::common() };
         Self::new(model, url, key.map(Secret::new), dialect)
     }
 
@@ -81,11 +71,7 @@ impl ChatModel for OpenAiModel {
         ConstraintKind::JsonSchema
     }
 
-    fn chat(
-        &mut self,
-        request: &ChatRequest,
-        progress: &mut dyn FnMut(Progress),
-    ) -> Result<Reply, ModelError> {
+    fn chat(&mut self, request: &ChatRequest, progress: &mut dyn FnMut(Progress)) -> Result<Reply, ModelError> {
         if !request.answer_so_far.is_empty() {
             return Err(self.unsupported("a server cannot go on with an answer that has begun"));
         }

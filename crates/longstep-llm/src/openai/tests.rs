@@ -43,8 +43,7 @@ fn success() -> Vec<u8> {
 }
 
 fn rejected(status: &str, message: &str) -> Vec<u8> {
-    let body =
-        json!({"error": {"message": message, "type": "invalid_request_error", "code": null}});
+    let body = json!({"error": {"message": message, "type": "invalid_request_error", "code": null}});
     answer(status, &[], body.to_string().as_bytes())
 }
 
@@ -77,10 +76,7 @@ fn body(request: &str) -> Value {
 fn a_request_is_in_openais_words_and_the_answer_is_read() {
     let (outcome, warnings, requests) = ask(vec![success()]);
     let reply = outcome.unwrap();
-    assert_eq!(
-        (reply.text.as_str(), reply.finish),
-        ("{\"goal\": []}", Finish::Stop)
-    );
+    assert_eq!((reply.text.as_str(), reply.finish), ("{\"goal\": []}", Finish::Stop));
     let usage = reply.usage;
     assert_eq!(
         (
@@ -115,21 +111,9 @@ fn the_ways_to_end_are_told_apart() {
             "message": {"role": "assistant", "content": content, "refusal": refusal}}))
     };
     for (answer, text, finish) in [
-        (
-            choice("length", json!("{\"go"), Value::Null),
-            "{\"go",
-            Finish::Length,
-        ),
-        (
-            choice("length", Value::Null, Value::Null),
-            "",
-            Finish::Length,
-        ),
-        (
-            choice("content_filter", Value::Null, Value::Null),
-            "",
-            Finish::Refused,
-        ),
+        (choice("length", json!("{\"go"), Value::Null), "{\"go", Finish::Length),
+        (choice("length", Value::Null, Value::Null), "", Finish::Length),
+        (choice("content_filter", Value::Null, Value::Null), "", Finish::Refused),
         (
             choice("stop", Value::Null, json!("I will not.")),
             "I will not.",
@@ -143,17 +127,11 @@ fn the_ways_to_end_are_told_apart() {
 
 #[test]
 fn a_server_that_says_little_is_understood() {
-    let reply = ask(vec![ok(
-        &json!({"choices": [{"message": {"content": "hm"}}]}),
-    )])
-    .0
-    .unwrap();
+    let reply = ask(vec![ok(&json!({"choices": [{"message": {"content": "hm"}}]}))])
+        .0
+        .unwrap();
     assert_eq!(
-        (
-            reply.text.as_str(),
-            reply.usage.prompt_tokens,
-            reply.usage.calls
-        ),
+        (reply.text.as_str(), reply.usage.prompt_tokens, reply.usage.calls),
         ("hm", 0, 1)
     );
 }
@@ -183,16 +161,11 @@ fn errors_are_short_and_have_hints() {
     let error = ask(vec![html]).0.unwrap_err();
     assert!(error.to_string().len() < 420, "{error}");
     assert!(error.hint().unwrap().contains("may not"));
-    let error = ask(vec![rejected(
-        "404 Not Found",
-        "The model `m` does not exist",
-    )])
-    .0
-    .unwrap_err();
+    let error = ask(vec![rejected("404 Not Found", "The model `m` does not exist")])
+        .0
+        .unwrap_err();
     assert!(
-        error
-            .to_string()
-            .ends_with("status 404: The model `m` does not exist"),
+        error.to_string().ends_with("status 404: The model `m` does not exist"),
         "{error}"
     );
     assert!(error.hint().unwrap().contains("/v1"));
@@ -200,10 +173,7 @@ fn errors_are_short_and_have_hints() {
     let error = ask(vec![rejected("400 Bad Request", "context length exceeded")])
         .0
         .unwrap_err();
-    assert!(
-        matches!(error, ModelError::Status { status: 400, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, ModelError::Status { status: 400, .. }), "{error}");
 }
 
 #[test]
@@ -218,17 +188,10 @@ fn a_busy_server_is_asked_again_when_it_says() {
     );
     // Three times is enough.
     let (outcome, _, requests) = ask(vec![busy.clone(), busy.clone(), busy, success()]);
-    assert!(matches!(
-        outcome,
-        Err(ModelError::Status { status: 429, .. })
-    ));
+    assert!(matches!(outcome, Err(ModelError::Status { status: 429, .. })));
     assert_eq!(requests.len(), 3);
     // Nobody waits for an hour.
-    let (outcome, _, requests) = ask(vec![answer(
-        "429 Too Many Requests",
-        &["retry-after: 3600"],
-        b"{}",
-    )]);
+    let (outcome, _, requests) = ask(vec![answer("429 Too Many Requests", &["retry-after: 3600"], b"{}")]);
     assert!(outcome.unwrap_err().hint().unwrap().contains("wait"));
     assert_eq!(requests.len(), 1);
     // A server in trouble, and a connection that is closed without an answer.
@@ -254,10 +217,7 @@ fn a_schema_that_is_rejected_is_left_out() {
     assert!(model.chat(&request(), &mut note).is_ok());
     // It is remembered.
     assert!(model.chat(&request(), &mut note).is_ok());
-    assert_eq!(
-        warnings,
-        ["the server takes no JSON schema; asking without one"]
-    );
+    assert_eq!(warnings, ["the server takes no JSON schema; asking without one"]);
     let requests = server.requests();
     assert!(body(&requests[0]).get("response_format").is_some());
     assert!(body(&requests[1]).get("response_format").is_none());
@@ -292,11 +252,7 @@ fn limits_and_temperatures_are_asked_for_as_the_server_likes() {
         ),
         success(),
     ]);
-    assert!(
-        model(&server, Dialect::common())
-            .chat(&request(), &mut |_| {})
-            .is_ok()
-    );
+    assert!(model(&server, Dialect::common()).chat(&request(), &mut |_| {}).is_ok());
     let requests = server.requests();
     assert_eq!(body(&requests[0])["max_tokens"], 50);
     assert_eq!(body(&requests[1])["max_completion_tokens"], 50);
@@ -306,10 +262,7 @@ fn limits_and_temperatures_are_asked_for_as_the_server_likes() {
         rejected("400 Bad Request", "max_completion_tokens is unknown"),
         rejected("400 Bad Request", "max_tokens is unknown"),
     ]);
-    assert!(matches!(
-        outcome,
-        Err(ModelError::Status { status: 400, .. })
-    ));
+    assert!(matches!(outcome, Err(ModelError::Status { status: 400, .. })));
     assert_eq!(requests.len(), 2);
 }
 
@@ -337,12 +290,7 @@ fn a_server_that_is_not_there_is_an_error() {
     let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
     drop(listener);
-    let mut model = OpenAiModel::new(
-        "m",
-        &format!("http://user:word@{address}/v1"),
-        None,
-        Dialect::common(),
-    );
+    let mut model = OpenAiModel::new("m", &format!("http://user:word@{address}/v1"), None, Dialect::common());
     let mut warnings = 0;
     let error = model
         .chat(&request(), &mut |progress| {
@@ -368,10 +316,7 @@ fn a_redirect_does_not_take_the_key_along() {
         b"",
     );
     let error = ask(vec![redirect]).0.unwrap_err();
-    assert!(
-        matches!(error, ModelError::Status { status: 307, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, ModelError::Status { status: 307, .. }), "{error}");
     assert!(other.requests().is_empty());
 }
 

@@ -62,11 +62,7 @@ impl Transport {
     }
 
     /// Sends a request. Where the server is busy or the connection fails, it is sent again.
-    pub(super) fn post(
-        &self,
-        body: &Value,
-        progress: &mut dyn FnMut(Progress),
-    ) -> Result<Answer, ModelError> {
+    pub(super) fn post(&self, body: &Value, progress: &mut dyn FnMut(Progress)) -> Result<Answer, ModelError> {
         let mut tries = 0;
         loop {
             let outcome = self.once(body);
@@ -95,19 +91,16 @@ impl Transport {
         if let Some(key) = &self.key {
             request = request.header(header::AUTHORIZATION, format!("Bearer {}", key.reveal()));
         }
-        let mut response = request
-            .send_json(body)
-            .map_err(|error| ModelError::Unreachable {
-                server: self.server.clone(),
-                reason: self.one_line(&error.to_string()),
-            })?;
+        let mut response = request.send_json(body).map_err(|error| ModelError::Unreachable {
+            server: self.server.clone(),
+            reason: self.one_line(&error.to_string()),
+        })?;
         let status = response.status();
         let wait = retry_after(&response);
         let text = response.body_mut().read_to_string();
         if status.is_success() {
             let text = text.map_err(|error| self.unreadable(&error.to_string()))?;
-            let value =
-                serde_json::from_str(&text).map_err(|error| self.unreadable(&error.to_string()))?;
+            let value = serde_json::from_str(&text).map_err(|error| self.unreadable(&error.to_string()))?;
             return Ok((Answer::Ok(value), None));
         }
         let message = self.one_line(&complaint(&text.unwrap_or_default()));
@@ -141,9 +134,7 @@ fn pause(outcome: &Result<(Answer, Option<Duration>), ModelError>, tries: u32) -
     let backoff = Duration::from_millis(500) * 2_u32.pow(tries);
     let pause = match outcome {
         Err(ModelError::Unreachable { .. }) => backoff,
-        Ok((Answer::Rejected { status, .. }, wait)) if *status == 429 || *status >= 500 => {
-            wait.unwrap_or(backoff)
-        }
+        Ok((Answer::Rejected { status, .. }, wait)) if *status == 429 || *status >= 500 => wait.unwrap_or(backoff),
         _ => return None,
     };
     (tries < RETRIES && pause <= PATIENCE).then_some(pause)
@@ -165,10 +156,7 @@ fn complaint(body: &str) -> String {
     let value: Option<Value> = serde_json::from_str(body).ok();
     let message = value.as_ref().and_then(|value| {
         let error = value.get("error").unwrap_or(value);
-        let text = error
-            .get("message")
-            .or(error.get("detail"))
-            .unwrap_or(error);
+        let text = error.get("message").or(error.get("detail")).unwrap_or(error);
         text.as_str()
     });
     message.unwrap_or(body).to_owned()

@@ -39,33 +39,20 @@ impl Dialect {
 
     /// The dialect without what the server's complaint names, and what to warn of; `None` if
     /// the complaint names nothing that can be left out.
-    pub(super) fn without(
-        self,
-        complaint: &str,
-        request: &ChatRequest,
-    ) -> Option<(Self, Option<&'static str>)> {
+    pub(super) fn without(self, complaint: &str, request: &ChatRequest) -> Option<(Self, Option<&'static str>)> {
         let complaint = complaint.to_lowercase();
         let names = |word: &str| complaint.contains(word);
         let asked = matches!(request.constraint, Constraint::JsonSchema(_));
         if self.schema && asked && (names("response_format") || names("json_schema")) {
-            let dialect = Self {
-                schema: false,
-                ..self
-            };
-            return Some((
-                dialect,
-                Some("the server takes no JSON schema; asking without one"),
-            ));
+            let dialect = Self { schema: false, ..self };
+            return Some((dialect, Some("the server takes no JSON schema; asking without one")));
         }
         if self.temperature && names("temperature") {
             let dialect = Self {
                 temperature: false,
                 ..self
             };
-            return Some((
-                dialect,
-                Some("the server takes no temperature; its answers may vary"),
-            ));
+            return Some((dialect, Some("the server takes no temperature; its answers may vary")));
         }
         let wrong = names(self.limit);
         match self.limit {
@@ -152,11 +139,7 @@ struct WireDetails {
 /// What an answer says.
 pub(super) fn reply(answer: &Value) -> Result<Reply, String> {
     let answer = WireAnswer::deserialize(answer).map_err(|error| error.to_string())?;
-    let choice = answer
-        .choices
-        .into_iter()
-        .next()
-        .ok_or("it has no choices")?;
+    let choice = answer.choices.into_iter().next().ok_or("it has no choices")?;
     let (text, finish) = match (choice.message.refusal, choice.message.content) {
         (Some(refusal), _) if !refusal.is_empty() => (refusal, Finish::Refused),
         (_, content) => {
@@ -179,14 +162,8 @@ pub(super) fn reply(answer: &Value) -> Result<Reply, String> {
     if let Some(told) = answer.usage {
         usage.prompt_tokens = told.prompt_tokens;
         usage.completion_tokens = told.completion_tokens;
-        let cached = told
-            .prompt_tokens_details
-            .and_then(|details| details.cached_tokens);
+        let cached = told.prompt_tokens_details.and_then(|details| details.cached_tokens);
         usage.cached_tokens = cached.unwrap_or(0);
     }
-    Ok(Reply {
-        text,
-        finish,
-        usage,
-    })
+    Ok(Reply { text, finish, usage })
 }

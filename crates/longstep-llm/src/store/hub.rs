@@ -15,19 +15,11 @@ use crate::catalogue::Entry;
 const FRUITLESS: u32 = 3;
 
 /// Downloads the file to its place.
-pub(super) fn fetch(
-    entry: &Entry,
-    path: &Path,
-    hub: &str,
-    tell: &mut Tell<'_>,
-) -> Result<(), Failure> {
+pub(super) fn fetch(entry: &Entry, path: &Path, hub: &str, tell: &mut Tell<'_>) -> Result<(), Failure> {
     let (Some(repository), Some(file)) = (entry.hub_repository, entry.hub_file) else {
         return Err(Failure::Source("this model is not published there".into()));
     };
-    let url = format!(
-        "{}/{repository}/resolve/main/{file}",
-        hub.trim_end_matches('/')
-    );
+    let url = format!("{}/{repository}/resolve/main/{file}", hub.trim_end_matches('/'));
     let agent = agent();
     let mut incoming = Incoming::resume(path.with_extension("gguf.part"))?;
     let mut fruitless = 0;
@@ -37,11 +29,7 @@ pub(super) fn fetch(
             Ok(()) => {}
             Err(Interrupted::Final(failure)) => return Err(failure),
             Err(Interrupted::Connection(reason)) => {
-                fruitless = if incoming.written() > before {
-                    0
-                } else {
-                    fruitless + 1
-                };
+                fruitless = if incoming.written() > before { 0 } else { fruitless + 1 };
                 if fruitless >= FRUITLESS {
                     return Err(Failure::Source(reason));
                 }
@@ -98,9 +86,7 @@ fn download(
         StatusCode::OK => incoming.restart()?,
         StatusCode::PARTIAL_CONTENT | StatusCode::RANGE_NOT_SATISFIABLE if from > 0 => {
             incoming.restart()?;
-            return Err(Interrupted::Connection(
-                "the server cannot go on with the file".into(),
-            ));
+            return Err(Interrupted::Connection("the server cannot go on with the file".into()));
         }
         status if status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS => {
             return Err(Interrupted::Connection(format!(
@@ -124,9 +110,7 @@ fn download(
         };
         if incoming.written() + read as u64 > entry.bytes {
             incoming.restart()?;
-            return Err(
-                Failure::Source("the file there is larger than the catalogue says".into()).into(),
-            );
+            return Err(Failure::Source("the file there is larger than the catalogue says".into()).into());
         }
         incoming.write(part)?;
         let done = incoming.written();
@@ -146,17 +130,13 @@ fn not_answered(error: &ureq::Error) -> Interrupted {
         ureq::Error::HostNotFound | ureq::Error::ConnectionFailed | ureq::Error::Timeout(_) => {
             Failure::Source(reason).into()
         }
-        ureq::Error::Io(io) if io.kind() == std::io::ErrorKind::ConnectionRefused => {
-            Failure::Source(reason).into()
-        }
+        ureq::Error::Io(io) if io.kind() == std::io::ErrorKind::ConnectionRefused => Failure::Source(reason).into(),
         _ => Interrupted::Connection(reason),
     }
 }
 
 fn starts_at<T>(response: &ureq::http::Response<T>, from: u64) -> bool {
     let range = response.headers().get(header::CONTENT_RANGE);
-    let range = range
-        .and_then(|range| range.to_str().ok())
-        .unwrap_or_default();
+    let range = range.and_then(|range| range.to_str().ok()).unwrap_or_default();
     range.starts_with(&format!("bytes {from}-"))
 }

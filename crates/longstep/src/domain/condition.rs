@@ -68,11 +68,7 @@ impl Condition {
             Self::Or(conditions) => Self::And(all(conditions)),
             Self::Forall(slot, kind, inner) => Self::Exists(slot, kind, Box::new(inner.negated())),
             Self::Exists(slot, kind, inner) => Self::Forall(slot, kind, Box::new(inner.negated())),
-            Self::Atom {
-                atom,
-                holds,
-                initially,
-            } => Self::Atom {
+            Self::Atom { atom, holds, initially } => Self::Atom {
                 atom,
                 holds: !holds,
                 initially,

@@ -34,7 +34,9 @@ impl Lexicon {
 /// An identifier without angle brackets, case and trailing number: `<Plate_274>` is `plate`.
 pub fn base_name(identifier: &str) -> String {
     let bare = identifier.trim_start_matches('<').trim_end_matches('>').to_lowercase();
-    let base = bare.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('_');
+    let base = bare
+        .trim_end_matches(|c: char| c.is_ascii_digit())
+        .trim_end_matches('_');
     if base.is_empty() { bare } else { base.to_owned() }
 }
 
@@ -63,7 +65,11 @@ pub fn plain_words(text: &str) -> Vec<String> {
             _ => {}
         }
         // An apostrophe belongs to its word: "let's" is one.
-        last = if character == '\'' || character == '\u{2019}' { last } else { character };
+        last = if character == '\'' || character == '\u{2019}' {
+            last
+        } else {
+            character
+        };
     }
     words
 }
@@ -80,8 +86,19 @@ pub fn plain_words(text: &str) -> Vec<String> {
 /// ```
 pub fn singular(word: &str) -> String {
     for (plural, single) in [
-        ("knives", "knife"), ("lives", "life"), ("leaves", "leaf"), ("ves", "f"), ("ies", "y"), ("sses", "ss"),
-        ("shes", "sh"), ("ches", "ch"), ("xes", "x"), ("toes", "to"), ("ss", "ss"), ("us", "us"), ("s", ""),
+        ("knives", "knife"),
+        ("lives", "life"),
+        ("leaves", "leaf"),
+        ("ves", "f"),
+        ("ies", "y"),
+        ("sses", "ss"),
+        ("shes", "sh"),
+        ("ches", "ch"),
+        ("xes", "x"),
+        ("toes", "to"),
+        ("ss", "ss"),
+        ("us", "us"),
+        ("s", ""),
     ] {
         if let Some(stem) = word.strip_suffix(plural)
             && (stem.len() + single.len() >= 2 && !word.is_empty())

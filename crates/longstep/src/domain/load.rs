@@ -72,7 +72,11 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
         Ok(text) => domain.goal_prompt = text,
         Err((line, message)) => {
             let position = Position { line, column: 1 };
-            findings.push(Diagnostic::at(&format!("{}prompt/goal.md", files.folder), position, message));
+            findings.push(Diagnostic::at(
+                &format!("{}prompt/goal.md", files.folder),
+                position,
+                message,
+            ));
         }
     }
     if findings.is_empty() {
@@ -86,7 +90,11 @@ fn read_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str, findings: &
     toml::from_str(text)
         .map_err(|error| {
             let position = Position::of(text, error.span().map_or(0, |span| span.start));
-            findings.push(Diagnostic::at(file, position, error.message().trim().replace('\n', "; ")));
+            findings.push(Diagnostic::at(
+                file,
+                position,
+                error.message().trim().replace('\n', "; "),
+            ));
         })
         .ok()
 }
@@ -189,7 +197,12 @@ impl Loader<'_> {
             if hole == "{" {
                 self.report(text, "a `{` is not closed");
             } else {
-                self.report_unknown(text, "name in braces", &hole, parameters.iter().map(|p| p.name.as_str()));
+                self.report_unknown(
+                    text,
+                    "name in braces",
+                    &hole,
+                    parameters.iter().map(|p| p.name.as_str()),
+                );
             }
             Template::default()
         })
@@ -228,7 +241,10 @@ impl Loader<'_> {
             .filter_map(|entry| {
                 let when = self.condition(&entry.when, &myself);
                 let literal = self.literal(&entry.fact, &myself)?;
-                Some(DefaultFact { atom: literal.atom, when })
+                Some(DefaultFact {
+                    atom: literal.atom,
+                    when,
+                })
             })
             .collect();
         let goal_words: Vec<GoalWord> = file.goal.iter().filter_map(|entry| self.goal_word(entry)).collect();
@@ -277,7 +293,8 @@ impl Loader<'_> {
                     "add `[[predicate]] name = \"{}\"` with `says` and `denies`",
                     predicate.name
                 );
-                self.findings.push(Diagnostic::at(self.pddl_file, position, message).hint(hint));
+                self.findings
+                    .push(Diagnostic::at(self.pddl_file, position, message).hint(hint));
                 all.push(PredicateWords {
                     says: Template::default(),
                     denies: Template::default(),
@@ -300,7 +317,10 @@ impl Loader<'_> {
             all.push(PredicateWords {
                 says: self.template(&entry.says, &predicate.parameters),
                 denies: self.template(&entry.denies, &predicate.parameters),
-                short: entry.short.as_ref().map(|short| self.template(short, &predicate.parameters)),
+                short: entry
+                    .short
+                    .as_ref()
+                    .map(|short| self.template(short, &predicate.parameters)),
                 event: entry.event,
                 unknown: match entry.unknown {
                     UnknownEntry::False => Unknown::False,
@@ -333,7 +353,8 @@ impl Loader<'_> {
                     "add `[[action]] name = \"{}\"` with `call`, `says` and `means`",
                     schema.name
                 );
-                self.findings.push(Diagnostic::at(self.pddl_file, position, message).hint(hint));
+                self.findings
+                    .push(Diagnostic::at(self.pddl_file, position, message).hint(hint));
                 continue;
             };
             let call = match Call::parse(entry.call.get_ref()) {
@@ -352,7 +373,10 @@ impl Loader<'_> {
                     None => self.report_unknown(&entry.call, "parameter", name, known.iter().copied()),
                 }
             }
-            let object = entry.object.as_ref().and_then(|object| self.parameter(object, &schema.parameters));
+            let object = entry
+                .object
+                .as_ref()
+                .and_then(|object| self.parameter(object, &schema.parameters));
             if let Some(shown) = object.filter(|index| explicit.contains(index)) {
                 let message = format!("`{}` is shown in the call already", known[shown]);
                 self.report(&entry.call, message);
@@ -407,7 +431,11 @@ impl Loader<'_> {
     }
 
     fn property(&mut self, entry: &words::PropertyEntry) -> PropertyWord {
-        let literals = entry.facts.iter().filter_map(|fact| self.literal(fact, &[self_parameter()])).collect();
+        let literals = entry
+            .facts
+            .iter()
+            .filter_map(|fact| self.literal(fact, &[self_parameter()]))
+            .collect();
         PropertyWord {
             word: entry.word.get_ref().clone(),
             literals,
@@ -416,8 +444,15 @@ impl Loader<'_> {
 
     fn derivation(&mut self, entry: &words::DeriveEntry) -> Derivation {
         let both = [self_parameter(), any_parameter("other")];
-        let literals: Vec<Literal> = entry.facts.iter().filter_map(|fact| self.literal(fact, &both)).collect();
-        let when = entry.when.as_ref().map_or(Condition::TRUE, |when| self.condition(when, &both));
+        let literals: Vec<Literal> = entry
+            .facts
+            .iter()
+            .filter_map(|fact| self.literal(fact, &both))
+            .collect();
+        let when = entry
+            .when
+            .as_ref()
+            .map_or(Condition::TRUE, |when| self.condition(when, &both));
         let mut binary = !entry.other_names.is_empty() || entry.pattern.is_some();
         for literal in &literals {
             binary |= literal.atom.terms.contains(&super::Term::Variable(1));
@@ -485,7 +520,12 @@ impl Loader<'_> {
             };
             let name = &rest[start + 1..start + length];
             let Some(index) = parameters.iter().position(|p| p.name == name) else {
-                self.report_unknown(&entry.form, "parameter", name, parameters.iter().map(|p| p.name.as_str()));
+                self.report_unknown(
+                    &entry.form,
+                    "parameter",
+                    name,
+                    parameters.iter().map(|p| p.name.as_str()),
+                );
                 return None;
             };
             form.push(FormPiece::Text(rest[..start].to_owned()));
@@ -507,7 +547,11 @@ impl Loader<'_> {
                 .map_or(Condition::TRUE, |offered| self.condition(offered, &parameters)),
             subject: entry.subject.as_ref().and_then(|s| self.parameter(s, &parameters)),
             exclusive: entry.exclusive.clone(),
-            disturbs: entry.disturbs.iter().filter_map(|d| self.parameter(d, &parameters)).collect(),
+            disturbs: entry
+                .disturbs
+                .iter()
+                .filter_map(|d| self.parameter(d, &parameters))
+                .collect(),
             says: self.template(&entry.says, &parameters),
             means: entry.means.clone(),
             parameters,
@@ -539,7 +583,11 @@ fn quantified_names(text: &str) -> Vec<String> {
     let mut names = Vec::new();
     let mut expression = sexpr::read("", text).ok().and_then(|mut e| e.pop());
     while let Some([variables, inner]) = expression.as_ref().and_then(|e| e.tail_of("forall")) {
-        let words = variables.list().unwrap_or_default().iter().filter_map(sexpr::Expression::word);
+        let words = variables
+            .list()
+            .unwrap_or_default()
+            .iter()
+            .filter_map(sexpr::Expression::word);
         names.extend(words.filter_map(|word| Some(word.strip_prefix('?')?.to_owned())));
         expression = Some(inner.clone());
     }

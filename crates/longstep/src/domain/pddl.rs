@@ -55,7 +55,11 @@ pub(crate) fn read(file: &str, text: &str, findings: &mut Vec<Diagnostic>) -> Se
         return semantics;
     };
     for extra in &expressions[1..] {
-        findings.push(Diagnostic::at(file, extra.position, "something follows the domain's end"));
+        findings.push(Diagnostic::at(
+            file,
+            extra.position,
+            "something follows the domain's end",
+        ));
     }
     let mut reader = Reader {
         file,
@@ -350,16 +354,14 @@ impl Reader<'_> {
                         _ => Condition::Exists(outer + index, kind, Box::new(inner)),
                     })
             }
-            ("=", [left, right]) => {
-                match (self.term(left, scope, names), self.term(right, scope, names)) {
-                    (Some((left, _)), Some((right, _))) => Condition::Equal {
-                        left,
-                        right,
-                        holds: true,
-                    },
-                    _ => Condition::TRUE,
-                }
-            }
+            ("=", [left, right]) => match (self.term(left, scope, names), self.term(right, scope, names)) {
+                (Some((left, _)), Some((right, _))) => Condition::Equal {
+                    left,
+                    right,
+                    holds: true,
+                },
+                _ => Condition::TRUE,
+            },
             ("not" | "imply" | "forall" | "exists" | "=" | "initially", _) => {
                 let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
                 self.report(item.position, message);

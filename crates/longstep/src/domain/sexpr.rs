@@ -80,9 +80,7 @@ pub(crate) fn read(file: &str, text: &str) -> Result<Vec<Expression>, Diagnostic
             c if c.is_whitespace() => continue,
             c => {
                 let mut word = String::from(c);
-                while let Some(next) =
-                    characters.next_if(|c| !c.is_whitespace() && !matches!(c, '(' | ')' | ';'))
-                {
+                while let Some(next) = characters.next_if(|c| !c.is_whitespace() && !matches!(c, '(' | ')' | ';')) {
                     advance(&mut position, next);
                     word.push(next);
                 }
@@ -98,8 +96,7 @@ pub(crate) fn read(file: &str, text: &str) -> Result<Vec<Expression>, Diagnostic
         }
     }
     match open.pop() {
-        Some((start, _)) => Err(Diagnostic::at(file, start, "this `(` is never closed")
-            .hint("add the missing `)`")),
+        Some((start, _)) => Err(Diagnostic::at(file, start, "this `(` is never closed").hint("add the missing `)`")),
         None => Ok(done),
     }
 }
@@ -125,13 +122,19 @@ mod tests {
     #[test]
     fn words_are_lower_case_and_comments_are_skipped() {
         let read = read("d.pddl", "(Define ; a note (\n (X))").unwrap();
-        assert_eq!(read[0].tail_of("define").unwrap()[0].list().unwrap()[0].word(), Some("x"));
+        assert_eq!(
+            read[0].tail_of("define").unwrap()[0].list().unwrap()[0].word(),
+            Some("x")
+        );
         assert_eq!(read[0].list().unwrap()[1].position, Position { line: 2, column: 2 });
     }
 
     #[test]
     fn unbalanced_lists_are_told_with_their_place() {
-        check_error("(a\n  (b)", "d.pddl:1:1: this `(` is never closed\n  hint: add the missing `)`");
+        check_error(
+            "(a\n  (b)",
+            "d.pddl:1:1: this `(` is never closed\n  hint: add the missing `)`",
+        );
         check_error(
             "(a))",
             "d.pddl:1:4: `)` closes nothing\n  hint: remove it, or open the list that it should close",

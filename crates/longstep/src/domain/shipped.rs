@@ -20,10 +20,16 @@ pub fn shipped_names() -> Vec<&'static str> {
 ///
 /// None for the domains as they are shipped; the tests load each of them.
 pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
-    let folder = SHIPPED.get_dir(name).filter(|dir| dir.path().components().count() == 1)?;
+    let folder = SHIPPED
+        .get_dir(name)
+        .filter(|dir| dir.path().components().count() == 1)?;
     let text = |file: &str| {
         let path = folder.path().join(file);
-        SHIPPED.get_file(path).and_then(|file| file.contents_utf8()).unwrap_or_default().to_owned()
+        SHIPPED
+            .get_file(path)
+            .and_then(|file| file.contents_utf8())
+            .unwrap_or_default()
+            .to_owned()
     };
     Some(load(&Files {
         folder: format!("domains/{name}/"),

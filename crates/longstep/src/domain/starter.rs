@@ -12,7 +12,13 @@ static STARTER: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/src/domain/starter")
 /// ```
 pub fn starter(name: &str) -> Vec<(String, String)> {
     // A name that PDDL and TOML can both write.
-    let word = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c.to_ascii_lowercase() } else { '-' };
+    let word = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '-' {
+            c.to_ascii_lowercase()
+        } else {
+            '-'
+        }
+    };
     let mut name: String = name.chars().map(word).collect();
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
         name.insert_str(0, "robot-");

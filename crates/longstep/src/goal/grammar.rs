@@ -36,7 +36,10 @@ pub fn grammar(domain: &Domain, world: &World, offers: &[Offer], first: bool, mo
         text.push_str("\" \" goal more");
     }
     text.push_str(if more { "\nmore: \" &\"?\n" } else { "\nmore: \"\"\n" });
-    text.push_str(&format!("question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n", quoted(QUESTION)));
+    text.push_str(&format!(
+        "question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n",
+        quoted(QUESTION)
+    ));
     if !alternatives.is_empty() {
         text.push_str("goal: ");
         text.push_str(&alternatives.join("\n  | "));
@@ -53,7 +56,9 @@ fn word_rule(word: &GoalWord, world: &World, arguments: &[Vec<EntityId>]) -> Str
 
 /// The rule for the rest of a form, given the arguments that are possible from here on.
 fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], parts: &mut Vec<String>) {
-    let Some((piece, rest)) = form.split_first() else { return };
+    let Some((piece, rest)) = form.split_first() else {
+        return;
+    };
     let index = match piece {
         FormPiece::Text(text) => {
             if !text.is_empty() {
@@ -77,7 +82,10 @@ fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
     let alternatives: Vec<String> = groups
         .into_iter()
         .map(|(others, entities)| {
-            let names: Vec<String> = entities.iter().map(|entity| quoted(&world.entity(*entity).name)).collect();
+            let names: Vec<String> = entities
+                .iter()
+                .map(|entity| quoted(&world.entity(*entity).name))
+                .collect();
             let mut parts = vec![format!("({})", names.join(" | "))];
             rule_from(rest, world, &others, &mut parts);
             parts.join(" ")
@@ -106,7 +114,8 @@ pub fn schema(domain: &Domain, world: &World, offers: &[Offer]) -> Value {
         .flat_map(|offer| offer.arguments.iter().map(|arguments| (offer.word, arguments.clone())))
         .map(|(word, arguments)| GoalFact::Word { word, arguments }.everyday(domain, world))
         .collect();
-    let listed = !texts.is_empty() && texts.len() <= ENUM_LIMIT && texts.iter().map(String::len).sum::<usize>() <= ENUM_BYTES;
+    let listed =
+        !texts.is_empty() && texts.len() <= ENUM_LIMIT && texts.iter().map(String::len).sum::<usize>() <= ENUM_BYTES;
     let goal = if listed {
         json!({"type": "string", "enum": texts})
     } else {

@@ -89,7 +89,11 @@ fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErro
         }
     }
     Err(error.unwrap_or_else(|| {
-        let mut forms: Vec<String> = domain.goal_words.iter().map(|word| format!("`{}`", form_text(word))).collect();
+        let mut forms: Vec<String> = domain
+            .goal_words
+            .iter()
+            .map(|word| format!("`{}`", form_text(word)))
+            .collect();
         forms.dedup();
         GoalError::UnknownWord {
             part: part.chars().take(80).collect(),

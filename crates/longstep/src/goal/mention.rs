@@ -28,17 +28,121 @@ pub struct LeftOut {
 
 /// Words that stand between a determiner and its noun's end, and other words that name no thing.
 const NOT_THINGS: &[&str] = &[
-    "a", "about", "above", "after", "again", "all", "an", "and", "another", "any", "anything", "around", "as", "at",
-    "away", "back", "be", "before", "beside", "both", "bottom", "but", "by", "can", "down", "each", "every",
-    "everything", "first", "for", "from", "front", "half", "here", "in", "inside", "into", "is", "it", "its", "last",
-    "left", "lower", "me", "middle", "my", "near", "next", "now", "of", "off", "on", "one", "onto", "or", "other",
-    "our", "out", "over", "place", "please", "rest", "right", "room", "same", "second", "side", "so", "some",
-    "somewhere", "spot", "that", "the", "them", "then", "there", "these", "thing", "this", "those", "through", "to",
-    "together", "too", "top", "two", "under", "until", "up", "upper", "using", "way", "where", "which", "while", "with",
-    "your", "you", "bit", "little", "time", "work", "rid", "use", "not", "will", "would", "could", "should", "still",
+    "a",
+    "about",
+    "above",
+    "after",
+    "again",
+    "all",
+    "an",
+    "and",
+    "another",
+    "any",
+    "anything",
+    "around",
+    "as",
+    "at",
+    "away",
+    "back",
+    "be",
+    "before",
+    "beside",
+    "both",
+    "bottom",
+    "but",
+    "by",
+    "can",
+    "down",
+    "each",
+    "every",
+    "everything",
+    "first",
+    "for",
+    "from",
+    "front",
+    "half",
+    "here",
+    "in",
+    "inside",
+    "into",
+    "is",
+    "it",
+    "its",
+    "last",
+    "left",
+    "lower",
+    "me",
+    "middle",
+    "my",
+    "near",
+    "next",
+    "now",
+    "of",
+    "off",
+    "on",
+    "one",
+    "onto",
+    "or",
+    "other",
+    "our",
+    "out",
+    "over",
+    "place",
+    "please",
+    "rest",
+    "right",
+    "room",
+    "same",
+    "second",
+    "side",
+    "so",
+    "some",
+    "somewhere",
+    "spot",
+    "that",
+    "the",
+    "them",
+    "then",
+    "there",
+    "these",
+    "thing",
+    "this",
+    "those",
+    "through",
+    "to",
+    "together",
+    "too",
+    "top",
+    "two",
+    "under",
+    "until",
+    "up",
+    "upper",
+    "using",
+    "way",
+    "where",
+    "which",
+    "while",
+    "with",
+    "your",
+    "you",
+    "bit",
+    "little",
+    "time",
+    "work",
+    "rid",
+    "use",
+    "not",
+    "will",
+    "would",
+    "could",
+    "should",
+    "still",
 ];
 
-const DETERMINERS: &[&str] = &["the", "a", "an", "that", "this", "my", "your", "some", "those", "these", "our"];
+const DETERMINERS: &[&str] = &[
+    "the", "a", "an", "that", "this", "my", "your", "some", "those", "these", "our",
+];
 
 /// Looks at a goal against the instruction.
 pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal) -> Understanding {
@@ -57,7 +161,10 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
             .into_iter()
             .map(|fact| LeftOut {
                 why: match subject(&fact) {
-                    Some(entity) => format!("the instruction does not speak of {}", world.entity(entity).with_article()),
+                    Some(entity) => format!(
+                        "the instruction does not speak of {}",
+                        world.entity(entity).with_article()
+                    ),
                     None => String::new(),
                 },
                 fact,
@@ -87,13 +194,26 @@ pub fn spoken_of(world: &World, instruction: &str) -> Vec<EntityId> {
         .collect();
     let head = |id: EntityId| -> Option<String> {
         let name = plain_words(&world.entity(id).name);
-        name.into_iter().rev().find(|word| !word.starts_with(|c: char| c.is_ascii_digit())).map(|w| singular(&w))
+        name.into_iter()
+            .rev()
+            .find(|word| !word.starts_with(|c: char| c.is_ascii_digit()))
+            .map(|w| singular(&w))
     };
     let beaten = |id: EntityId, score: usize| {
-        scored.iter().any(|(other, better)| *better > score && head(*other) == head(id))
-            && words.iter().filter(|word| Some(word.as_str()) == head(id).as_deref()).count() == 1
+        scored
+            .iter()
+            .any(|(other, better)| *better > score && head(*other) == head(id))
+            && words
+                .iter()
+                .filter(|word| Some(word.as_str()) == head(id).as_deref())
+                .count()
+                == 1
     };
-    scored.iter().filter(|(id, score)| !beaten(*id, *score)).map(|(id, _)| *id).collect()
+    scored
+        .iter()
+        .filter(|(id, score)| !beaten(*id, *score))
+        .map(|(id, _)| *id)
+        .collect()
 }
 
 /// A thing that the instruction names with a determiner and that nothing in the world is called.
@@ -114,7 +234,10 @@ pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Optio
         if !DETERMINERS.contains(&words[at - 1].as_str()) {
             continue;
         }
-        let phrase: Vec<&String> = words[at..].iter().take_while(|word| !NOT_THINGS.contains(&word.as_str())).collect();
+        let phrase: Vec<&String> = words[at..]
+            .iter()
+            .take_while(|word| !NOT_THINGS.contains(&word.as_str()))
+            .collect();
         // Any known word in the phrase makes it one of ours: "the big plate carefully".
         let ours = phrase.iter().any(|word| known.contains(&singular(word)));
         if let (false, Some(first)) = (ours || phrase.is_empty(), phrase.first()) {

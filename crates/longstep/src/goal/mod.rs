@@ -118,11 +118,17 @@ impl Goal {
             for (number, rule) in domain.rules.iter().enumerate() {
                 match fact {
                     GoalFact::Word { word, arguments } if rule.unless.contains(&domain.goal_word(*word).word) => {
-                        waivers.extend(arguments.iter().map(|entity| Waiver { rule: number, entity: *entity }));
+                        waivers.extend(arguments.iter().map(|entity| Waiver {
+                            rule: number,
+                            entity: *entity,
+                        }));
                     }
                     // Who names a plain fact about a thing wants that rather than what is tidy.
                     GoalFact::Plain(fact) if rule.time == RuleTime::Tidy => {
-                        waivers.push(Waiver { rule: number, entity: fact.argument(0) });
+                        waivers.push(Waiver {
+                            rule: number,
+                            entity: fact.argument(0),
+                        });
                     }
                     _ => {}
                 }
@@ -142,7 +148,9 @@ impl Goal {
 
     /// Everything that must hold at the end, the domain's rules included: what search is given.
     pub fn wanted(&self, domain: &Domain, world: &World) -> Vec<Wanted> {
-        let Purpose { mut wanted, waivers, .. } = self.purpose(domain);
+        let Purpose {
+            mut wanted, waivers, ..
+        } = self.purpose(domain);
         wanted.extend(wanted_at_end(domain, world, &waivers));
         wanted
     }

@@ -33,9 +33,22 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], meant: &[Entity
         }
     }
     // Two forms of one word are two readings of one wish; the one that fits what is spoken of wins.
-    let fits = |offer: &Offer| offer.arguments.iter().any(|bindings| bindings.iter().all(|e| meant.contains(e)));
-    let fitting: Vec<&str> = offers.iter().filter(|o| fits(o)).map(|o| domain.goal_word(o.word).word.as_str()).collect();
-    offers.iter().filter(|o| fits(o) || !fitting.contains(&domain.goal_word(o.word).word.as_str())).cloned().collect()
+    let fits = |offer: &Offer| {
+        offer
+            .arguments
+            .iter()
+            .any(|bindings| bindings.iter().all(|e| meant.contains(e)))
+    };
+    let fitting: Vec<&str> = offers
+        .iter()
+        .filter(|o| fits(o))
+        .map(|o| domain.goal_word(o.word).word.as_str())
+        .collect();
+    offers
+        .iter()
+        .filter(|o| fits(o) || !fitting.contains(&domain.goal_word(o.word).word.as_str()))
+        .cloned()
+        .collect()
 }
 
 fn narrow(domain: &Domain, world: &World, meant: &[EntityId], parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
@@ -52,7 +65,9 @@ fn narrow(domain: &Domain, world: &World, meant: &[EntityId], parameters: usize,
     let related = world.state.sorted();
     let related: Vec<_> = related
         .iter()
-        .filter(|fact| domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2)
+        .filter(|fact| {
+            domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2
+        })
         .map(|fact| (fact.argument(0), fact.argument(1)))
         .collect();
     if parameters == 2 && !meant.is_empty() {
@@ -81,8 +96,11 @@ fn collect(
         state: &world.state,
     };
     let distinct = (1..bindings.len()).all(|at| !bindings[..at].contains(&bindings[at]));
-    let disturbed =
-        |bindings: &Bindings| bindings.iter().any(|entity| said.iter().any(|fact| disturbs(domain, fact, *entity)));
+    let disturbed = |bindings: &Bindings| {
+        bindings
+            .iter()
+            .any(|entity| said.iter().any(|fact| disturbs(domain, fact, *entity)))
+    };
     if distinct
         && holds(moment, &word.offered, bindings)
         && !said.iter().any(|fact| excludes(domain, fact, word, bindings))
@@ -95,9 +113,11 @@ fn collect(
 /// Whether achieving `fact` may move `entity`.
 fn disturbs(domain: &Domain, fact: &GoalFact, entity: EntityId) -> bool {
     match fact {
-        GoalFact::Word { word, arguments } => {
-            domain.goal_word(*word).disturbs.iter().any(|parameter| arguments[*parameter] == entity)
-        }
+        GoalFact::Word { word, arguments } => domain
+            .goal_word(*word)
+            .disturbs
+            .iter()
+            .any(|parameter| arguments[*parameter] == entity),
         GoalFact::Plain(_) => false,
     }
 }

@@ -6,8 +6,8 @@ mod resolve;
 pub use paper::{PlanFile, TaskCohesion};
 pub use resolve::{DraftStep, resolve};
 
-use crate::domain::{ActionId, Domain};
 use crate::call::Call;
+use crate::domain::{ActionId, Domain};
 use crate::world::{EntityId, World};
 
 /// One action with all its arguments, and what it is for.
@@ -47,7 +47,10 @@ impl Step {
 
     /// The entity that the paper's `object_name` speaks of, if the action has one.
     pub fn object(&self, domain: &Domain) -> Option<EntityId> {
-        domain.action(self.action).object.map(|parameter| self.arguments[parameter])
+        domain
+            .action(self.action)
+            .object
+            .map(|parameter| self.arguments[parameter])
     }
 }
 

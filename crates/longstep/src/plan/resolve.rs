@@ -77,7 +77,9 @@ fn step(
         }]
     };
     let call = Call::parse(text).map_err(|_| unknown(text))?;
-    let found = domain.action_ids().find(|(_, action)| action.call.eq_ignore_ascii_case(&call.name));
+    let found = domain
+        .action_ids()
+        .find(|(_, action)| action.call.eq_ignore_ascii_case(&call.name));
     let (id, action) = found.ok_or_else(|| unknown(&call.name))?;
     if call.arguments.len() != action.explicit.len() {
         return Err(vec![Violation::WrongArguments {

@@ -72,7 +72,10 @@ impl<'a> GoalDialogue<'a> {
             None => goal::spoken_of(world, instruction),
         };
         let scene = scene(domain, world, &offers(domain, world, &[], &[]));
-        messages.push(Message::new(Role::User, scene_and_instruction(&scene, &one_line(instruction))));
+        messages.push(Message::new(
+            Role::User,
+            scene_and_instruction(&scene, &one_line(instruction)),
+        ));
         Self {
             domain,
             world,
@@ -158,7 +161,11 @@ impl<'a> GoalDialogue<'a> {
             goals: Vec<String>,
         }
         // A server that ignores the schema may put a fence around the object.
-        let bare = text.trim().trim_start_matches("```json").trim_start_matches("```").trim_end_matches("```");
+        let bare = text
+            .trim()
+            .trim_start_matches("```json")
+            .trim_start_matches("```")
+            .trim_end_matches("```");
         let answer: Answer = serde_json::from_str(bare.trim())
             .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))?;
         if !answer.question.trim().is_empty() {

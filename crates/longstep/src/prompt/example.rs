@@ -65,7 +65,10 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment
-        .render_str(template, context! { name => &domain.name, about => &domain.about, goals, actions })
+        .render_str(
+            template,
+            context! { name => &domain.name, about => &domain.about, goals, actions },
+        )
         .map(|text| text.trim_end().to_owned())
         .map_err(|error| {
             let message = error.detail().map_or_else(|| error.to_string(), str::to_owned);

@@ -10,7 +10,10 @@ use crate::world::{EntityId, Fact, World};
 /// The scene: every object with where it is, and every place that a goal or an object's line can speak of.
 pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {
     let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
-    let mut shown: FxHashSet<EntityId> = offers.iter().flat_map(|o| o.arguments.iter().flatten().copied()).collect();
+    let mut shown: FxHashSet<EntityId> = offers
+        .iter()
+        .flat_map(|o| o.arguments.iter().flatten().copied())
+        .collect();
     shown.extend(world.entities().map(|(id, _)| id).filter(|id| is_object(*id)));
     let facts = world.state.sorted();
     let (mut objects, mut places) = (Vec::new(), Vec::new());

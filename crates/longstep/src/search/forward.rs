@@ -8,23 +8,30 @@ use rustc_hash::FxHashMap;
 use super::Outcome;
 use super::formula::Literal;
 use super::landmark_cut::LandmarkCut;
+use super::relevance;
 use super::task::Task;
 
 /// How far a search goes before it gives up, in states looked at, so that the answer never depends on the
 /// speed of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// States for which the distance to the goal is estimated while looking for a shortest plan.
+    /// States looked at among the most direct plans.
+    pub direct: usize,
+    /// States looked at to prove that no plan is shorter than the direct one.
+    pub proof: usize,
+    /// States looked at for a shortest plan when there is no direct one.
     pub shortest: usize,
-    /// The same while looking for any plan, after that.
+    /// States looked at for any plan, after that.
     pub any: usize,
 }
 
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            shortest: 20_000,
-            any: 50_000,
+            direct: 1_500,
+            proof: 200,
+            shortest: 1_500,
+            any: 10_000,
         }
     }
 }
@@ -57,24 +64,76 @@ impl Bits {
 }
 
 pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
+    let focused = relevance::focus(task);
     let mut heuristic = LandmarkCut::new(task);
-    let shortest = Search::new(task, &mut heuristic, 1, limits.shortest).run();
-    let Outcome::GaveUp { expanded: before, .. } = shortest else {
-        return shortest;
+    let direct = Search::new(&focused, &mut LandmarkCut::new(&focused), 1, limits.direct).run();
+    let mut looked_at = match direct {
+        Outcome::GaveUp { expanded, .. } => {
+            let mut heuristic = LandmarkCut::new(&focused);
+            match Search::new(&focused, &mut heuristic, GREED, limits.any).run() {
+                Outcome::Solved {
+                    steps, expanded: more, ..
+                } => {
+                    return Outcome::Solved {
+                        steps,
+                        shortest: false,
+                        expanded: expanded + more,
+                    };
+                }
+                Outcome::ProvenUnsolvable { expanded: more } | Outcome::GaveUp { expanded: more, .. } => {
+                    expanded + more
+                }
+            }
+        }
+        Outcome::Solved { steps, expanded, .. } => {
+            // Now everything is allowed, but only plans with fewer steps count.
+            let mut proof = Search::new(task, &mut heuristic, 1, limits.proof);
+            proof.below = Some(steps.len() as u32);
+            return match proof.run() {
+                Outcome::Solved {
+                    steps, expanded: more, ..
+                } => Outcome::Solved {
+                    steps,
+                    shortest: true,
+                    expanded: expanded + more,
+                },
+                Outcome::ProvenUnsolvable { expanded: more } => Outcome::Solved {
+                    steps,
+                    shortest: true,
+                    expanded: expanded + more,
+                },
+                Outcome::GaveUp { expanded: more, .. } => Outcome::Solved {
+                    steps,
+                    shortest: false,
+                    expanded: expanded + more,
+                },
+            };
+        }
+        Outcome::ProvenUnsolvable { expanded } => expanded,
     };
-    match Search::new(task, &mut heuristic, GREED, limits.any).run() {
-        Outcome::Solved { steps, expanded, .. } => Outcome::Solved {
-            steps,
-            shortest: false,
-            expanded: before + expanded,
-        },
-        Outcome::ProvenUnsolvable { expanded } => Outcome::ProvenUnsolvable {
-            expanded: before + expanded,
-        },
-        Outcome::GaveUp { expanded, .. } => Outcome::GaveUp {
-            why: format!("no plan found in {} states", limits.shortest + limits.any),
-            expanded: before + expanded,
-        },
+    for (weight, limit) in [(1, limits.shortest), (GREED, limits.any)] {
+        match Search::new(task, &mut heuristic, weight, limit).run() {
+            Outcome::Solved { steps, expanded, .. } => {
+                return Outcome::Solved {
+                    steps,
+                    shortest: weight == 1,
+                    expanded: looked_at + expanded,
+                };
+            }
+            Outcome::ProvenUnsolvable { expanded } => {
+                return Outcome::ProvenUnsolvable {
+                    expanded: looked_at + expanded,
+                };
+            }
+            Outcome::GaveUp { expanded, .. } => looked_at += expanded,
+        }
+    }
+    Outcome::GaveUp {
+        why: format!(
+            "no plan found in {} states",
+            limits.direct + limits.shortest + limits.any
+        ),
+        expanded: looked_at,
     }
 }
 
@@ -97,6 +156,8 @@ struct Search<'a> {
     heuristic: &'a mut LandmarkCut,
     weight: u32,
     limit: usize,
+    /// Only plans with fewer steps than this are looked for.
+    below: Option<u32>,
     nodes: Vec<Node>,
     known: FxHashMap<Bits, u32>,
     open: BinaryHeap<Entry>,
@@ -111,6 +172,7 @@ impl<'a> Search<'a> {
             heuristic,
             weight,
             limit,
+            below: None,
             nodes: Vec::new(),
             known: FxHashMap::default(),
             open: BinaryHeap::new(),
@@ -135,6 +197,10 @@ impl<'a> Search<'a> {
             let node = &self.nodes[number as usize];
             if node.expanded || promise > self.promise(node) {
                 continue;
+            }
+            if self.below.is_some_and(|below| promise >= below) {
+                // Everything else that is open promises no better.
+                return Outcome::ProvenUnsolvable { expanded };
             }
             if self.task.goal.holds(&|literal| node.state.is(literal)) {
                 return Outcome::Solved {

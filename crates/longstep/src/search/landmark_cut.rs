@@ -121,11 +121,7 @@ impl LandmarkCut {
         for proposition in &gives {
             self.given_by[*proposition as usize].push(number);
         }
-        self.rules.push(Rule {
-            needs,
-            gives,
-            operator,
-        });
+        self.rules.push(Rule { needs, gives, operator });
     }
 
     /// Propositions that together mean the formula.
@@ -194,7 +190,9 @@ impl LandmarkCut {
     }
 
     fn price(&self, rule: u32) -> u32 {
-        self.rules[rule as usize].operator.map_or(0, |operator| self.cost[operator as usize])
+        self.rules[rule as usize]
+            .operator
+            .map_or(0, |operator| self.cost[operator as usize])
     }
 
     /// The cheapest way to each proposition when a rule costs as much as the dearest of its needs; the
@@ -203,7 +201,8 @@ impl LandmarkCut {
         self.value.clear();
         self.value.resize(self.needed_by.len(), UNREACHED);
         self.missing.clear();
-        self.missing.extend(self.rules.iter().map(|rule| rule.needs.len() as u32));
+        self.missing
+            .extend(self.rules.iter().map(|rule| rule.needs.len() as u32));
         self.supporter.clear();
         self.supporter.resize(self.rules.len(), UNREACHED);
         // Costs are small whole numbers: a bucket for each.

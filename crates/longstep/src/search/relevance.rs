@@ -9,13 +9,30 @@
 //! nothing that is asked for (other than what held throughout), and an effect that takes such a literal away
 //! fires no more often than before, since the opposite of its condition is asked for too.
 
+use std::collections::VecDeque;
+
 use super::formula::{Formula, Literal};
 use super::task::{Operator, Task};
 
+/// The task without what no plan can need.
 pub(super) fn reduce(mut task: Task) -> Task {
     task.operators = reachable(&task);
     simplify(&mut task);
-    task.operators = relevant(&task);
+    task.operators = relevant(&task, false);
+    simplify(&mut task);
+    renumber(task)
+}
+
+/// The task with only the most direct ways to what is asked for. It may have no plan although the task has
+/// one, and its shortest plan may not be the task's; but it is small, and a plan for it is a plan.
+///
+/// Whatever is asked for is left to operators that are kept already, if one of them brings it about; else to
+/// those that can bring it about as things are, if there are any. So a plate need not be put on every
+/// shelf only because whoever walks to that shelf would then reach the plate.
+pub(super) fn focus(task: &Task) -> Task {
+    let mut task = task.clone();
+    task.operators = relevant(&task, true);
+    task.operators = reachable(&task);
     simplify(&mut task);
     renumber(task)
 }
@@ -88,21 +105,33 @@ fn simplify(task: &mut Task) {
         .retain(|operator| !operator.precondition.is_false() && !operator.effects.is_empty());
 }
 
-fn relevant(task: &Task) -> Vec<Operator> {
-    let mut search = Relevance::new(task);
+fn relevant(task: &Task, focused: bool) -> Vec<Operator> {
+    let mut search = Relevance::new(task, focused);
     task.goal.for_each(&mut |literal| search.ask(literal));
     task.always.for_each(&mut |literal| search.ask(literal));
-    while let Some(literal) = search.queue.pop() {
+    while let Some(literal) = search.queue.pop_front() {
         search.expand(literal);
+    }
+    let mut tracked: Vec<bool> = search
+        .asked
+        .chunks(2)
+        .map(|literals| literals[0] || literals[1])
+        .collect();
+    for (operator, _) in task.operators.iter().zip(&search.kept).filter(|(_, kept)| **kept) {
+        for effect in &operator.effects {
+            let matters = search.asked[index(effect.literal)] || search.asked[index(opposite(effect.literal))];
+            if matters {
+                effect
+                    .condition
+                    .for_each(&mut |literal| tracked[literal.fact as usize] = true);
+            }
+        }
     }
     let mut operators = Vec::new();
     for (operator, _) in task.operators.iter().zip(&search.kept).filter(|(_, kept)| **kept) {
         let mut operator = operator.clone();
         // Facts that nobody asks about need no bookkeeping.
-        operator.effects.retain(|effect| {
-            let fact = effect.literal.fact as usize * 2;
-            search.asked[fact] || search.asked[fact + 1]
-        });
+        operator.effects.retain(|effect| tracked[effect.literal.fact as usize]);
         operators.push(operator);
     }
     operators
@@ -110,18 +139,19 @@ fn relevant(task: &Task) -> Vec<Operator> {
 
 struct Relevance<'a> {
     task: &'a Task,
+    focused: bool,
     /// By literal: the operators and effects that bring it about.
     achievers: Vec<Vec<(u32, u32)>>,
     kept: Vec<bool>,
     asked: Vec<bool>,
     /// Literals for which somebody who brings them about has been looked for.
     expanded: Vec<bool>,
-    /// Literals to look at again.
-    queue: Vec<Literal>,
+    /// Literals to look at, or to look at again.
+    queue: VecDeque<Literal>,
 }
 
 impl<'a> Relevance<'a> {
-    fn new(task: &'a Task) -> Self {
+    fn new(task: &'a Task, focused: bool) -> Self {
         let literals = task.initial.len() * 2;
         let mut achievers = vec![Vec::new(); literals];
         for (number, operator) in task.operators.iter().enumerate() {
@@ -131,47 +161,75 @@ impl<'a> Relevance<'a> {
         }
         Self {
             task,
+            focused,
             achievers,
             kept: vec![false; task.operators.len()],
             asked: vec![false; literals],
             expanded: vec![false; literals],
-            queue: Vec::new(),
+            queue: VecDeque::new(),
         }
     }
 
     fn ask(&mut self, literal: Literal) {
         if !std::mem::replace(&mut self.asked[index(literal)], true) {
-            self.queue.push(literal);
+            self.queue.push_back(literal);
         }
     }
 
+    fn condition(&self, (operator, effect): (u32, u32)) -> &'a Formula {
+        &self.task.operators[operator as usize].effects[effect as usize].condition
+    }
+
+    /// Whether an effect fires as things are at the start.
+    fn fires(&self, achiever: (u32, u32)) -> bool {
+        let initially = |literal: Literal| self.task.initial[literal.fact as usize] == literal.holds;
+        self.condition(achiever).holds(&initially)
+    }
+
     fn expand(&mut self, literal: Literal) {
-        let task = self.task;
-        let mut lost = task.initial[literal.fact as usize] != literal.holds;
-        for at in 0..self.achievers[index(opposite(literal))].len() {
-            let (operator, effect) = self.achievers[index(opposite(literal))][at];
-            if self.kept[operator as usize] {
+        let mut lost = self.task.initial[literal.fact as usize] != literal.holds;
+        for taker in self.achievers[index(opposite(literal))].clone() {
+            if self.kept[taker.0 as usize] {
                 lost = true;
                 // Whether a kept operator takes the literal away must not change.
-                let condition = &task.operators[operator as usize].effects[effect as usize].condition;
-                condition.for_each(&mut |literal| self.ask(opposite(literal)));
+                if !self.focused {
+                    self.condition(taker)
+                        .for_each(&mut |literal| self.ask(opposite(literal)));
+                }
             }
         }
         if !lost || std::mem::replace(&mut self.expanded[index(literal)], true) {
             return;
         }
-        for at in 0..self.achievers[index(literal)].len() {
-            let (number, effect) = self.achievers[index(literal)][at];
-            let operator = &task.operators[number as usize];
-            operator.effects[effect as usize].condition.for_each(&mut |literal| self.ask(literal));
-            if std::mem::replace(&mut self.kept[number as usize], true) {
-                continue;
+        let mut achievers = self.achievers[index(literal)].clone();
+        if self.focused {
+            if achievers
+                .iter()
+                .any(|achiever| self.kept[achiever.0 as usize] && self.fires(*achiever))
+            {
+                return;
             }
-            operator.precondition.for_each(&mut |literal| self.ask(literal));
-            for effect in &operator.effects {
-                if self.asked[index(opposite(effect.literal))] {
-                    self.queue.push(opposite(effect.literal));
-                }
+            if achievers.iter().any(|achiever| self.fires(*achiever)) {
+                achievers.retain(|achiever| self.fires(*achiever));
+            }
+        }
+        for achiever in achievers {
+            if !(self.focused && self.fires(achiever)) {
+                self.condition(achiever).for_each(&mut |literal| self.ask(literal));
+            }
+            self.keep(achiever.0 as usize);
+        }
+    }
+
+    fn keep(&mut self, number: usize) {
+        if std::mem::replace(&mut self.kept[number], true) {
+            return;
+        }
+        let operator = &self.task.operators[number];
+        operator.precondition.for_each(&mut |literal| self.ask(literal));
+        for effect in &operator.effects {
+            if self.asked[index(opposite(effect.literal))] {
+                self.queue.push_back(opposite(effect.literal));
             }
         }
     }

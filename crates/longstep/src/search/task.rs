@@ -48,31 +48,50 @@ pub(super) fn ground(domain: &Domain, world: &World, wanted: &[Wanted]) -> Task 
     let mut always = Vec::new();
     for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
         let kinds: Vec<_> = rule.variables.iter().map(|v| v.kind).collect();
-        let condition = kinds.iter().enumerate().rev().fold(rule.condition.clone(), |inner, (slot, kind)| {
-            Condition::Forall(slot, *kind, Box::new(inner))
-        });
+        let condition = kinds
+            .iter()
+            .enumerate()
+            .rev()
+            .fold(rule.condition.clone(), |inner, (slot, kind)| {
+                Condition::Forall(slot, *kind, Box::new(inner))
+            });
         always.push(grounder.formula(&condition, &mut Vec::new()));
     }
     let mut operators: Vec<Operator> = Vec::new();
     for (id, action) in domain.action_ids() {
         let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
         let mut arguments = Vec::with_capacity(action.parameters.len());
-        grounder.bind(action, &conjuncts, &mut arguments, &mut |grounder, arguments, precondition| {
-            let effects = grounder.effects(action, arguments);
-            operators.push(Operator {
-                step: GroundAction {
-                    action: id,
-                    arguments: arguments.to_vec(),
-                },
-                precondition,
-                effects,
-            });
-        });
+        grounder.bind(
+            action,
+            &conjuncts,
+            &mut arguments,
+            &mut |grounder, arguments, precondition| {
+                let effects = grounder.effects(action, arguments);
+                operators.push(Operator {
+                    step: GroundAction {
+                        action: id,
+                        arguments: arguments.to_vec(),
+                    },
+                    precondition,
+                    effects,
+                });
+            },
+        );
     }
     // Of equally short plans, the one that deals with the things of the goal is the one to expect: walk to the
     // sink rather than to its tap. Operators that come first are tried first.
-    let spoken_of: FxHashSet<EntityId> = wanted.iter().flat_map(|wanted| wanted.bindings.iter().copied()).collect();
-    operators.sort_by_key(|operator| operator.step.arguments.iter().filter(|entity| !spoken_of.contains(entity)).count());
+    let spoken_of: FxHashSet<EntityId> = wanted
+        .iter()
+        .flat_map(|wanted| wanted.bindings.iter().copied())
+        .collect();
+    operators.sort_by_key(|operator| {
+        operator
+            .step
+            .arguments
+            .iter()
+            .filter(|entity| !spoken_of.contains(entity))
+            .count()
+    });
     Task {
         initial: grounder.initial,
         operators,
@@ -96,9 +115,11 @@ fn parameters_needed(condition: &Condition, bound: usize) -> usize {
         _ => 0,
     };
     match condition {
-        Condition::And(parts) | Condition::Or(parts) => {
-            parts.iter().map(|part| parameters_needed(part, bound)).max().unwrap_or(0)
-        }
+        Condition::And(parts) | Condition::Or(parts) => parts
+            .iter()
+            .map(|part| parameters_needed(part, bound))
+            .max()
+            .unwrap_or(0),
         // The quantified slot follows all parameters, so none of them may be missing.
         Condition::Forall(slot, _, inner) | Condition::Exists(slot, _, inner) => {
             (*slot).max(parameters_needed(inner, bound.min(*slot)))

@@ -26,7 +26,9 @@ pub fn bind(
     claimed: Option<&State>,
 ) -> (Plan, Vec<Assumption>) {
     if steps.iter().all(|step| step.arguments.iter().all(Option::is_some)) {
-        let plan = steps.iter().map(|step| bound(domain, world, step, step.arguments.iter().flatten().copied().collect()));
+        let plan = steps
+            .iter()
+            .map(|step| bound(domain, world, step, step.arguments.iter().flatten().copied().collect()));
         return (Plan { steps: plan.collect() }, Vec::new());
     }
     let mut binder = Binder {
@@ -46,7 +48,10 @@ pub fn bind(
         return (plan, Vec::new());
     };
     let assumptions = binder.open(steps, &arguments);
-    let steps = steps.iter().zip(arguments).map(|(step, arguments)| bound(domain, world, step, arguments));
+    let steps = steps
+        .iter()
+        .zip(arguments)
+        .map(|(step, arguments)| bound(domain, world, step, arguments));
     (Plan { steps: steps.collect() }, assumptions)
 }
 
@@ -75,7 +80,10 @@ struct Binder<'a> {
 impl Binder<'_> {
     fn candidates_of(&self, step: &DraftStep, objects: &[EntityId]) -> Vec<(crate::domain::ActionId, Vec<EntityId>)> {
         let action = self.domain.action(step.action);
-        let words: Vec<String> = plain_words(&step.explanation).iter().map(|word| singular(word)).collect();
+        let words: Vec<String> = plain_words(&step.explanation)
+            .iter()
+            .map(|word| singular(word))
+            .collect();
         let claims: FxHashSet<EntityId> = self.claimed_places(objects);
         let mut all: Vec<Vec<EntityId>> = vec![Vec::new()];
         for (index, parameter) in action.parameters.iter().enumerate() {
@@ -89,13 +97,18 @@ impl Binder<'_> {
                     let mut ranked = open.to_vec();
                     ranked.sort_by_key(|entity| {
                         let mentioned = self.world.entity(*entity).words_in(&words);
-                        (std::cmp::Reverse(mentioned), !claims.contains(entity), *entity)
+                        // The thing that is handled is named in every sentence, and is not its own place.
+                        let itself = action.object.is_some() && objects.contains(entity);
+                        (itself, std::cmp::Reverse(mentioned), !claims.contains(entity), *entity)
                     });
                     ranked
                 }
             };
             let longer = |arguments: &Vec<EntityId>| {
-                fitting.iter().map(|entity| [&arguments[..], &[*entity]].concat()).collect::<Vec<_>>()
+                fitting
+                    .iter()
+                    .map(|entity| [&arguments[..], &[*entity]].concat())
+                    .collect::<Vec<_>>()
             };
             all = all.iter().flat_map(longer).collect();
         }
@@ -116,7 +129,8 @@ impl Binder<'_> {
     }
 
     fn claimed_differences(&self, state: &State) -> Vec<Difference> {
-        self.claimed.map_or_else(Vec::new, |claimed| differences(self.domain, state, claimed))
+        self.claimed
+            .map_or_else(Vec::new, |claimed| differences(self.domain, state, claimed))
     }
 
     fn descend(&mut self, state: &State) {
@@ -155,9 +169,13 @@ impl Binder<'_> {
             let action = self.domain.action(step.action);
             let arguments = self.deepest.get(index).cloned().or_else(|| {
                 let lacking = |(_, arguments): &&(_, Vec<EntityId>)| {
-                    unmet(self.world, &state, &action.precondition, &mut arguments.clone()).len()
+                    let missing = unmet(self.world, &state, &action.precondition, &mut arguments.clone());
+                    (missing.iter().any(|m| m.fact.is_none()), missing.len())
                 };
-                self.candidates[index].iter().min_by_key(lacking).map(|(_, arguments)| arguments.clone())
+                self.candidates[index]
+                    .iter()
+                    .min_by_key(lacking)
+                    .map(|(_, arguments)| arguments.clone())
             });
             let Some(arguments) = arguments else { break };
             apply(self.world, &mut state, action, &arguments);
@@ -171,17 +189,26 @@ impl Binder<'_> {
         let mut open = Vec::new();
         let best = self.distance(chosen).unwrap_or(usize::MAX);
         for (index, step) in steps.iter().enumerate() {
-            let words: Vec<String> = plain_words(&step.explanation).iter().map(|word| singular(word)).collect();
+            let words: Vec<String> = plain_words(&step.explanation)
+                .iter()
+                .map(|word| singular(word))
+                .collect();
             let action = self.domain.action(step.action);
             for (parameter, entity) in chosen[index].iter().enumerate() {
                 let named = self.world.entity(*entity).words_in(&words) > 0;
                 if step.arguments[parameter].is_some() || named || action.object == Some(parameter) {
                     continue;
                 }
-                let others = self.candidates[index].iter().map(|(_, arguments)| arguments).filter(|other| {
-                    other[parameter] != *entity
-                        && other.iter().enumerate().all(|(i, e)| i == parameter || *e == chosen[index][i])
-                });
+                let others = self.candidates[index]
+                    .iter()
+                    .map(|(_, arguments)| arguments)
+                    .filter(|other| {
+                        other[parameter] != *entity
+                            && other
+                                .iter()
+                                .enumerate()
+                                .all(|(i, e)| i == parameter || *e == chosen[index][i])
+                    });
                 let fits = |other: &Vec<EntityId>| {
                     let mut changed = chosen.to_vec();
                     changed[index].clone_from(other);

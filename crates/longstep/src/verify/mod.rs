@@ -93,7 +93,11 @@ impl Report {
 /// away; the simulation then goes on as if it had worked, so that later mistakes are told as well.
 pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
     let mut state = world.state.clone();
-    let mut assumed: FactSet = state.sorted().into_iter().filter(|fact| world.assumed(*fact).is_some()).collect();
+    let mut assumed: FactSet = state
+        .sorted()
+        .into_iter()
+        .filter(|fact| world.assumed(*fact).is_some())
+        .collect();
     let mut report = Report {
         steps: Vec::new(),
         trace: Vec::with_capacity(plan.steps.len()),
@@ -122,7 +126,12 @@ pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> R
         }
         report.trace.push(changes);
         let mut broken_now = Vec::new();
-        for (number, rule) in domain.rules.iter().enumerate().filter(|(_, r)| r.time == RuleTime::Always) {
+        for (number, rule) in domain
+            .rules
+            .iter()
+            .enumerate()
+            .filter(|(_, r)| r.time == RuleTime::Always)
+        {
             for bindings in broken_bindings(rule, world, &state) {
                 if !broken_before.contains(&(number, bindings.clone())) {
                     report.violations.push(Violation::Rule {
@@ -136,13 +145,22 @@ pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> R
         }
         broken_before = broken_now;
     }
-    for (number, rule) in domain.rules.iter().enumerate().filter(|(_, r)| matches!(r.time, RuleTime::End | RuleTime::Tidy)) {
+    for (number, rule) in domain
+        .rules
+        .iter()
+        .enumerate()
+        .filter(|(_, r)| matches!(r.time, RuleTime::End | RuleTime::Tidy))
+    {
         for bindings in broken_bindings(rule, world, &state) {
             if purpose.waivers.iter().any(|waiver| waiver.covers(number, &bindings)) {
                 continue;
             }
             let binds = rule.time == RuleTime::End || purpose.from_goal;
-            let list = if binds { &mut report.violations } else { &mut report.warnings };
+            let list = if binds {
+                &mut report.violations
+            } else {
+                &mut report.warnings
+            };
             list.push(Violation::Rule {
                 step: None,
                 rule: number,
@@ -160,7 +178,12 @@ pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> R
     rested.sort_unstable();
     report.assumptions = rested
         .into_iter()
-        .filter_map(|fact| Some(Assumption::Fact { fact, ground: world.assumed(fact)? }))
+        .filter_map(|fact| {
+            Some(Assumption::Fact {
+                fact,
+                ground: world.assumed(fact)?,
+            })
+        })
         .collect();
     report.steps = plan.steps;
     report.after = state;

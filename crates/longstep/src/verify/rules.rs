@@ -98,7 +98,10 @@ fn complete(
     let all = world.of_kind(variable.kind);
     let fixed = partial[bindings.len()];
     let candidates = fixed.as_ref().map_or(all, std::slice::from_ref);
-    for entity in candidates.iter().filter(|entity| fixed.is_none() || all.contains(entity)) {
+    for entity in candidates
+        .iter()
+        .filter(|entity| fixed.is_none() || all.contains(entity))
+    {
         bindings.push(*entity);
         complete(rule, world, state, partial, bindings, broken);
         bindings.pop();
@@ -111,9 +114,14 @@ pub(crate) fn wanted_at_end(domain: &Domain, world: &World, waivers: &[Waiver]) 
     let at_end = |rule: &Rule| matches!(rule.time, RuleTime::End | RuleTime::Tidy);
     for (number, rule) in domain.rules.iter().enumerate().filter(|(_, rule)| at_end(rule)) {
         if !waivers.iter().any(|waiver| waiver.rule == number) {
-            let whole = rule.variables.iter().enumerate().rev().fold(rule.condition.clone(), |inner, (slot, v)| {
-                Condition::Forall(slot, v.kind, Box::new(inner))
-            });
+            let whole = rule
+                .variables
+                .iter()
+                .enumerate()
+                .rev()
+                .fold(rule.condition.clone(), |inner, (slot, v)| {
+                    Condition::Forall(slot, v.kind, Box::new(inner))
+                });
             wanted.push(Wanted {
                 condition: whole,
                 bindings: Vec::new(),

@@ -72,7 +72,10 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
         all
     };
     let mut missing: Vec<Missing> = match condition {
-        Condition::And(all) => all.iter().flat_map(|part| unmet(world, state, part, bindings)).collect(),
+        Condition::And(all) => all
+            .iter()
+            .flat_map(|part| unmet(world, state, part, bindings))
+            .collect(),
         Condition::Forall(_, kind, inner) => instances(*kind, inner, bindings).concat(),
         Condition::Or(any) => {
             let alternatives: Vec<_> = any.iter().map(|part| unmet(world, state, part, bindings)).collect();
@@ -116,7 +119,14 @@ pub(super) fn rests_on(
     rested: &mut FactSet,
 ) {
     if !assumed.is_empty() {
-        look(world, state, assumed, &action.precondition, &mut arguments.to_vec(), rested);
+        look(
+            world,
+            state,
+            assumed,
+            &action.precondition,
+            &mut arguments.to_vec(),
+            rested,
+        );
     }
 }
 
@@ -129,11 +139,15 @@ fn look(
     rested: &mut FactSet,
 ) {
     match condition {
-        Condition::And(parts) => parts.iter().for_each(|part| look(world, state, assumed, part, bindings, rested)),
+        Condition::And(parts) => parts
+            .iter()
+            .for_each(|part| look(world, state, assumed, part, bindings, rested)),
         // Only what makes an alternative hold counts.
         Condition::Or(parts) => {
             let holding = parts.iter().find(|part| holds(Moment { world, state }, part, bindings));
-            holding.into_iter().for_each(|part| look(world, state, assumed, part, bindings, rested));
+            holding
+                .into_iter()
+                .for_each(|part| look(world, state, assumed, part, bindings, rested));
         }
         Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
             let all = matches!(condition, Condition::Forall(..));

@@ -104,7 +104,9 @@ pub enum Assumption {
 pub(super) fn with_culprits(mut missing: Vec<Missing>, trace: &[Vec<Change>]) -> Vec<Missing> {
     for missing in &mut missing {
         let undoes = |changes: &Vec<Change>| {
-            changes.iter().any(|c| Some(c.fact) == missing.fact && c.holds != missing.holds)
+            changes
+                .iter()
+                .any(|c| Some(c.fact) == missing.fact && c.holds != missing.holds)
         };
         missing.undone_by = trace.iter().rposition(undoes);
     }
@@ -156,10 +158,18 @@ impl Violation {
 
     /// One sentence for a person; steps are counted from 1 in it.
     pub fn message(&self, domain: &Domain, world: &World, steps: &[Step], goal: Option<&Goal>) -> String {
-        let near = |near: &Option<String>| near.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+        let near = |near: &Option<String>| {
+            near.as_ref()
+                .map_or(String::new(), |n| format!("; did you mean `{n}`?"))
+        };
         match self {
             Self::UnknownAction { step, name, near: n } => {
-                format!("step {}: `{name}` is no action of the domain `{}`{}", step + 1, domain.name, near(n))
+                format!(
+                    "step {}: `{name}` is no action of the domain `{}`{}",
+                    step + 1,
+                    domain.name,
+                    near(n)
+                )
             }
             Self::UnknownEntity { step, name, near: n } => {
                 let place = step.map_or("`object_name`".to_owned(), |step| format!("step {}", step + 1));
@@ -189,7 +199,9 @@ impl Violation {
                 message
             }
             Self::Rule { step, rule, bindings } => {
-                let says = domain.rules[*rule].says.fill(|slot| world.entity(bindings[slot]).with_article());
+                let says = domain.rules[*rule]
+                    .says
+                    .fill(|slot| world.entity(bindings[slot]).with_article());
                 match step {
                     Some(step) => format!("after step {}: {says}", step + 1),
                     None => format!("at the end: {says}"),
@@ -215,7 +227,11 @@ impl Assumption {
                     Ground::Unknown => format!("{text} (the environment does not say)"),
                 }
             }
-            Self::Argument { step, parameter, entity } => {
+            Self::Argument {
+                step,
+                parameter,
+                entity,
+            } => {
                 let name = world.entity(*entity).with_article();
                 format!("step {}: the {parameter} is {name} (the plan leaves it open)", step + 1)
             }

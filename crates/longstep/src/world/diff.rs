@@ -17,7 +17,10 @@ pub fn differences(domain: &Domain, before: &State, after: &State) -> Vec<Differ
     let written = |fact: &Fact| domain.states.iter().any(|s| s.atom.predicate == fact.predicate());
     let mut all: Vec<Difference> = Vec::new();
     for (from, to, now_holds) in [(before, after, false), (after, before, true)] {
-        let changed = from.sorted().into_iter().filter(|fact| !to.holds(*fact) && written(fact));
+        let changed = from
+            .sorted()
+            .into_iter()
+            .filter(|fact| !to.holds(*fact) && written(fact));
         all.extend(changed.map(|fact| Difference { fact, now_holds }));
     }
     all.sort_unstable();

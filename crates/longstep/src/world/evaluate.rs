@@ -38,11 +38,7 @@ pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings)
                 result
             })
         }
-        Condition::Atom {
-            atom,
-            holds,
-            initially,
-        } => {
+        Condition::Atom { atom, holds, initially } => {
             let state = if *initially { &moment.world.state } else { moment.state };
             state.holds(ground(atom, bindings)) == *holds
         }
@@ -54,7 +50,10 @@ pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings)
 
 /// The fact that an atom is under `bindings`.
 pub(crate) fn ground(atom: &Atom, bindings: &[EntityId]) -> Fact {
-    Fact::new(atom.predicate, atom.terms.iter().map(|term| grounded_term(*term, bindings)))
+    Fact::new(
+        atom.predicate,
+        atom.terms.iter().map(|term| grounded_term(*term, bindings)),
+    )
 }
 
 /// The entity that a term is under `bindings`.

@@ -73,7 +73,12 @@ impl State {
 
     /// What holds of one predicate, sorted.
     pub fn of_predicate(&self, predicate: PredicateId) -> Vec<Fact> {
-        let mut facts: Vec<Fact> = self.facts.iter().copied().filter(|f| f.predicate() == predicate).collect();
+        let mut facts: Vec<Fact> = self
+            .facts
+            .iter()
+            .copied()
+            .filter(|f| f.predicate() == predicate)
+            .collect();
         facts.sort_unstable();
         facts
     }

@@ -81,7 +81,9 @@ impl World {
 
     /// The entity with this everyday name.
     pub fn find_name(&self, name: &str) -> Option<EntityId> {
-        self.entities().find(|(_, entity)| entity.name == name).map(|(id, _)| id)
+        self.entities()
+            .find(|(_, entity)| entity.name == name)
+            .map(|(id, _)| id)
     }
 
     /// The entities of a type, in order.
@@ -102,8 +104,12 @@ impl World {
         next.state = state.clone();
         for (index, words) in domain.predicate_words.iter().enumerate() {
             if words.event {
-                let happened: Vec<Fact> =
-                    next.state.sorted().into_iter().filter(|f| f.predicate().index() == index).collect();
+                let happened: Vec<Fact> = next
+                    .state
+                    .sorted()
+                    .into_iter()
+                    .filter(|f| f.predicate().index() == index)
+                    .collect();
                 for fact in happened {
                     next.state.set(fact, false);
                 }

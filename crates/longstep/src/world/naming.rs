@@ -47,9 +47,9 @@ pub(super) fn name_entities(
             continue;
         }
         // "table 2" may be taken by a thing that is called so.
-        let free = (*number..).map(|n| format!("{name} {n}")).find(|candidate| {
-            !shown.contains(candidate) && !unique.contains(candidate)
-        });
+        let free = (*number..)
+            .map(|n| format!("{name} {n}"))
+            .find(|candidate| !shown.contains(candidate) && !unique.contains(candidate));
         unique.extend(free);
     }
     unique.into_iter().zip(choices).collect()
@@ -73,7 +73,10 @@ impl Entity {
     pub fn words_in(&self, words: &[String]) -> usize {
         let fit = |name: &String| {
             let parts: Vec<String> = plain_words(name).iter().map(|part| singular(part)).collect();
-            let head = parts.iter().rev().find(|part| !part.starts_with(|c: char| c.is_ascii_digit()));
+            let head = parts
+                .iter()
+                .rev()
+                .find(|part| !part.starts_with(|c: char| c.is_ascii_digit()));
             if !head.is_some_and(|head| words.contains(head)) {
                 return 0;
             }

@@ -3,9 +3,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::naming::name_entities;
-use super::{
-    Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, State, Words, World, evaluate, holds,
-};
+use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, State, Words, World, evaluate, holds};
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::domain::{Derivation, Domain, Literal, RuleTime, TypeId, Unknown, base_name};
@@ -69,10 +67,16 @@ impl EnvironmentReader<'_> {
             ("assets", &environment.assets, domain.environment.asset),
             ("objects", &environment.objects, domain.environment.object),
         ];
-        let mut identifiers: Vec<(&str, TypeId)> =
-            domain.constants.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
-        let mut by_identifier: indexmap::IndexMap<String, EntityId> =
-            identifiers.iter().enumerate().map(|(i, (name, _))| ((*name).to_owned(), EntityId::new(i))).collect();
+        let mut identifiers: Vec<(&str, TypeId)> = domain
+            .constants
+            .iter()
+            .map(|(name, kind)| (name.as_str(), *kind))
+            .collect();
+        let mut by_identifier: indexmap::IndexMap<String, EntityId> = identifiers
+            .iter()
+            .enumerate()
+            .map(|(i, (name, _))| ((*name).to_owned(), EntityId::new(i)))
+            .collect();
         if environment.assets.len() + environment.objects.len() > ENTITY_LIMIT {
             let message = format!("more than {ENTITY_LIMIT} entities");
             self.report(&Path::default(), message, None);
@@ -124,7 +128,10 @@ impl EnvironmentReader<'_> {
             if index >= domain.types.len() {
                 break;
             }
-            let members = entities.iter().enumerate().filter(|(_, e)| domain.types.is_a(e.kind, kind));
+            let members = entities
+                .iter()
+                .enumerate()
+                .filter(|(_, e)| domain.types.is_a(e.kind, kind));
             by_kind.push(members.map(|(i, _)| EntityId::new(i)).collect());
         }
         let mut world = World {
@@ -189,7 +196,11 @@ impl EnvironmentReader<'_> {
             || "add it to `assets` or `objects`".to_owned(),
             |near| format!("did you mean `{near}`? Otherwise add it to `assets` or `objects`"),
         );
-        self.report(path, format!("`{identifier}` is listed neither in `assets` nor in `objects`"), Some(hint));
+        self.report(
+            path,
+            format!("`{identifier}` is listed neither in `assets` nor in `objects`"),
+            Some(hint),
+        );
     }
 
     fn states(&mut self, world: &mut World, section: &str, states: &indexmap::IndexMap<String, Words>) {
@@ -224,13 +235,22 @@ impl EnvironmentReader<'_> {
             let known = domain.states.iter().map(|s| s.word.as_str());
             let hint = match nearest(&call.name, known.clone()) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None => format!("the domain `{}` knows {}", domain.name, known.collect::<Vec<_>>().join(", ")),
+                None => format!(
+                    "the domain `{}` knows {}",
+                    domain.name,
+                    known.collect::<Vec<_>>().join(", ")
+                ),
             };
             self.report(path, format!("unknown state `{}`", call.name), Some(hint));
             return None;
         };
         if word.arity != call.arguments.len() {
-            let message = format!("`{}` takes {} argument(s), not {}", word.word, word.arity, call.arguments.len());
+            let message = format!(
+                "`{}` takes {} argument(s), not {}",
+                word.word,
+                word.arity,
+                call.arguments.len()
+            );
             self.report(path, message, None);
             return None;
         }
@@ -344,7 +364,12 @@ fn derive(derivation: &Derivation, world: &mut World, denied: &FxHashSet<Fact>) 
         others.into_iter().filter_map(pair).collect()
     } else if derivation.binary {
         let others = matching(&derivation.other_names);
-        let with = |id: EntityId| others.iter().map(move |other| (id, *other)).filter(|(id, other)| id != other);
+        let with = |id: EntityId| {
+            others
+                .iter()
+                .map(move |other| (id, *other))
+                .filter(|(id, other)| id != other)
+        };
         subjects.into_iter().flat_map(with).collect()
     } else {
         subjects.into_iter().map(|id| (id, id)).collect()
@@ -366,7 +391,11 @@ fn derive(derivation: &Derivation, world: &mut World, denied: &FxHashSet<Fact>) 
             world.assumed.insert(*fact, Ground::Derived);
         }
     }
-    follows.into_iter().filter(|(_, holds)| !holds).map(|(fact, _)| fact).collect()
+    follows
+        .into_iter()
+        .filter(|(_, holds)| !holds)
+        .map(|(fact, _)| fact)
+        .collect()
 }
 
 /// Whether an identifier's last word is `name`. Identifiers are often run together (`coffeetable`), so a

@@ -15,14 +15,20 @@ pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
     let as_list = environment.prefers_lists();
     let mut news: IndexMap<EntityId, Vec<String>> = IndexMap::new();
     for fact in state.sorted().into_iter().filter(|fact| !world.state.holds(*fact)) {
-        for word in domain.states.iter().filter(|word| word.atom.predicate == fact.predicate()) {
+        for word in domain
+            .states
+            .iter()
+            .filter(|word| word.atom.predicate == fact.predicate())
+        {
             let (subject, text) = word_for(word, world, fact);
             news.entry(subject).or_default().push(text);
         }
     }
     for states in [&mut environment.asset_states, &mut environment.object_states] {
         for (identifier, words) in states.iter_mut() {
-            let Some(subject) = world.find(identifier) else { continue };
+            let Some(subject) = world.find(identifier) else {
+                continue;
+            };
             let new = news.shift_remove(&subject).unwrap_or_default();
             revise(domain, world, state, subject, words, new);
         }
@@ -64,7 +70,10 @@ fn revise(domain: &Domain, world: &World, state: &State, subject: EntityId, word
 
 fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Option<Fact> {
     let call = Call::parse(text).ok()?;
-    let word = domain.states.iter().find(|s| s.word == call.name && s.arity == call.arguments.len())?;
+    let word = domain
+        .states
+        .iter()
+        .find(|s| s.word == call.name && s.arity == call.arguments.len())?;
     let mut bindings = vec![subject];
     for argument in &call.arguments {
         bindings.push(world.find(argument)?);
