@@ -74,6 +74,15 @@ pub fn plain_words(text: &str) -> Vec<String> {
     words
 }
 
+/// The word of a name that says what it is: "glass" of "water glass 2", "bunch" of "bunch of bananas".
+pub fn head(name: &str) -> String {
+    let words = plain_words(name);
+    let end = words.iter().position(|word| word == "of").unwrap_or(words.len());
+    let digit = |word: &&String| word.starts_with(|c: char| c.is_ascii_digit());
+    let head = words[..end].iter().rev().find(|word| !digit(word)).or(words.last());
+    head.map(|word| singular(word)).unwrap_or_default()
+}
+
 /// The singular of an English noun, as far as simple rules go; other words come back as they are.
 ///
 /// ```

@@ -546,6 +546,7 @@ impl Loader<'_> {
                 .as_ref()
                 .map_or(Condition::TRUE, |offered| self.condition(offered, &parameters)),
             subject: entry.subject.as_ref().and_then(|s| self.parameter(s, &parameters)),
+            cues: entry.cues.clone(),
             exclusive: entry.exclusive.clone(),
             disturbs: entry
                 .disturbs

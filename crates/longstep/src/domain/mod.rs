@@ -14,7 +14,7 @@ mod template;
 mod words;
 
 pub use condition::{Atom, Condition, Effect, Slot, Term};
-pub use lexicon::{Lexicon, base_name, plain_words, singular};
+pub use lexicon::{Lexicon, base_name, head, plain_words, singular};
 pub use load::{Files, load};
 pub use shipped::{shipped, shipped_names};
 pub use starter::starter;
@@ -324,6 +324,8 @@ pub struct GoalWord {
     pub condition: Condition,
     /// Which arguments make sense in the state at hand.
     pub offered: Condition,
+    /// Stems of the words that usually ask for it; a further goal of an answer needs one in the instruction.
+    pub cues: Vec<String>,
     /// The parameter that the instruction must speak of.
     pub subject: Option<usize>,
     /// Of words with the same mark, one goal has at most one for the same first argument.

@@ -131,6 +131,8 @@ pub(super) struct GoalEntry {
     pub(super) parameters: Text,
     pub(super) condition: Text,
     pub(super) offered: Option<Text>,
+    #[serde(default)]
+    pub(super) cues: Vec<String>,
     pub(super) subject: Option<Text>,
     pub(super) exclusive: Option<String>,
     #[serde(default)]

@@ -5,7 +5,7 @@
 //! nothing is left, or when the instruction speaks of a thing that is not there, the person is asked.
 
 use super::{Goal, GoalFact};
-use crate::domain::{Domain, plain_words, singular};
+use crate::domain::{Domain, head, plain_words, singular};
 use crate::world::{EntityId, World};
 
 /// What was made of a model's answer.
@@ -26,127 +26,78 @@ pub struct LeftOut {
     pub why: String,
 }
 
-/// Words that stand between a determiner and its noun's end, and other words that name no thing.
-const NOT_THINGS: &[&str] = &[
-    "a",
-    "about",
-    "above",
-    "after",
-    "again",
-    "all",
-    "an",
-    "and",
-    "another",
-    "any",
-    "anything",
-    "around",
-    "as",
-    "at",
-    "away",
-    "back",
-    "be",
-    "before",
-    "beside",
-    "both",
-    "bottom",
-    "but",
-    "by",
-    "can",
-    "down",
-    "each",
-    "every",
-    "everything",
-    "first",
-    "for",
-    "from",
-    "front",
-    "half",
-    "here",
-    "in",
-    "inside",
-    "into",
-    "is",
-    "it",
-    "its",
-    "last",
-    "left",
-    "lower",
-    "me",
-    "middle",
-    "my",
-    "near",
-    "next",
-    "now",
-    "of",
-    "off",
-    "on",
-    "one",
-    "onto",
-    "or",
-    "other",
-    "our",
-    "out",
-    "over",
-    "place",
-    "please",
-    "rest",
-    "right",
-    "room",
-    "same",
-    "second",
-    "side",
-    "so",
-    "some",
-    "somewhere",
-    "spot",
-    "that",
-    "the",
-    "them",
-    "then",
-    "there",
-    "these",
-    "thing",
-    "this",
-    "those",
-    "through",
-    "to",
-    "together",
-    "too",
-    "top",
-    "two",
-    "under",
-    "until",
-    "up",
-    "upper",
-    "using",
-    "way",
-    "where",
-    "which",
-    "while",
-    "with",
-    "your",
-    "you",
-    "bit",
-    "little",
-    "time",
-    "work",
-    "rid",
-    "use",
-    "not",
-    "will",
-    "would",
-    "could",
-    "should",
-    "still",
-];
+/// Words that end a noun phrase, or name no thing by themselves.
+const NOT_THINGS: &str = "a about above after again all an and another any anything around as at away back be before \
+    beside bit both bottom but by can could down each every everything first for from front half here in inside into \
+    is it its last left little lower me middle my near next not now of off on one onto or other our out over place \
+    please rest rid right room same second should side so some somewhere spot still that the them then there these \
+    thing this those through time to together too top two under until up upper use using way where which while will \
+    with work would you your";
 
-const DETERMINERS: &[&str] = &[
-    "the", "a", "an", "that", "this", "my", "your", "some", "those", "these", "our",
-];
+const DETERMINERS: &str = "the a an that this my your some those these our";
+
+/// Words that speak of several things at once.
+const SEVERAL: &str = "all both each every everything two three four five six several many";
+
+fn among(list: &str, word: &str) -> bool {
+    list.split_whitespace().any(|entry| entry == word)
+}
+
+/// What an instruction speaks of.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Spoken {
+    /// The things that its words can mean.
+    pub entities: Vec<EntityId>,
+    /// Whether it speaks of several things of one name.
+    pub several: bool,
+    /// Its words, in lower case.
+    words: Vec<String>,
+}
+
+impl Spoken {
+    /// Reads an instruction. Of things that share their last word, those that fit better are meant: "the water
+    /// glass" is not the wine glass.
+    pub fn of(world: &World, instruction: &str) -> Self {
+        let words = plain_words(instruction);
+        let singulars: Vec<String> = words.iter().map(|word| singular(word)).collect();
+        let scored: Vec<(EntityId, usize)> = world
+            .entities()
+            .map(|(id, entity)| (id, entity.words_in(&singulars)))
+            .filter(|(_, score)| *score > 0)
+            .collect();
+        let head = |id: EntityId| head(&world.entity(id).name);
+        let beaten = |id: EntityId, score: usize| {
+            let name = head(id);
+            scored
+                .iter()
+                .any(|(other, better)| *better > score && head(*other) == name)
+                && singulars.iter().filter(|word| **word == name).count() == 1
+        };
+        let entities: Vec<EntityId> = scored
+            .iter()
+            .filter(|(id, score)| !beaten(*id, *score))
+            .map(|(id, _)| *id)
+            .collect();
+        let plural =
+            |(word, single): (&String, &String)| word != single && entities.iter().any(|id| head(*id) == *single);
+        Self {
+            several: words.iter().any(|word| among(SEVERAL, word)) || words.iter().zip(&singulars).any(plural),
+            entities,
+            words,
+        }
+    }
+
+    /// Whether a word of the instruction begins with one of the stems.
+    pub(super) fn has_any(&self, stems: &[String]) -> bool {
+        stems
+            .iter()
+            .any(|stem| self.words.iter().any(|word| word.starts_with(stem.as_str())))
+    }
+}
 
 /// Looks at a goal against the instruction.
 pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal) -> Understanding {
-    let meant = spoken_of(world, instruction);
+    let meant = Spoken::of(world, instruction).entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
         GoalFact::Plain(_) => None,
@@ -183,39 +134,6 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
     Understanding::Goal(Goal { facts: first }, left_out)
 }
 
-/// The entities that an instruction can speak of. Of things that share their last word, those that fit better win:
-/// "the water glass" is not the wine glass.
-pub fn spoken_of(world: &World, instruction: &str) -> Vec<EntityId> {
-    let words: Vec<String> = plain_words(instruction).iter().map(|word| singular(word)).collect();
-    let scored: Vec<(EntityId, usize)> = world
-        .entities()
-        .map(|(id, entity)| (id, entity.words_in(&words)))
-        .filter(|(_, score)| *score > 0)
-        .collect();
-    let head = |id: EntityId| -> Option<String> {
-        let name = plain_words(&world.entity(id).name);
-        name.into_iter()
-            .rev()
-            .find(|word| !word.starts_with(|c: char| c.is_ascii_digit()))
-            .map(|w| singular(&w))
-    };
-    let beaten = |id: EntityId, score: usize| {
-        scored
-            .iter()
-            .any(|(other, better)| *better > score && head(*other) == head(id))
-            && words
-                .iter()
-                .filter(|word| Some(word.as_str()) == head(id).as_deref())
-                .count()
-                == 1
-    };
-    scored
-        .iter()
-        .filter(|(id, score)| !beaten(*id, *score))
-        .map(|(id, _)| *id)
-        .collect()
-}
-
 /// A thing that the instruction names with a determiner and that nothing in the world is called.
 pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Option<String> {
     let words = plain_words(instruction);
@@ -231,17 +149,14 @@ pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Optio
     let mut at = 0;
     while at < words.len() {
         at += 1;
-        if !DETERMINERS.contains(&words[at - 1].as_str()) {
+        if !among(DETERMINERS, &words[at - 1]) {
             continue;
         }
-        let phrase: Vec<&String> = words[at..]
-            .iter()
-            .take_while(|word| !NOT_THINGS.contains(&word.as_str()))
-            .collect();
+        let phrase: Vec<&String> = words[at..].iter().take_while(|word| !among(NOT_THINGS, word)).collect();
         // Any known word in the phrase makes it one of ours: "the big plate carefully".
         let ours = phrase.iter().any(|word| known.contains(&singular(word)));
-        if let (false, Some(first)) = (ours || phrase.is_empty(), phrase.first()) {
-            return Some((*first).clone());
+        if !ours && !phrase.is_empty() {
+            return Some(phrase.into_iter().take(3).cloned().collect::<Vec<_>>().join(" "));
         }
     }
     None

@@ -13,7 +13,8 @@ pub(crate) use grammar::{JOINT, QUESTION};
 pub use grammar::{grammar, schema};
 pub(crate) use language::read_form;
 pub use language::{GoalError, parse};
-pub use mention::{LeftOut, Understanding, spoken_of, understand, unknown_thing};
+pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
+pub(crate) use offer::is_plain;
 pub use offer::{Offer, offers};
 
 use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, RuleTime, Term};

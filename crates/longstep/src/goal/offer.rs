@@ -1,8 +1,8 @@
 //! Which goals make sense in the state at hand.
 
-use super::GoalFact;
-use crate::domain::{Domain, GoalWord, GoalWordId};
-use crate::world::{Bindings, EntityId, Moment, World, holds};
+use super::{GoalFact, Spoken};
+use crate::domain::{Domain, GoalWord, GoalWordId, base_name};
+use crate::world::{Bindings, EntityId, Fact, Moment, World, holds};
 
 /// The arguments that a goal word may be said with.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,15 +16,35 @@ pub struct Offer {
 /// What can still be said after `said`: arguments of the right type for which the word is offered, nothing
 /// that holds already unless something said disturbs it, one place for an object, nothing twice.
 ///
-/// Where something fits that the instruction speaks of (`meant`), nothing else is offered in its place: who
-/// says "table" does not mean the floor.
-pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], meant: &[EntityId]) -> Vec<Offer> {
+/// What the instruction speaks of narrows this. Where something fits that it speaks of, nothing else is
+/// offered in its place: who says "table" does not mean the floor. A further goal has to be about something
+/// that it speaks of, and be asked for by one of its words where the domain says which words those are.
+pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Offer> {
+    let known = world.known();
     let mut offers = Vec::new();
     for (index, word) in domain.goal_words.iter().enumerate() {
+        if !said.is_empty() && !spoken.entities.is_empty() && !word.cues.is_empty() && !spoken.has_any(&word.cues) {
+            continue;
+        }
         let mut arguments = Vec::new();
-        let mut bindings = Vec::with_capacity(word.parameters.len());
-        collect(domain, world, word, said, &mut bindings, &mut arguments);
-        narrow(domain, world, meant, word.parameters.len(), &mut arguments);
+        // What is known to make sense; only if nothing is, what might.
+        for state in [&known, &world.state] {
+            if arguments.is_empty() {
+                let mut bindings = Vec::with_capacity(word.parameters.len());
+                collect(
+                    domain,
+                    Moment { world, state },
+                    word,
+                    said,
+                    &mut bindings,
+                    &mut arguments,
+                );
+            }
+        }
+        narrow(domain, world, &spoken.entities, word.parameters.len(), &mut arguments);
+        if !said.is_empty() && !spoken.entities.is_empty() {
+            arguments.retain(|bindings| may_follow(domain, world, word, said, spoken, bindings));
+        }
         if !arguments.is_empty() {
             offers.push(Offer {
                 word: GoalWordId::new(index),
@@ -32,23 +52,67 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], meant: &[Entity
             });
         }
     }
-    // Two forms of one word are two readings of one wish; the one that fits what is spoken of wins.
-    let fits = |offer: &Offer| {
-        offer
-            .arguments
-            .iter()
-            .any(|bindings| bindings.iter().all(|e| meant.contains(e)))
+    likely(domain, spoken, offers)
+}
+
+/// Whether the instruction asks, with a word that the domain knows for it, for something whose things it all
+/// names: then there is nothing to ask back.
+pub(crate) fn is_plain(domain: &Domain, offers: &[Offer], spoken: &Spoken) -> bool {
+    offers.iter().any(|offer| {
+        let all = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
+        spoken.has_any(&domain.goal_word(offer.word).cues) && offer.arguments.iter().any(all)
+    })
+}
+
+/// Leaves out readings that others beat.
+fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
+    let word = |offer: &Offer| domain.goal_word(offer.word);
+    let all_spoken_of = |offer: &Offer| {
+        let spoken_of = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
+        offer.arguments.iter().any(spoken_of)
     };
-    let fitting: Vec<&str> = offers
+    // Two forms of one word are two readings of one wish; the one that fits what is spoken of wins.
+    let fitting: Vec<GoalWordId> = offers
         .iter()
-        .filter(|o| fits(o))
-        .map(|o| domain.goal_word(o.word).word.as_str())
+        .filter(|offer| all_spoken_of(offer))
+        .map(|o| o.word)
         .collect();
+    let same_word = |offer: &Offer| fitting.iter().any(|id| domain.goal_word(*id).word == word(offer).word);
+    offers.retain(|offer| fitting.contains(&offer.word) || !same_word(offer));
+    // A wish that the instruction names with its things ("wipe the desk with the cloth") comes before those
+    // of which it leaves a part open.
+    let named = |offer: &Offer| fitting.contains(&offer.word) && spoken.has_any(&word(offer).cues);
+    if offers.iter().any(named) {
+        offers.retain(|offer| fitting.contains(&offer.word));
+    }
     offers
-        .iter()
-        .filter(|o| fits(o) || !fitting.contains(&domain.goal_word(o.word).word.as_str()))
-        .cloned()
-        .collect()
+}
+
+/// Whether an answer that has goals already may go on with this one.
+fn may_follow(
+    domain: &Domain,
+    world: &World,
+    word: &GoalWord,
+    said: &[GoalFact],
+    spoken: &Spoken,
+    bindings: &[EntityId],
+) -> bool {
+    let Some(subject) = word.subject.map(|parameter| bindings[parameter]) else {
+        return true;
+    };
+    let kind = |entity: EntityId| base_name(&world.entity(entity).identifier);
+    said.iter().all(|fact| {
+        let GoalFact::Word { word: said, arguments } = fact else {
+            return true;
+        };
+        let said = domain.goal_word(*said);
+        arguments.iter().enumerate().all(|(parameter, entity)| {
+            let same_role = said.subject == Some(parameter) || said.disturbs.contains(&parameter);
+            // "The plate" is one plate; and what a thing was put on stays where it is.
+            let another = *entity != subject && kind(*entity) == kind(subject) && !spoken.several;
+            !another && (*entity != subject || same_role)
+        })
+    }) && spoken.entities.contains(&subject)
 }
 
 fn narrow(domain: &Domain, world: &World, meant: &[EntityId], parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
@@ -60,47 +124,51 @@ fn narrow(domain: &Domain, world: &World, meant: &[EntityId], parameters: usize,
     for parameter in 0..parameters {
         keep(&|bindings| meant.contains(&bindings[parameter]));
     }
-    // "The pan on the stove" tells where the pan is: of the places that are spoken of, where a thing is
-    // already is the last one that it should go to.
-    let related = world.state.sorted();
-    let related: Vec<_> = related
-        .iter()
-        .filter(|fact| {
-            domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2
-        })
-        .map(|fact| (fact.argument(0), fact.argument(1)))
-        .collect();
+    // "The pan on the stove by the door" tells where the pan is: of the places that are spoken of, those that
+    // a thing is at already are the last ones that it should go to.
     if parameters == 2 && !meant.is_empty() {
-        keep(&|b| !related.contains(&(b[0], b[1])) && !related.contains(&(b[1], b[0])));
+        let at: Vec<(EntityId, EntityId)> = relations(domain, world);
+        keep(&|b| !leads_to(&at, b[0], b[1], at.len()) && !leads_to(&at, b[1], b[0], at.len()));
     }
+}
+
+/// Pairs of entities that some changing fact relates: what is where.
+fn relations(domain: &Domain, world: &World) -> Vec<(EntityId, EntityId)> {
+    let binary =
+        |fact: &Fact| domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2;
+    let facts = world.state.sorted().into_iter().filter(binary);
+    facts.map(|fact| (fact.argument(0), fact.argument(1))).collect()
+}
+
+fn leads_to(at: &[(EntityId, EntityId)], from: EntityId, to: EntityId, depth: usize) -> bool {
+    let next = |(one, other): &(EntityId, EntityId)| {
+        *one == from && (*other == to || (depth > 0 && leads_to(at, *other, to, depth - 1)))
+    };
+    at.iter().any(next)
 }
 
 fn collect(
     domain: &Domain,
-    world: &World,
+    moment: Moment<'_>,
     word: &GoalWord,
     said: &[GoalFact],
     bindings: &mut Bindings,
     arguments: &mut Vec<Vec<EntityId>>,
 ) {
     if let Some(parameter) = word.parameters.get(bindings.len()) {
-        for entity in world.of_kind(parameter.kind) {
+        for entity in moment.world.of_kind(parameter.kind) {
             bindings.push(*entity);
-            collect(domain, world, word, said, bindings, arguments);
+            collect(domain, moment, word, said, bindings, arguments);
             bindings.pop();
         }
         return;
     }
-    let moment = Moment {
-        world,
-        state: &world.state,
-    };
-    let distinct = (1..bindings.len()).all(|at| !bindings[..at].contains(&bindings[at]));
     let disturbed = |bindings: &Bindings| {
         bindings
             .iter()
             .any(|entity| said.iter().any(|fact| disturbs(domain, fact, *entity)))
     };
+    let distinct = (1..bindings.len()).all(|at| !bindings[..at].contains(&bindings[at]));
     if distinct
         && holds(moment, &word.offered, bindings)
         && !said.iter().any(|fact| excludes(domain, fact, word, bindings))

@@ -8,8 +8,8 @@ use serde::Deserialize;
 use super::example::{fixed_turns, scene_and_instruction};
 use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage, scene};
 use crate::domain::Domain;
-use crate::goal::{self, Goal, GoalError, GoalFact, Understanding, grammar, offers, schema, understand};
-use crate::world::{EntityId, World};
+use crate::goal::{self, Goal, GoalError, GoalFact, Place, Spoken, Understanding, grammar, offers, schema, understand};
+use crate::world::World;
 
 /// Goals in one answer at most.
 const GOAL_LIMIT: usize = 6;
@@ -51,7 +51,7 @@ pub struct GoalDialogue<'a> {
     world: &'a World,
     instruction: &'a str,
     /// What the instruction speaks of.
-    meant: Vec<EntityId>,
+    spoken: Spoken,
     kind: ConstraintKind,
     messages: Vec<Message>,
     fixed: usize,
@@ -67,11 +67,11 @@ impl<'a> GoalDialogue<'a> {
         let mut messages = fixed_turns(domain, kind);
         let fixed = messages.len();
         // When the instruction names a thing that is not here, nothing is taken to be meant for certain.
-        let meant = match goal::unknown_thing(domain, world, instruction) {
-            Some(_) => Vec::new(),
-            None => goal::spoken_of(world, instruction),
+        let spoken = match goal::unknown_thing(domain, world, instruction) {
+            Some(_) => Spoken::default(),
+            None => Spoken::of(world, instruction),
         };
-        let scene = scene(domain, world, &offers(domain, world, &[], &[]));
+        let scene = scene(domain, world, &offers(domain, world, &[], &Spoken::default()));
         messages.push(Message::new(
             Role::User,
             scene_and_instruction(&scene, &one_line(instruction)),
@@ -80,7 +80,7 @@ impl<'a> GoalDialogue<'a> {
             domain,
             world,
             instruction,
-            meant,
+            spoken,
             kind,
             messages,
             fixed,
@@ -92,11 +92,17 @@ impl<'a> GoalDialogue<'a> {
 
     /// What to send to the model now.
     pub fn request(&self) -> ChatRequest {
-        let offers = offers(self.domain, self.world, &self.facts, &self.meant);
+        let offers = offers(self.domain, self.world, &self.facts, &self.spoken);
         let constraint = match self.kind {
             ConstraintKind::Grammar => {
                 let more = self.facts.len() + 1 < GOAL_LIMIT;
-                Constraint::Lark(grammar(self.domain, self.world, &offers, self.answer.is_empty(), more))
+                let place = if self.answer.is_empty() {
+                    let question = !goal::is_plain(self.domain, &offers, &self.spoken);
+                    Place::First { question }
+                } else {
+                    Place::Next
+                };
+                Constraint::Lark(grammar(self.domain, self.world, &offers, place, more))
             }
             ConstraintKind::JsonSchema => Constraint::JsonSchema(schema(self.domain, self.world, &offers)),
         };
@@ -148,7 +154,7 @@ impl<'a> GoalDialogue<'a> {
         if !part.is_empty() {
             self.facts.extend(goal::parse(self.domain, self.world, part)?.facts);
         }
-        let more = goes_on && !offers(self.domain, self.world, &self.facts, &self.meant).is_empty();
+        let more = goes_on && !offers(self.domain, self.world, &self.facts, &self.spoken).is_empty();
         Ok(if more { Turn::GoOn } else { self.done() })
     }
 

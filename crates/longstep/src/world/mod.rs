@@ -96,6 +96,17 @@ impl World {
         self.assumed.get(&fact).copied()
     }
 
+    /// What holds at the start without what is only taken for granted because nobody says otherwise.
+    pub fn known(&self) -> State {
+        let mut known = self.state.clone();
+        for (fact, ground) in &self.assumed {
+            if *ground == Ground::Unknown {
+                known.set(*fact, false);
+            }
+        }
+        known
+    }
+
     /// The same world in another state, with the environment that says so.
     #[must_use]
     pub fn advanced(&self, domain: &Domain, state: &State) -> Self {

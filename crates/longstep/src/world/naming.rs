@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use super::{Entity, Fact, World};
-use crate::domain::{Domain, base_name, plain_words, singular, with_article};
+use crate::domain::{Domain, base_name, head, plain_words, singular, with_article};
 
 /// The everyday name of every identifier, unique, with all the names that it may be called by.
 ///
@@ -69,17 +69,13 @@ impl Entity {
     }
 
     /// How many words of its best fitting name stand among `words`, which are singular and in lower case.
-    /// A name counts only if its last word does: "kitchen" is not a mention of the kitchen table.
+    /// A name counts only if its head does: "kitchen" is not a mention of the kitchen table.
     pub fn words_in(&self, words: &[String]) -> usize {
         let fit = |name: &String| {
-            let parts: Vec<String> = plain_words(name).iter().map(|part| singular(part)).collect();
-            let head = parts
-                .iter()
-                .rev()
-                .find(|part| !part.starts_with(|c: char| c.is_ascii_digit()));
-            if !head.is_some_and(|head| words.contains(head)) {
+            if !words.contains(&head(name)) {
                 return 0;
             }
+            let parts: Vec<String> = plain_words(name).iter().map(|part| singular(part)).collect();
             parts.iter().filter(|part| words.contains(part)).count()
         };
         self.names.iter().map(fit).max().unwrap_or(0)

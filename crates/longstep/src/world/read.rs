@@ -155,7 +155,7 @@ impl EnvironmentReader<'_> {
             }
         }
         for derivation in &domain.derivations {
-            let not = derive(derivation, &mut world, &denied);
+            let not = derive(derivation, &mut world, &denied, &told);
             // What the environment says is stronger than what a name says.
             denied.extend(not.into_iter().filter(|fact| !world.state.holds(*fact)));
         }
@@ -347,7 +347,7 @@ impl EnvironmentReader<'_> {
 }
 
 /// Adds what follows to the world; returns what follows not to hold, which is then not unknown either.
-fn derive(derivation: &Derivation, world: &mut World, denied: &FxHashSet<Fact>) -> Vec<Fact> {
+fn derive(derivation: &Derivation, world: &mut World, denied: &FxHashSet<Fact>, told: &FxHashSet<usize>) -> Vec<Fact> {
     let matching = |names: &[String]| -> Vec<EntityId> {
         let all = world.entities().filter(|(_, entity)| {
             let base = base_name(&entity.identifier);
@@ -386,7 +386,9 @@ fn derive(derivation: &Derivation, world: &mut World, denied: &FxHashSet<Fact>) 
             follows.extend(derivation.literals.iter().map(ground));
         }
     }
-    for (fact, _) in follows.iter().filter(|(fact, holds)| *holds && !denied.contains(fact)) {
+    // An environment that gives a fact of anything gives it of everything that has it.
+    let open = |fact: &Fact| !denied.contains(fact) && !told.contains(&fact.predicate().index());
+    for (fact, _) in follows.iter().filter(|(fact, holds)| *holds && open(fact)) {
         if world.state.set(*fact, true) {
             world.assumed.insert(*fact, Ground::Derived);
         }
