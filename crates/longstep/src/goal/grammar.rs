@@ -14,37 +14,41 @@ pub(crate) const QUESTION: &str = "question: ";
 /// writes the blank and the word after it as one token, so the grammar must not be cut between them.
 pub(crate) const JOINT: &str = " &";
 
+/// Where in an answer a goal stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// At the beginning.
+    First {
+        /// Whether a question may stand there instead.
+        question: bool,
+    },
+    /// After another goal; the text begins with a blank.
+    Next,
+}
+
 /// A grammar in llguidance's Lark dialect for the next goal of an answer.
 ///
-/// `first` tells the beginning of an answer, where a question may stand instead, from its continuation,
-/// which begins with a blank. After the goal the answer may end, or go on with " &" when `more` is true.
-pub fn grammar(domain: &Domain, world: &World, offers: &[Offer], first: bool, more: bool) -> String {
-    let mut alternatives: Vec<String> = offers
+/// After the goal the answer may end, or go on with " &" when `more` is true. When nothing is on offer, only
+/// a question is left to say.
+pub fn grammar(domain: &Domain, world: &World, offers: &[Offer], place: Place, more: bool) -> String {
+    let alternatives: Vec<String> = offers
         .iter()
         .map(|offer| word_rule(domain.goal_word(offer.word), world, &offer.arguments))
         .collect();
-    if alternatives.is_empty() && !first {
-        alternatives.push("\"\"".to_owned());
+    let question = format!("question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n", quoted(QUESTION));
+    if alternatives.is_empty() {
+        return format!("start: question\n{question}");
     }
-    let mut text = String::from("start: ");
-    if first {
-        text.push_str("question");
-        if !alternatives.is_empty() {
-            text.push_str(" | goal more");
-        }
-    } else {
-        text.push_str("\" \" goal more");
+    let mut text = String::from(match place {
+        Place::First { question: true } => "start: question | goal more\n",
+        Place::First { question: false } => "start: goal more\n",
+        Place::Next => "start: \" \" goal more\n",
+    });
+    if place == (Place::First { question: true }) {
+        text.push_str(&question);
     }
-    text.push_str(if more { "\nmore: \" &\"?\n" } else { "\nmore: \"\"\n" });
-    text.push_str(&format!(
-        "question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n",
-        quoted(QUESTION)
-    ));
-    if !alternatives.is_empty() {
-        text.push_str("goal: ");
-        text.push_str(&alternatives.join("\n  | "));
-        text.push('\n');
-    }
+    text.push_str(if more { "more: \" &\"?\n" } else { "more: \"\"\n" });
+    text.push_str(&format!("goal: {}\n", alternatives.join("\n  | ")));
     text
 }
 

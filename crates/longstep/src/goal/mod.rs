@@ -10,7 +10,7 @@ mod mention;
 mod offer;
 
 pub(crate) use grammar::{JOINT, QUESTION};
-pub use grammar::{grammar, schema};
+pub use grammar::{Place, grammar, schema};
 pub(crate) use language::read_form;
 pub use language::{GoalError, parse};
 pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
