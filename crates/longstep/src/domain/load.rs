@@ -547,6 +547,11 @@ impl Loader<'_> {
                 .map_or(Condition::TRUE, |offered| self.condition(offered, &parameters)),
             subject: entry.subject.as_ref().and_then(|s| self.parameter(s, &parameters)),
             cues: entry.cues.clone(),
+            phrases: entry
+                .phrases
+                .iter()
+                .filter_map(|phrase| self.phrase(phrase, &parameters))
+                .collect(),
             exclusive: entry.exclusive.clone(),
             disturbs: entry
                 .disturbs
@@ -557,6 +562,22 @@ impl Loader<'_> {
             means: entry.means.clone(),
             parameters,
         })
+    }
+}
+
+impl Loader<'_> {
+    /// `top of {place}` as the words before the hole, and the parameter.
+    fn phrase(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Option<(String, usize)> {
+        match text.get_ref().strip_suffix('}').and_then(|text| text.split_once('{')) {
+            Some((words, name)) => {
+                let name = Spanned::new(text.span(), name.to_owned());
+                Some((words.trim().to_owned(), self.parameter(&name, parameters)?))
+            }
+            None => {
+                self.report(text, "a phrase ends with a parameter in braces, as in `top of {place}`");
+                None
+            }
+        }
     }
 }
 

@@ -326,6 +326,8 @@ pub struct GoalWord {
     pub offered: Condition,
     /// Stems of the words that usually ask for it; a further goal of an answer needs one in the instruction.
     pub cues: Vec<String>,
+    /// Ways to say it, one of which the instruction must use with the argument, as in `top of {place}`.
+    pub phrases: Vec<(String, usize)>,
     /// The parameter that the instruction must speak of.
     pub subject: Option<usize>,
     /// Of words with the same mark, one goal has at most one for the same first argument.

@@ -133,6 +133,8 @@ pub(super) struct GoalEntry {
     pub(super) offered: Option<Text>,
     #[serde(default)]
     pub(super) cues: Vec<String>,
+    #[serde(default)]
+    pub(super) phrases: Vec<Text>,
     pub(super) subject: Option<Text>,
     pub(super) exclusive: Option<String>,
     #[serde(default)]

@@ -87,6 +87,22 @@ impl Spoken {
         }
     }
 
+    /// Whether the instruction has `before` right in front of a name of the entity, articles aside.
+    pub(super) fn has_phrase(&self, world: &World, before: &str, entity: EntityId) -> bool {
+        let bare = |words: Vec<String>| -> Vec<String> {
+            words
+                .iter()
+                .filter(|word| !among(DETERMINERS, word))
+                .map(|word| singular(word))
+                .collect()
+        };
+        let words = bare(self.words.clone());
+        world.entity(entity).names.iter().any(|name| {
+            let phrase = bare(plain_words(&format!("{before} {name}")));
+            words.windows(phrase.len()).any(|window| window == phrase)
+        })
+    }
+
     /// Whether a word of the instruction begins with one of the stems.
     pub(super) fn has_any(&self, stems: &[String]) -> bool {
         stems

@@ -42,6 +42,14 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken
             }
         }
         narrow(domain, world, &spoken.entities, word.parameters.len(), &mut arguments);
+        if !spoken.entities.is_empty() && !word.phrases.is_empty() {
+            let said = |bindings: &Vec<EntityId>| {
+                let has =
+                    |(before, parameter): &(String, usize)| spoken.has_phrase(world, before, bindings[*parameter]);
+                word.phrases.iter().any(has)
+            };
+            arguments.retain(said);
+        }
         if !said.is_empty() && !spoken.entities.is_empty() {
             arguments.retain(|bindings| may_follow(domain, world, word, said, spoken, bindings));
         }
@@ -71,7 +79,24 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
         let spoken_of = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
         offer.arguments.iter().any(spoken_of)
     };
-    // Two forms of one word are two readings of one wish; the one that fits what is spoken of wins.
+    // Two forms of one word are two readings of one wish. One that the instruction uses a phrase of wins for
+    // the same things, and so does one of which everything is spoken of.
+    if !spoken.entities.is_empty() {
+        let phrased: Vec<Offer> = offers
+            .iter()
+            .filter(|offer| !word(offer).phrases.is_empty())
+            .cloned()
+            .collect();
+        for offer in offers.iter_mut().filter(|offer| word(offer).phrases.is_empty()) {
+            let rival = |bindings: &Vec<EntityId>| {
+                phrased.iter().any(|other| {
+                    word(other).word == domain.goal_word(offer.word).word && other.arguments.contains(bindings)
+                })
+            };
+            offer.arguments.retain(|bindings| !rival(bindings));
+        }
+        offers.retain(|offer| !offer.arguments.is_empty());
+    }
     let fitting: Vec<GoalWordId> = offers
         .iter()
         .filter(|offer| all_spoken_of(offer))
@@ -129,6 +154,12 @@ fn narrow(domain: &Domain, world: &World, meant: &[EntityId], parameters: usize,
     if parameters == 2 && !meant.is_empty() {
         let at: Vec<(EntityId, EntityId)> = relations(domain, world);
         keep(&|b| !leads_to(&at, b[0], b[1], at.len()) && !leads_to(&at, b[1], b[0], at.len()));
+        // "On the tray on the desk" is on the tray.
+        let tuples = arguments.clone();
+        let nearer = |b: &Vec<EntityId>, other: &Vec<EntityId>| {
+            other[0] == b[0] && meant.contains(&other[1]) && leads_to(&at, other[1], b[1], at.len())
+        };
+        arguments.retain(|b| !tuples.iter().any(|other| nearer(b, other)));
     }
 }
 
