@@ -1,0 +1,297 @@
+//! Drives the built program as a person would, without a model.
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Runs `longstep` at the root of the repository; returns exit code, stdout and stderr.
+fn longstep(arguments: &[&str]) -> (i32, String, String) {
+    let cache = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_longstep"))
+        .args(arguments)
+        .current_dir(root())
+        .env("LONGSTEP_CACHE", cache.path())
+        .env_remove("LONGSTEP_MODEL")
+        .env_remove("OPENAI_API_KEY")
+        .output()
+        .unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+/// What a person sees: exit code, stdout, stderr; times are masked.
+fn seen(arguments: &[&str]) -> String {
+    let (code, stdout, stderr) = longstep(arguments);
+    let mut seen = format!("exit code {code}\n");
+    for (name, text) in [("stdout", stdout), ("stderr", stderr)] {
+        if !text.is_empty() {
+            seen.push_str(&format!("--- {name}\n{text}"));
+        }
+    }
+    seen
+}
+
+macro_rules! snapshot {
+    ($name:literal, $arguments:expr) => {
+        insta::with_settings!({filters => vec![(r"\d+\.\d+ m?s", "[time]"), (r"/tmp/[^ ,)]*", "[temporary]")]}, {
+            insta::assert_snapshot!($name, seen($arguments));
+        });
+    };
+}
+
+const PANTRY: &str = "examples/environments/pantry.json";
+
+#[test]
+fn domains_are_listed_and_shown() {
+    snapshot!("domain_list", &["domain", "list"]);
+    snapshot!("domain_show", &["domain", "show", "virtualhome"]);
+    snapshot!("domain_check", &["domain", "check", "examples/greenhouse"]);
+}
+
+#[test]
+fn goals_are_solved() {
+    snapshot!("solve", &["solve", "--goal", "put(butter, shelf top)", "--env", PANTRY]);
+    snapshot!(
+        "solve_nothing",
+        &["solve", "--goal", "put(juice, shelf bottom)", "--env", PANTRY]
+    );
+    snapshot!(
+        "solve_greenhouse",
+        &[
+            "solve",
+            "--goal",
+            "watered(basil) & aired(south bed)",
+            "--env",
+            "examples/greenhouse/environment.json",
+            "--domain",
+            "examples/greenhouse"
+        ]
+    );
+    snapshot!(
+        "solve_unsolvable",
+        &[
+            "solve",
+            "--goal",
+            "CLOSED(<oven_6>) & OPEN(<oven_6>)",
+            "--env",
+            "examples/environments/flat.json",
+            "--domain",
+            "virtualhome"
+        ]
+    );
+}
+
+#[test]
+fn plans_are_verified() {
+    snapshot!("verify_good", &["verify", "crates/longstep-cli/tests/plans/good.json"]);
+    snapshot!(
+        "verify_closed_fridge",
+        &["verify", "crates/longstep-cli/tests/plans/closed_fridge.json"]
+    );
+    snapshot!(
+        "verify_unknown",
+        &[
+            "verify",
+            "crates/longstep-cli/tests/plans/unknown.json",
+            "--domain",
+            "virtualhome"
+        ]
+    );
+}
+
+#[test]
+fn bad_input_is_one_clear_error() {
+    snapshot!(
+        "missing_environment",
+        &["solve", "--goal", "put(a, b)", "--env", "nowhere.json"]
+    );
+    snapshot!(
+        "broken_environment",
+        &["solve", "--goal", "put(a, b)", "--env", "README.md"]
+    );
+    snapshot!(
+        "folder_as_environment",
+        &["solve", "--goal", "put(a, b)", "--env", "docs"]
+    );
+    snapshot!("unknown_domain", &["domain", "show", "houshold"]);
+    snapshot!(
+        "other_domain",
+        &[
+            "solve",
+            "--goal",
+            "on(lamp)",
+            "--env",
+            "examples/environments/flat.json"
+        ]
+    );
+    snapshot!(
+        "unknown_name",
+        &["solve", "--goal", "put(jucie, shelf top)", "--env", PANTRY]
+    );
+    snapshot!("unknown_goal", &["solve", "--goal", "sing(juice)", "--env", PANTRY]);
+    snapshot!("empty_instruction", &["plan", "  ", "--env", PANTRY]);
+    snapshot!(
+        "long_instruction",
+        &["plan", &"put the juice ".repeat(7200), "--env", PANTRY]
+    );
+    snapshot!(
+        "unknown_model",
+        &[
+            "plan",
+            "Put the juice on the counter",
+            "--env",
+            PANTRY,
+            "--model",
+            "qwen"
+        ]
+    );
+    snapshot!(
+        "model_not_here",
+        &["plan", "Put the juice on the counter", "--env", PANTRY]
+    );
+    snapshot!(
+        "contradictions",
+        &[
+            "solve",
+            "--goal",
+            "put(a, b)",
+            "--env",
+            "crates/longstep-cli/tests/plans/contradiction.json"
+        ]
+    );
+}
+
+#[test]
+fn a_file_that_is_no_model_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in [("text.gguf", &b"hello"[..]), ("cut.gguf", &b"GGUF\x03\0\0\0"[..])] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let model = path.to_str().unwrap();
+        let (code, stdout, stderr) = longstep(&[
+            "plan",
+            "Put the juice on the counter",
+            "--env",
+            PANTRY,
+            "--model",
+            model,
+        ]);
+        assert_eq!((code, stdout.as_str()), (40, ""), "{stderr}");
+        assert!(stderr.contains(name) && stderr.contains("hint:"), "{stderr}");
+    }
+}
+
+#[test]
+fn json_is_one_object_with_the_published_fields() {
+    let (code, stdout, _) = longstep(&["solve", "--goal", "opened(fridge)", "--env", PANTRY, "--json"]);
+    assert_eq!(code, 0);
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let keys: Vec<&str> = answer.as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(
+        keys,
+        [
+            "status",
+            "plan",
+            "steps",
+            "goal",
+            "edits",
+            "violations",
+            "claims",
+            "assumptions",
+            "usage",
+            "timings_ms"
+        ]
+    );
+    assert_eq!(answer["status"], "verified");
+    assert_eq!(answer["goal"][0], "opened(<fridge>)");
+    assert_eq!(answer["steps"][1]["implicit"]["object"], "<fridge_handle>");
+}
+
+#[test]
+fn a_saved_plan_verifies_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.json");
+    let path = path.to_str().unwrap();
+    let goal = "put(butter, counter) & put(juice, trash bin) & wiped(counter, cloth)";
+    let (code, _, stderr) = longstep(&["solve", "--goal", goal, "--env", PANTRY, "--save", path]);
+    assert_eq!(code, 0, "{stderr}");
+    let (code, stdout, _) = longstep(&["verify", path, "--json"]);
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!((code, &answer["violations"]), (0, &serde_json::json!([])));
+    assert_eq!(answer["claims"]["differing"], serde_json::json!([]));
+}
+
+#[test]
+fn nothing_is_saved_where_it_cannot_be() {
+    let (code, stdout, stderr) = longstep(&[
+        "solve",
+        "--goal",
+        "opened(fridge)",
+        "--env",
+        PANTRY,
+        "--save",
+        "/nowhere/plan.json",
+    ]);
+    assert_eq!((code, stdout.as_str()), (30, ""));
+    assert!(stderr.contains("cannot write /nowhere/plan.json"), "{stderr}");
+}
+
+#[test]
+fn a_new_domain_passes_its_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("My Porter 3");
+    let path = path.to_str().unwrap();
+    assert_eq!(longstep(&["domain", "new", path]).0, 0);
+    let (code, _, stderr) = longstep(&["domain", "check", path]);
+    assert_eq!(code, 0, "{stderr}");
+    let environment = format!("{path}/environment.json");
+    let (code, stdout, stderr) = longstep(&[
+        "solve",
+        "--goal",
+        "bring(parcel, desk)",
+        "--env",
+        &environment,
+        "--domain",
+        path,
+    ]);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert_eq!(longstep(&["domain", "new", path]).0, 30);
+}
+
+#[test]
+fn a_broken_domain_tells_everything_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("porter");
+    assert_eq!(longstep(&["domain", "new", path.to_str().unwrap()]).0, 0);
+    let change = |file: &str, from: &str, to: &str| {
+        let file = path.join(file);
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.contains(from));
+        std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
+    };
+    change("domain.pddl", "(robot-at ?from) (at", "(robot-att ?from) (at");
+    change("domain.toml", "name = \"drop\"", "name = \"dropp\"");
+    change("domain.toml", "{parcel} is at {station}", "{parcel} is at {statoin}");
+    change(
+        "prompt/examples.toml",
+        "bring(red box, hangar)",
+        "bring(red box, cellar)",
+    );
+    change("prompt/goal.md", "goal.form", "goal.from");
+    let (code, stdout, stderr) = longstep(&["domain", "check", path.to_str().unwrap()]);
+    assert_eq!((code, stdout.as_str()), (30, ""));
+    let places = [
+        "domain.pddl:26:",
+        "domain.pddl:31:",
+        "domain.toml:",
+        "prompt/examples.toml:8:",
+        "prompt/goal.md:",
+    ];
+    for place in places {
+        assert!(stderr.contains(place), "{place} is missing in\n{stderr}");
+    }
+}

@@ -1,0 +1,84 @@
+//! How fast verification and search are, without any model.
+//!
+//! The scenes are the example environments and, when `LONGSTEP_CORPUS` names the folder of the recorded plans,
+//! its kitchen. `cargo bench -p longstep` prints the figures.
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+
+use std::hint::black_box;
+use std::path::PathBuf;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use longstep::domain::{self, Domain};
+use longstep::goal::{self, Goal};
+use longstep::json::Path;
+use longstep::plan::{Plan, Step};
+use longstep::search::{self, Limits, Outcome};
+use longstep::verify;
+use longstep::world::{self, Environment, World};
+
+fn scene(domain: &Domain, file: PathBuf) -> World {
+    let text = std::fs::read_to_string(&file).unwrap();
+    let environment = Environment::from_json(&text).unwrap();
+    world::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn example(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples/environments")
+        .join(name)
+}
+
+fn plan_for(domain: &Domain, world: &World, goal: &Goal) -> Plan {
+    let outcome = search::solve(domain, world, &goal.wanted(domain, world), &Limits::default());
+    let Outcome::Solved { steps, .. } = outcome else {
+        panic!("{outcome:?}")
+    };
+    let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
+    Plan {
+        steps: steps.into_iter().map(step).collect(),
+    }
+}
+
+fn planning(criterion: &mut Criterion) {
+    let mut cases = vec![
+        ("pantry", "household", example("pantry.json"), "put(butter, shelf top)"),
+        ("flat", "virtualhome", example("flat.json"), "heated(cupcake, oven)"),
+    ];
+    if let Some(corpus) = std::env::var_os("LONGSTEP_CORPUS") {
+        let kitchen = PathBuf::from(corpus).join("virtualhome14/kitchen.json");
+        cases.push((
+            "kitchen, one goal",
+            "virtualhome",
+            kitchen.clone(),
+            "put(book, bookshelf)",
+        ));
+        cases.push(("kitchen, heating", "virtualhome", kitchen.clone(), "heated(pie, stove)"));
+        cases.push((
+            "kitchen, four goals",
+            "virtualhome",
+            kitchen,
+            "put(pie, fridge) & put(book, bookshelf) & on(tv) & wet(sponge)",
+        ));
+    }
+    for (name, domain, file, goal) in cases {
+        let domain = domain::shipped(domain).unwrap().unwrap();
+        let world = scene(&domain, file);
+        let goal = goal::parse(&domain, &world, goal).unwrap();
+        let wanted = goal.wanted(&domain, &world);
+        let plan = plan_for(&domain, &world, &goal);
+        let purpose = goal.purpose(&domain);
+        let mut group = criterion.benchmark_group(name);
+        group.sample_size(20);
+        group.bench_function("search", |bencher| {
+            bencher.iter(|| search::solve(&domain, &world, black_box(&wanted), &Limits::default()));
+        });
+        group.throughput(Throughput::Elements(plan.steps.len() as u64));
+        group.bench_function("verify", |bencher| {
+            bencher.iter(|| verify::check(&domain, &world, black_box(plan.clone()), &purpose));
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, planning);
+criterion_main!(benches);

@@ -1,0 +1,121 @@
+//! Search against brute force: on small random worlds both find plans of the same length, or both none.
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+
+use std::collections::{HashMap, VecDeque};
+
+use longstep::domain::{self, Domain};
+use longstep::goal;
+use longstep::json::Path;
+use longstep::plan::{Plan, Step};
+use longstep::search::{self, Limits, Outcome, Wanted};
+use longstep::verify::{apply, check, unmet};
+use longstep::world::{self, EntityId, Environment, Fact, Moment, State, World, holds};
+use proptest::prelude::*;
+
+/// Every action with every choice of arguments.
+fn all_actions(domain: &Domain, world: &World) -> Vec<(domain::ActionId, Vec<EntityId>)> {
+    let mut all = Vec::new();
+    for (id, action) in domain.action_ids() {
+        let mut choices: Vec<Vec<EntityId>> = vec![Vec::new()];
+        for parameter in &action.parameters {
+            let longer = |choice: Vec<EntityId>| {
+                world
+                    .of_kind(parameter.kind)
+                    .iter()
+                    .map(move |e| [&choice[..], &[*e]].concat())
+                    .collect::<Vec<_>>()
+            };
+            choices = choices.into_iter().flat_map(longer).collect();
+        }
+        all.extend(choices.into_iter().map(|arguments| (id, arguments)));
+    }
+    all
+}
+
+/// The number of steps of a shortest plan, by trying everything in order of length.
+fn brute_force(domain: &Domain, world: &World, wanted: &[Wanted]) -> Option<usize> {
+    let reached = |state: &State| {
+        wanted
+            .iter()
+            .all(|w| holds(Moment { world, state }, &w.condition, &mut w.bindings.clone()))
+    };
+    let actions = all_actions(domain, world);
+    let mut depth: HashMap<Vec<Fact>, usize> = HashMap::from([(world.state.sorted(), 0)]);
+    let mut queue = VecDeque::from([world.state.clone()]);
+    while let Some(state) = queue.pop_front() {
+        let steps = depth[&state.sorted()];
+        if reached(&state) {
+            return Some(steps);
+        }
+        for (id, arguments) in &actions {
+            let action = domain.action(*id);
+            if unmet(world, &state, &action.precondition, &mut arguments.clone()).is_empty() {
+                let mut next = state.clone();
+                apply(world, &mut next, action, arguments);
+                if let std::collections::hash_map::Entry::Vacant(entry) = depth.entry(next.sorted()) {
+                    entry.insert(steps + 1);
+                    queue.push_back(next);
+                }
+            }
+        }
+    }
+    None
+}
+
+fn compare(domain_name: &str, environment: &str, goal: &str) -> Result<(), TestCaseError> {
+    let domain = domain::shipped(domain_name).unwrap().unwrap();
+    let environment = Environment::from_json(environment).unwrap();
+    let world = world::read(&domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
+    let goal = goal::parse(&domain, &world, goal).unwrap();
+    let wanted = goal.wanted(&domain, &world);
+    let expected = brute_force(&domain, &world, &wanted);
+    let limits = Limits {
+        direct: 100_000,
+        proof: 100_000,
+        shortest: 100_000,
+        any: 0,
+    };
+    match search::solve(&domain, &world, &wanted, &limits) {
+        Outcome::Solved { steps, shortest, .. } => {
+            prop_assert!(shortest);
+            prop_assert_eq!(Some(steps.len()), expected);
+            let step = |s: search::GroundAction| Step::explained(&domain, &world, s.action, s.arguments);
+            let plan = Plan {
+                steps: steps.into_iter().map(step).collect(),
+            };
+            let report = check(&domain, &world, plan, &goal.purpose(&domain));
+            prop_assert_eq!(report.violations, vec![]);
+        }
+        Outcome::ProvenUnsolvable { .. } => prop_assert_eq!(expected, None),
+        Outcome::GaveUp { why, .. } => prop_assert!(false, "gave up: {}", why),
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn household(place in prop::sample::select(vec!["counter", "shelf", "fridge", "trash bin"]),
+                 cup in prop::sample::select(vec!["on_something(<counter>)", "on_something(<shelf>)", "inside_something(<fridge>)"]),
+                 door in prop::sample::select(vec!["open()", "closed()"]),
+                 more in prop::sample::select(vec!["", " & closed(fridge)", " & opened(fridge)", " & wiped(shelf, cup)"])) {
+        let environment = format!(
+            r#"{{"assets": ["<counter>", "<shelf>", "<fridge>", "<trash_bin>"], "objects": ["<cup>", "<fridge_handle>"],
+                "object_states": {{"<cup>": "{cup}", "<fridge_handle>": "{door}"}}}}"#);
+        compare("household", &environment, &format!("put(cup, {place}){more}"))?;
+    }
+
+    #[test]
+    fn virtualhome(goal in prop::sample::select(vec![
+                       "put(mug, sink)", "heated(pie, stove)", "drunk(mug)", "wet(pie)", "moved(pie)", "held(mug)",
+                       "put(mug, sink) & put(pie, sink)", "put(mug, stove) & off(stove)", "drunk(mug) & put(mug, desk)"]),
+                   mug in prop::sample::select(vec!["ON(<desk_1>)", "INSIDE(<stove_2>)", "ON(<sink_3>)"]),
+                   stove in prop::sample::select(vec!["OPEN()", "CLOSED()", "SWITCHED_ON()"])) {
+        let environment = format!(
+            r#"{{"assets": ["<desk_1>", "<stove_2>", "<sink_3>", "<faucet_4>"], "asset_states": {{"<stove_2>": ["{stove}"]}},
+                "objects": ["<mug_5>", "<pie_6>"], "object_states": {{"<mug_5>": ["{mug}"], "<pie_6>": ["ON(<desk_1>)"]}},
+                "asset_properties": {{"<stove_2>": ["IS_OPENABLE", "HAS_SWITCH"], "<faucet_4>": ["HAS_SWITCH"]}}}}"#);
+        compare("virtualhome", &environment, goal)?;
+    }
+}
