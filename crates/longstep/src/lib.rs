@@ -1,4 +1,40 @@
-//! Longstep turns what a person says into a robot action plan that has been checked.
+//! Plans for robots that have been checked, step by step, against a model of the world.
+//!
+//! A language model says what is wanted; this library knows what is possible. It has no I/O: everything here is
+//! a function of its inputs.
+//!
+//! The key types, in the order in which they meet:
+//!
+//! - [`domain::Domain`]: what a robot can do and what can be true, from a folder of PDDL and TOML.
+//! - [`world::Environment`] and [`world::World`]: one state of the world, as JSON and as facts.
+//! - [`prompt::GoalDialogue`]: asks a model for goals; the caller carries the messages.
+//! - [`goal::Goal`]: what is wanted. [`search::solve`] finds the steps.
+//! - [`verify::check`]: simulates a plan; a [`verify::Report`] without violations becomes a
+//!   [`verify::VerifiedPlan`], and nothing else does.
+//!
+//! ```
+//! use longstep::plan::{Plan, Step};
+//! use longstep::search::{Limits, Outcome};
+//! use longstep::{domain, goal, json, search, verify, world};
+//!
+//! let household = domain::shipped("household").unwrap()?;
+//! let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
+//!     "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
+//! let environment = world::Environment::from_json(text)?;
+//! let world = world::read(&household, &environment, "env.json", text, &json::Path::default())?;
+//!
+//! let goal = goal::parse(&household, &world, "put(milk, fridge)")?;
+//! let outcome = search::solve(&household, &world, &goal.wanted(&household, &world), &Limits::default());
+//! let Outcome::Solved { steps, .. } = outcome else { panic!("{outcome:?}") };
+//! let steps = steps.into_iter().map(|s| Step::explained(&household, &world, s.action, s.arguments));
+//!
+//! let plan = Plan { steps: steps.collect() };
+//! let report = verify::check(&household, &world, plan, &goal.purpose(&household));
+//! let verified = report.into_verified().expect("search makes plans that can be done");
+//! assert_eq!(verified.steps()[2].explanation, "turn the fridge handle to open");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
 pub mod answer;
 pub mod call;
 pub mod diagnostic;

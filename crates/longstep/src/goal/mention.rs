@@ -48,8 +48,6 @@ fn among(list: &str, word: &str) -> bool {
 pub struct Spoken {
     /// The things that its words can mean.
     pub entities: Vec<EntityId>,
-    /// Whether it speaks of several things of one name.
-    pub several: bool,
     /// Its words, in lower case.
     words: Vec<String>,
 }
@@ -78,13 +76,23 @@ impl Spoken {
             .filter(|(id, score)| !beaten(*id, *score))
             .map(|(id, _)| *id)
             .collect();
-        let plural =
-            |(word, single): (&String, &String)| word != single && entities.iter().any(|id| head(*id) == *single);
-        Self {
-            several: words.iter().any(|word| among(SEVERAL, word)) || words.iter().zip(&singulars).any(plural),
-            entities,
-            words,
+        Self { entities, words }
+    }
+
+    /// Whether the instruction can mean several things that go by these names: "both jars", "a jar and the other
+    /// jar".
+    pub fn several(&self, names: &[String]) -> bool {
+        let heads: Vec<String> = names.iter().map(|name| head(name)).collect();
+        let mut said = 0;
+        for word in &self.words {
+            let single = singular(word);
+            let ours = heads.contains(&single);
+            if among(SEVERAL, word) || (ours && *word != single) {
+                return true;
+            }
+            said += usize::from(ours);
         }
+        said > 1
     }
 
     /// Whether the instruction has `before` right in front of a name of the entity, articles aside.
@@ -122,6 +130,12 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
     if goal.facts.is_empty() {
         return Understanding::Question("What should I do?".to_owned());
     }
+    // A goal about something else, and a thing in the instruction that is not there: that is why.
+    if !goal.facts.iter().all(about)
+        && let Some(missing) = unknown_thing(domain, world, instruction)
+    {
+        return Understanding::Question(format!("I see no {missing} here. What do you mean by it?"));
+    }
     if goal.facts.iter().any(about) {
         let (kept, dropped): (Vec<_>, Vec<_>) = goal.facts.into_iter().partition(about);
         let left_out = dropped
@@ -138,10 +152,6 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
             })
             .collect();
         return Understanding::Goal(Goal { facts: kept }, left_out);
-    }
-    // The goal is about something else. If the instruction names a thing that is not here, that is why.
-    if let Some(missing) = unknown_thing(domain, world, instruction) {
-        return Understanding::Question(format!("I see no {missing} here. What do you mean by it?"));
     }
     let mut facts = goal.facts.into_iter();
     let first = facts.next().into_iter().collect();

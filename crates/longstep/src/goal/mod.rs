@@ -8,6 +8,8 @@ mod grammar;
 mod language;
 mod mention;
 mod offer;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use grammar::{JOINT, QUESTION};
 pub use grammar::{Place, grammar, schema};

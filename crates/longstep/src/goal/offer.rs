@@ -134,7 +134,8 @@ fn may_follow(
         arguments.iter().enumerate().all(|(parameter, entity)| {
             let same_role = said.subject == Some(parameter) || said.disturbs.contains(&parameter);
             // "The plate" is one plate; and what a thing was put on stays where it is.
-            let another = *entity != subject && kind(*entity) == kind(subject) && !spoken.several;
+            let another =
+                *entity != subject && kind(*entity) == kind(subject) && !spoken.several(&world.entity(subject).names);
             !another && (*entity != subject || same_role)
         })
     }) && spoken.entities.contains(&subject)

@@ -6,6 +6,8 @@
 mod bind;
 mod rules;
 mod simulate;
+#[cfg(test)]
+mod tests;
 mod violation;
 
 pub use bind::bind;

@@ -6,6 +6,8 @@ mod evaluate;
 mod fact;
 mod naming;
 mod read;
+#[cfg(test)]
+mod tests;
 mod write;
 
 pub use diff::{Difference, differences};

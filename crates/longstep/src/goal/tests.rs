@@ -1,0 +1,159 @@
+//! What an instruction lets a model say, as tables.
+
+use super::*;
+use crate::domain;
+use crate::json::Path;
+use crate::world::{self, Environment};
+
+fn flat() -> (Domain, World) {
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let text = r#"{
+        "assets": ["<desk_1>", "<shelf_2>", "<sofa_3>", "<oven_4>", "<tablelamp_5>"],
+        "asset_properties": {"<oven_4>": ["IS_OPENABLE", "HAS_SWITCH"], "<tablelamp_5>": ["HAS_SWITCH"]},
+        "objects": ["<mug_6>", "<mug_7>", "<mug_8>", "<tray_9>", "<apple_10>", "<pillow_11>"],
+        "object_states": {
+            "<mug_6>": ["ON(<desk_1>)"], "<mug_7>": ["ON(<shelf_2>)"], "<mug_8>": ["ON(<shelf_2>)"],
+            "<tray_9>": ["ON(<desk_1>)"], "<apple_10>": ["ON(<tray_9>)"], "<pillow_11>": ["ON(<sofa_3>)"]}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "flat", text, &Path::default()).unwrap();
+    (domain, world)
+}
+
+/// The places and things that `put` is offered with, after the goals of `said`.
+#[track_caller]
+fn check_put(instruction: &str, said: &str, expected: &[&str]) {
+    let (domain, world) = flat();
+    let said = if said.is_empty() {
+        Goal::default()
+    } else {
+        parse(&domain, &world, said).unwrap()
+    };
+    let offers = offers(&domain, &world, &said.facts, &Spoken::of(&world, instruction));
+    let mut texts = Vec::new();
+    for offer in offers.iter().filter(|offer| domain.goal_word(offer.word).word == "put") {
+        for arguments in &offer.arguments {
+            let fact = GoalFact::Word {
+                word: offer.word,
+                arguments: arguments.clone(),
+            };
+            texts.push(fact.everyday(&domain, &world));
+        }
+    }
+    assert_eq!(texts, expected, "{instruction}");
+}
+
+#[test]
+fn what_is_spoken_of_narrows_what_is_offered() {
+    check_put("Put the pillow on the shelf", "", &["put(pillow, shelf)"]);
+    check_put("Put the apple on the sofa", "", &["put(apple, sofa)"]);
+    // Where a thing is only tells which one is meant.
+    check_put(
+        "Take the apple from the tray on the desk to the shelf",
+        "",
+        &["put(apple, shelf)"],
+    );
+    check_put("Put the pillow on the tray on the desk", "", &["put(pillow, tray)"]);
+}
+
+#[test]
+fn phrases_tell_forms_apart() {
+    check_put("Put the apple into the oven", "", &["put(apple, oven)"]);
+    check_put("Put the apple on top of the oven", "", &["put(apple, top of oven)"]);
+    check_put("Set the apple on the oven", "", &["put(apple, top of oven)"]);
+}
+
+#[test]
+fn a_further_goal_is_about_another_thing_that_is_spoken_of() {
+    check_put("Put the pillow on the shelf", "put(pillow, shelf)", &[]);
+    check_put(
+        "Put the pillow and the apple on the shelf",
+        "put(pillow, shelf)",
+        &["put(apple, shelf)"],
+    );
+    // One mug is one mug; several are several.
+    check_put("Put the mug on the sofa", "put(mug 1, sofa)", &[]);
+    check_put(
+        "Put two mugs on the sofa",
+        "put(mug 1, sofa)",
+        &["put(mug 2, sofa)", "put(mug 3, sofa)"],
+    );
+    // What something was put on stays.
+    check_put(
+        "Put the apple on the desk and the pillow on the tray",
+        "put(pillow, tray)",
+        &["put(apple, desk)"],
+    );
+}
+
+#[track_caller]
+fn check_understood(instruction: &str, goal: &str, expected: &str) {
+    let (domain, world) = flat();
+    let goal = parse(&domain, &world, goal).unwrap();
+    let understood = match understand(&domain, &world, instruction, goal) {
+        Understanding::Question(question) => question,
+        Understanding::Goal(goal, left_out) => {
+            let kept: Vec<_> = goal.facts.iter().map(|fact| fact.everyday(&domain, &world)).collect();
+            format!("{} (left out {})", kept.join(" & "), left_out.len())
+        }
+    };
+    assert_eq!(understood, expected, "{instruction}");
+}
+
+#[test]
+fn goals_that_nobody_asked_for_are_left_out() {
+    check_understood(
+        "Put the apple on the sofa",
+        "put(apple, sofa)",
+        "put(apple, sofa) (left out 0)",
+    );
+    check_understood(
+        "Put the apple on the sofa",
+        "put(apple, sofa) & put(pillow, desk)",
+        "put(apple, sofa) (left out 1)",
+    );
+    // Nothing is mentioned: the first goal stands.
+    check_understood(
+        "It is dark in here",
+        "on(lamp) & put(pillow, desk)",
+        "on(lamp) (left out 1)",
+    );
+}
+
+#[test]
+fn things_that_are_not_there_are_asked_about() {
+    check_understood(
+        "Fetch the banana",
+        "held(apple)",
+        "I see no banana here. What do you mean by it?",
+    );
+    check_understood(
+        "Put the milk on the shelf",
+        "put(apple, shelf)",
+        "I see no milk here. What do you mean by it?",
+    );
+}
+
+#[test]
+fn goals_are_read_and_written() {
+    let (domain, world) = flat();
+    for text in [
+        "put(apple, top of oven)",
+        "heated(apple, oven)",
+        "INSIDE(<apple_10>, <oven_4>)",
+        "on(lamp)",
+    ] {
+        let goal = parse(&domain, &world, text).unwrap();
+        let again = parse(&domain, &world, &goal.facts[0].exact(&domain, &world)).unwrap();
+        assert_eq!(goal, again);
+    }
+    for (text, error) in [
+        ("put(apple, sofa) & ", "the goal has an empty part"),
+        (
+            "put(aple, sofa)",
+            "`aple` in `put(aple, sofa)` is nothing in the environment; did you mean `apple`?",
+        ),
+        ("put(sofa, desk)", "`sofa` in `put(sofa, desk)` is no item"),
+    ] {
+        assert_eq!(parse(&domain, &world, text).unwrap_err().to_string(), error);
+    }
+}

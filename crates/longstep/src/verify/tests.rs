@@ -1,0 +1,90 @@
+//! Plans in, messages out.
+
+use super::*;
+use crate::domain;
+use crate::json::Path;
+use crate::plan::{TaskCohesion, resolve};
+use crate::world::{self, Environment};
+
+const KITCHEN: &str = r#"{
+    "assets": ["<desk_1>", "<oven_2>", "<shelf_3>"],
+    "objects": ["<pie_4>", "<mug_5>"],
+    "object_states": {"<pie_4>": ["ON(<desk_1>)"], "<mug_5>": ["INSIDE(<oven_2>)"]},
+    "asset_properties": {"<oven_2>": ["IS_OPENABLE"], "<desk_1>": ["NOT_OPENABLE"], "<shelf_3>": ["NOT_OPENABLE"]}}"#;
+
+fn report(domain: &Domain, world: &World, calls: &[&str], object: Option<&str>) -> Report {
+    let written = TaskCohesion {
+        task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
+        object_name: object.map(str::to_owned),
+        ..TaskCohesion::default()
+    };
+    let (steps, objects) = resolve(domain, world, &written).unwrap();
+    let (plan, _) = bind(domain, world, &steps, &objects, None);
+    check(domain, world, plan, &Purpose::default())
+}
+
+#[track_caller]
+fn check_messages(calls: &[&str], expected: &[&str]) {
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let environment = Environment::from_json(KITCHEN).unwrap();
+    let world = world::read(&domain, &environment, "env.json", KITCHEN, &Path::default()).unwrap();
+    let report = report(&domain, &world, calls, None);
+    let messages: Vec<_> =
+        report.violations.iter().map(|v| v.message(&domain, &world, &report.steps, None)).collect();
+    assert_eq!(messages, expected);
+    assert_eq!(report.into_verified().is_ok(), expected.is_empty());
+}
+
+#[test]
+fn good_plans_pass() {
+    check_messages(&["Walktowards(<desk_1>)", "Grab(<pie_4>)", "Walktowards(<shelf_3>)", "Put(<pie_4>, <shelf_3>)"], &[]);
+    check_messages(&[], &[]);
+}
+
+#[test]
+fn what_is_missing_is_said() {
+    check_messages(&["Grab(<pie_4>)"], &["step 1: Grab(<pie_4>) needs that the pie is within reach"]);
+    check_messages(
+        &["Walktowards(<oven_2>)", "Grab(<mug_5>)"],
+        &["step 2: Grab(<mug_5>) needs that the oven is not closed"],
+    );
+    check_messages(
+        &["Walktowards(<shelf_3>)", "Open(<shelf_3>)"],
+        &["step 2: Open(<shelf_3>) needs that the shelf can be opened"],
+    );
+}
+
+#[test]
+fn the_step_that_took_it_away_is_named() {
+    check_messages(
+        &["Walktowards(<desk_1>)", "Walktowards(<shelf_3>)", "Grab(<pie_4>)"],
+        &["step 3: Grab(<pie_4>) needs that the pie is within reach; since step 2 (Walktowards(<shelf_3>)), the pie is not within reach"],
+    );
+}
+
+#[test]
+fn rules_hold_at_the_end() {
+    check_messages(
+        &[
+            "Walktowards(<desk_1>)",
+            "Grab(<pie_4>)",
+            "Walktowards(<oven_2>)",
+            "Open(<oven_2>)",
+            "PutIn(<pie_4>, <oven_2>)",
+        ],
+        &["at the end: the oven must be closed and switched on, since the pie was put into it to be heated"],
+    );
+}
+
+#[test]
+fn what_a_verdict_rests_on_is_listed() {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<box>"], "objects": ["<box_lever>"], "object_states": {"<box_lever>": "closed()"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let calls = ["move_hand()", "grasp_object()", "open_by_slide()", "release_object()"];
+    let report = report(&domain, &world, &calls, Some("<box_lever>"));
+    assert_eq!(report.violations, vec![]);
+    let assumed: Vec<_> = report.assumptions.iter().map(|a| a.message(&domain, &world)).collect();
+    assert_eq!(assumed, ["the box lever slides (the environment does not say)"]);
+}
