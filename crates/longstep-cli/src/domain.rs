@@ -52,11 +52,7 @@ fn describe(domain: &Domain) {
         .states
         .iter()
         .map(|state| {
-            let holes = if state.arity == 0 {
-                String::new()
-            } else {
-                vec!["<thing>"; state.arity].join(", ")
-            };
+            let holes = state.parameters.join(", ");
             (format!("{}({holes})", state.word), state.means.as_str())
         })
         .collect();

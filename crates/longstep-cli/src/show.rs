@@ -97,8 +97,7 @@ fn list(title: &str, entries: &[String]) {
     if entries.is_empty() {
         return;
     }
-    anstream::println!();
-    heading(title);
+    anstream::println!("\n{}", title.bold());
     for entry in entries {
         anstream::println!("  - {entry}");
     }

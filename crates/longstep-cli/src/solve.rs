@@ -87,7 +87,9 @@ pub(crate) fn finish(
             for line in goal {
                 anstream::println!("  {line}");
             }
-            anstream::println!();
+            if !answer.steps.is_empty() {
+                anstream::println!();
+            }
         }
         show::answer(answer, notes);
         if let Some(path) = save.filter(|_| answer.status == Status::Verified) {

@@ -285,11 +285,12 @@ fn a_broken_domain_tells_everything_at_once() {
     let (code, stdout, stderr) = longstep(&["domain", "check", path.to_str().unwrap()]);
     assert_eq!((code, stdout.as_str()), (30, ""));
     let places = [
-        "domain.pddl:26:",
-        "domain.pddl:31:",
-        "domain.toml:",
-        "prompt/examples.toml:8:",
-        "prompt/goal.md:",
+        "domain.pddl:25:25:",
+        "domain.pddl:29:12:",
+        "domain.toml:14:9:",
+        "domain.toml:59:9:",
+        "prompt/examples.toml:8:11:",
+        "prompt/goal.md:5:1:",
     ];
     for place in places {
         assert!(stderr.contains(place), "{place} is missing in\n{stderr}");

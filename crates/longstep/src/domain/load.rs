@@ -424,7 +424,7 @@ impl Loader<'_> {
         }
         Some(StateWord {
             word: call.name,
-            arity: call.arguments.len(),
+            parameters: call.arguments,
             atom: literal.atom,
             means: entry.means.clone(),
         })

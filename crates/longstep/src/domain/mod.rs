@@ -227,8 +227,8 @@ pub struct Literal {
 pub struct StateWord {
     /// The word before the parenthesis.
     pub word: String,
-    /// How many entities stand in the parentheses; their slots follow `?self`.
-    pub arity: usize,
+    /// The entities in the parentheses; their slots follow `?self`.
+    pub parameters: Vec<String>,
     /// The fact it stands for.
     pub atom: Atom,
     /// What it means, as a model and a person are told.

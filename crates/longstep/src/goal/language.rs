@@ -81,7 +81,8 @@ fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErro
         }
     }
     if let Ok(call) = Call::parse(part) {
-        let state = |s: &&crate::domain::StateWord| s.word == call.name && s.arity + 1 == call.arguments.len();
+        let state =
+            |s: &&crate::domain::StateWord| s.word == call.name && s.parameters.len() + 1 == call.arguments.len();
         if let Some(word) = domain.states.iter().find(state) {
             let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
             let bindings = entities(domain, world, part, &names, &vec![TypeId::OBJECT; names.len()])?;

@@ -29,21 +29,35 @@ fn check_messages(calls: &[&str], expected: &[&str]) {
     let environment = Environment::from_json(KITCHEN).unwrap();
     let world = world::read(&domain, &environment, "env.json", KITCHEN, &Path::default()).unwrap();
     let report = report(&domain, &world, calls, None);
-    let messages: Vec<_> =
-        report.violations.iter().map(|v| v.message(&domain, &world, &report.steps, None)).collect();
+    let messages: Vec<_> = report
+        .violations
+        .iter()
+        .map(|v| v.message(&domain, &world, &report.steps, None))
+        .collect();
     assert_eq!(messages, expected);
     assert_eq!(report.into_verified().is_ok(), expected.is_empty());
 }
 
 #[test]
 fn good_plans_pass() {
-    check_messages(&["Walktowards(<desk_1>)", "Grab(<pie_4>)", "Walktowards(<shelf_3>)", "Put(<pie_4>, <shelf_3>)"], &[]);
+    check_messages(
+        &[
+            "Walktowards(<desk_1>)",
+            "Grab(<pie_4>)",
+            "Walktowards(<shelf_3>)",
+            "Put(<pie_4>, <shelf_3>)",
+        ],
+        &[],
+    );
     check_messages(&[], &[]);
 }
 
 #[test]
 fn what_is_missing_is_said() {
-    check_messages(&["Grab(<pie_4>)"], &["step 1: Grab(<pie_4>) needs that the pie is within reach"]);
+    check_messages(
+        &["Grab(<pie_4>)"],
+        &["step 1: Grab(<pie_4>) needs that the pie is within reach"],
+    );
     check_messages(
         &["Walktowards(<oven_2>)", "Grab(<mug_5>)"],
         &["step 2: Grab(<mug_5>) needs that the oven is not closed"],
@@ -58,7 +72,9 @@ fn what_is_missing_is_said() {
 fn the_step_that_took_it_away_is_named() {
     check_messages(
         &["Walktowards(<desk_1>)", "Walktowards(<shelf_3>)", "Grab(<pie_4>)"],
-        &["step 3: Grab(<pie_4>) needs that the pie is within reach; since step 2 (Walktowards(<shelf_3>)), the pie is not within reach"],
+        &[
+            "step 3: Grab(<pie_4>) needs that the pie is within reach; since step 2 (Walktowards(<shelf_3>)), the pie is not within reach",
+        ],
     );
 }
 

@@ -244,11 +244,11 @@ impl EnvironmentReader<'_> {
             self.report(path, format!("unknown state `{}`", call.name), Some(hint));
             return None;
         };
-        if word.arity != call.arguments.len() {
+        if word.parameters.len() != call.arguments.len() {
             let message = format!(
                 "`{}` takes {} argument(s), not {}",
                 word.word,
-                word.arity,
+                word.parameters.len(),
                 call.arguments.len()
             );
             self.report(path, message, None);
@@ -326,7 +326,15 @@ impl EnvironmentReader<'_> {
     fn contradictions(&mut self, world: &World) {
         let domain = self.domain;
         for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Start) {
+            // What contradicts what is the same both ways round.
+            let mut told: Vec<Bindings> = Vec::new();
             for bindings in crate::verify::broken_bindings(rule, world, &world.state) {
+                let mut sorted = bindings.clone();
+                sorted.sort_unstable();
+                if told.contains(&sorted) {
+                    continue;
+                }
+                told.push(sorted);
                 let says = rule.says.fill(|slot| world.entity(bindings[slot]).identifier.clone());
                 let path = bindings
                     .iter()

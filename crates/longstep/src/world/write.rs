@@ -73,7 +73,7 @@ fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Opt
     let word = domain
         .states
         .iter()
-        .find(|s| s.word == call.name && s.arity == call.arguments.len())?;
+        .find(|s| s.word == call.name && s.parameters.len() == call.arguments.len())?;
     let mut bindings = vec![subject];
     for argument in &call.arguments {
         bindings.push(world.find(argument)?);
@@ -83,7 +83,7 @@ fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Opt
 
 /// The entity in whose entry a fact is written, and how.
 pub(crate) fn word_for(word: &StateWord, world: &World, fact: Fact) -> (EntityId, String) {
-    let mut slots = vec![None; word.arity + 1];
+    let mut slots = vec![None; word.parameters.len() + 1];
     for (place, term) in word.atom.terms.iter().enumerate() {
         if let Term::Variable(slot) = term {
             slots[*slot] = Some(fact.argument(place));
