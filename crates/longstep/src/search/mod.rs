@@ -1,7 +1,7 @@
 //! From a goal to a plan.
 //!
-//! [`solve`] grounds the domain in the world ([`task`]), keeps only what the goal can need ([`relevance`]),
-//! and searches forward with an admissible heuristic ([`landmark_cut`]), so that the plan it finds first is a
+//! [`solve`] grounds the domain in the world (`task`), keeps only what the goal can need (`relevance`),
+//! and searches forward with an admissible heuristic (`landmark_cut`), so that the plan it finds first is a
 //! shortest one. When that takes too long it goes on greedily and says so.
 
 mod formula;
