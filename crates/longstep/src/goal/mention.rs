@@ -121,7 +121,8 @@ impl Spoken {
 
 /// Looks at a goal against the instruction.
 pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal) -> Understanding {
-    let meant = Spoken::of(world, instruction).entities;
+    let spoken = Spoken::of(world, instruction);
+    let meant = &spoken.entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
         GoalFact::Plain(_) => None,
@@ -152,6 +153,14 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
             })
             .collect();
         return Understanding::Goal(Goal { facts: kept }, left_out);
+    }
+    // Nothing in the instruction points to anything: a guess is not acted on, it is asked about.
+    if meant.is_empty()
+        && let Some(fact @ GoalFact::Word { word, .. }) = goal.facts.first()
+        && !spoken.has_any(&domain.goal_word(*word).cues)
+    {
+        let guess = fact.sentence(domain, world);
+        return Understanding::Question(format!("I am not sure what you want. Do you mean that {guess}?"));
     }
     let mut facts = goal.facts.into_iter();
     let first = facts.next().into_iter().collect();

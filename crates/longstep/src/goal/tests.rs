@@ -116,6 +116,15 @@ fn goals_that_nobody_asked_for_are_left_out() {
 }
 
 #[test]
+fn a_mere_guess_is_asked_about() {
+    check_understood(
+        "do the thing",
+        "put(apple, sofa)",
+        "I am not sure what you want. Do you mean that the apple is at the sofa?",
+    );
+}
+
+#[test]
 fn things_that_are_not_there_are_asked_about() {
     check_understood(
         "Fetch the banana",
