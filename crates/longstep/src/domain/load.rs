@@ -547,6 +547,8 @@ impl Loader<'_> {
                 .map_or(Condition::TRUE, |offered| self.condition(offered, &parameters)),
             subject: entry.subject.as_ref().and_then(|s| self.parameter(s, &parameters)),
             cues: entry.cues.clone(),
+            destination_verbs: entry.destination_verbs.clone(),
+            yields_to: entry.yields_to.clone(),
             phrases: entry
                 .phrases
                 .iter()

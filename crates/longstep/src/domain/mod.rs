@@ -326,6 +326,11 @@ pub struct GoalWord {
     pub offered: Condition,
     /// Stems of the words that usually ask for it; a further goal of an answer needs one in the instruction.
     pub cues: Vec<String>,
+    /// Stems of verbs that say where a thing should end: after one of them, a place that is spoken of is meant
+    /// even if the thing is there already.
+    pub destination_verbs: Vec<String>,
+    /// Words that are meant instead where everything that they need is spoken of.
+    pub yields_to: Vec<String>,
     /// Ways to say it, one of which the instruction must use with the argument, as in `top of {place}`.
     pub phrases: Vec<(String, usize)>,
     /// The parameter that the instruction must speak of.

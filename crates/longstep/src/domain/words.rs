@@ -134,6 +134,10 @@ pub(super) struct GoalEntry {
     #[serde(default)]
     pub(super) cues: Vec<String>,
     #[serde(default)]
+    pub(super) destination_verbs: Vec<String>,
+    #[serde(default)]
+    pub(super) yields_to: Vec<String>,
+    #[serde(default)]
     pub(super) phrases: Vec<Text>,
     pub(super) subject: Option<Text>,
     pub(super) exclusive: Option<String>,

@@ -154,10 +154,10 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
             .collect();
         return Understanding::Goal(Goal { facts: kept }, left_out);
     }
-    // Nothing in the instruction points to anything: a guess is not acted on, it is asked about.
-    if meant.is_empty()
-        && let Some(fact @ GoalFact::Word { word, .. }) = goal.facts.first()
-        && !spoken.has_any(&domain.goal_word(*word).cues)
+    // The instruction does not name what the goal is about. A guess is asked about rather than acted on, unless
+    // the instruction names nothing at all and has a word for the wish ("It is dark in here").
+    if let Some(fact @ GoalFact::Word { word, .. }) = goal.facts.first()
+        && !(meant.is_empty() && spoken.has_any(&domain.goal_word(*word).cues))
     {
         let guess = fact.sentence(domain, world);
         return Understanding::Question(format!("I am not sure what you want. Do you mean that {guess}?"));

@@ -16,8 +16,8 @@ pub use grammar::{Place, grammar, schema};
 pub(crate) use language::read_form;
 pub use language::{GoalError, parse};
 pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
-pub(crate) use offer::is_plain;
 pub use offer::{Offer, offers};
+pub(crate) use offer::{already, is_plain};
 
 use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, RuleTime, Term};
 use crate::search::Wanted;

@@ -41,6 +41,9 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken
                 );
             }
         }
+        if spoken.has_any(&word.destination_verbs) && !settled(domain, world, word, said, spoken).is_empty() {
+            arguments.retain(|bindings| bindings.iter().all(|entity| spoken.entities.contains(entity)));
+        }
         narrow(domain, world, &spoken.entities, word.parameters.len(), &mut arguments);
         if !spoken.entities.is_empty() && !word.phrases.is_empty() {
             let said = |bindings: &Vec<EntityId>| {
@@ -70,6 +73,54 @@ pub(crate) fn is_plain(domain: &Domain, offers: &[Offer], spoken: &Spoken) -> bo
         let all = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
         spoken.has_any(&domain.goal_word(offer.word).cues) && offer.arguments.iter().any(all)
     })
+}
+
+/// What the instruction asks for, with words that the domain knows for it, and what holds already.
+pub(crate) fn already(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<GoalFact> {
+    let mut facts = Vec::new();
+    for (index, word) in domain.goal_words.iter().enumerate() {
+        if spoken.has_any(&word.cues) || spoken.has_any(&word.destination_verbs) {
+            let settled = settled(domain, world, word, &[], spoken);
+            facts.extend(settled.into_iter().map(|arguments| GoalFact::Word {
+                word: GoalWordId::new(index),
+                arguments,
+            }));
+        }
+    }
+    facts
+}
+
+/// The arguments, all spoken of, for which a word makes sense and holds already.
+fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], spoken: &Spoken) -> Vec<Vec<EntityId>> {
+    let moment = Moment {
+        world,
+        state: &world.state,
+    };
+    let fits = |bindings: &Vec<EntityId>| {
+        let bindings = &mut bindings.clone();
+        let disturbed = bindings
+            .iter()
+            .any(|e| said.iter().any(|fact| disturbs(domain, fact, *e)));
+        !disturbed && holds(moment, &word.offered, bindings) && holds(moment, &word.condition, bindings)
+    };
+    let mut all: Vec<Vec<EntityId>> = vec![Vec::new()];
+    for parameter in &word.parameters {
+        let of_kind = world.of_kind(parameter.kind);
+        let candidates: Vec<EntityId> = of_kind
+            .iter()
+            .copied()
+            .filter(|e| spoken.entities.contains(e))
+            .collect();
+        let longer = |bindings: &Vec<EntityId>| {
+            candidates
+                .iter()
+                .map(|entity| [&bindings[..], &[*entity]].concat())
+                .collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all.retain(fits);
+    all
 }
 
 /// Leaves out readings that others beat.
@@ -104,6 +155,11 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
         .collect();
     let same_word = |offer: &Offer| fitting.iter().any(|id| domain.goal_word(*id).word == word(offer).word);
     offers.retain(|offer| fitting.contains(&offer.word) || !same_word(offer));
+    let yields = |offer: &Offer| {
+        let names = |id: &GoalWordId| word(offer).yields_to.contains(&domain.goal_word(*id).word);
+        fitting.iter().any(names)
+    };
+    offers.retain(|offer| !yields(offer));
     // A wish that the instruction names with its things ("wipe the desk with the cloth") comes before those
     // of which it leaves a part open.
     let named = |offer: &Offer| fitting.contains(&offer.word) && spoken.has_any(&word(offer).cues);

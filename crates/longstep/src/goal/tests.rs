@@ -52,6 +52,15 @@ fn what_is_spoken_of_narrows_what_is_offered() {
 }
 
 #[test]
+fn a_thing_that_is_where_it_should_be_goes_nowhere_else() {
+    check_put("Put the apple back on the tray", "", &[]);
+    let (domain, world) = flat();
+    let already = already(&domain, &world, &Spoken::of(&world, "Close the oven"));
+    let texts: Vec<_> = already.iter().map(|fact| fact.everyday(&domain, &world)).collect();
+    assert_eq!(texts, ["closed(oven)"]);
+}
+
+#[test]
 fn phrases_tell_forms_apart() {
     check_put("Put the apple into the oven", "", &["put(apple, oven)"]);
     check_put("Put the apple on top of the oven", "", &["put(apple, top of oven)"]);

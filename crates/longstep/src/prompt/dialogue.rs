@@ -144,7 +144,8 @@ impl<'a> GoalDialogue<'a> {
 
     fn supply_part(&mut self, text: &str) -> Result<Turn, DialogueError> {
         if let Some(question) = self.answer.strip_prefix(goal::QUESTION) {
-            return Ok(Turn::Done(Understanding::Question(question.trim().to_owned())));
+            let question = question.trim().to_owned();
+            return Ok(self.asked(question));
         }
         let text = text.trim();
         let (part, goes_on) = match text.strip_suffix(goal::JOINT.trim()) {
@@ -175,7 +176,7 @@ impl<'a> GoalDialogue<'a> {
         let answer: Answer = serde_json::from_str(bare.trim())
             .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))?;
         if !answer.question.trim().is_empty() {
-            return Ok(Turn::Done(Understanding::Question(answer.question.trim().to_owned())));
+            return Ok(self.asked(answer.question.trim().to_owned()));
         }
         for part in answer.goals.iter().take(GOAL_LIMIT) {
             for fact in goal::parse(self.domain, self.world, part)?.facts {
@@ -185,6 +186,16 @@ impl<'a> GoalDialogue<'a> {
             }
         }
         Ok(self.done())
+    }
+
+    /// The model asks back. If what the instruction asks for holds already, that is what puzzles it.
+    fn asked(&self, question: String) -> Turn {
+        let facts = goal::already(self.domain, self.world, &self.spoken);
+        Turn::Done(if facts.is_empty() {
+            Understanding::Question(question)
+        } else {
+            Understanding::Goal(Goal { facts }, Vec::new())
+        })
     }
 
     fn done(&mut self) -> Turn {
