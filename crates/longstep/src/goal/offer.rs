@@ -41,6 +41,7 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken
                 );
             }
         }
+        arguments.retain(|bindings| !doubles(world, spoken, bindings));
         if spoken.has_any(&word.destination_verbs) && !settled(domain, world, word, said, spoken).is_empty() {
             arguments.retain(|bindings| bindings.iter().all(|entity| spoken.entities.contains(entity)));
         }
@@ -72,6 +73,17 @@ pub(crate) fn is_plain(domain: &Domain, offers: &[Offer], spoken: &Spoken) -> bo
     offers.iter().any(|offer| {
         let all = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
         spoken.has_any(&domain.goal_word(offer.word).cues) && offer.arguments.iter().any(all)
+    })
+}
+
+/// Whether two of the arguments are of one kind, of which the instruction mentions one: "the plate" is not both
+/// what is put and what it is put on.
+fn doubles(world: &World, spoken: &Spoken, bindings: &[EntityId]) -> bool {
+    let kind = |entity: EntityId| base_name(&world.entity(entity).identifier);
+    bindings.iter().enumerate().any(|(place, entity)| {
+        spoken.entities.contains(entity)
+            && bindings[..place].iter().any(|other| kind(*other) == kind(*entity))
+            && !spoken.several(&world.entity(*entity).names)
     })
 }
 

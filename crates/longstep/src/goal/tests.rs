@@ -61,6 +61,18 @@ fn a_thing_that_is_where_it_should_be_goes_nowhere_else() {
 }
 
 #[test]
+fn one_mug_is_not_two() {
+    check_put("Put the mug on the sofa", "put(mug 1, sofa)", &[]);
+    let (domain, world) = flat();
+    let offers = offers(&domain, &world, &[], &Spoken::of(&world, "Reposition the mug"));
+    let words: Vec<_> = offers
+        .iter()
+        .map(|offer| domain.goal_word(offer.word).word.as_str())
+        .collect();
+    assert!(words.contains(&"moved"), "{words:?}");
+}
+
+#[test]
 fn phrases_tell_forms_apart() {
     check_put("Put the apple into the oven", "", &["put(apple, oven)"]);
     check_put("Put the apple on top of the oven", "", &["put(apple, top of oven)"]);
