@@ -21,6 +21,7 @@ pub struct Offer {
 /// that it speaks of, and be asked for by one of its words where the domain says which words those are.
 pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Offer> {
     let known = world.known();
+    let held = settled_words(domain, world, said, spoken);
     let mut offers = Vec::new();
     for (index, word) in domain.goal_words.iter().enumerate() {
         if !said.is_empty() && !spoken.entities.is_empty() && !word.cues.is_empty() && !spoken.has_any(&word.cues) {
@@ -42,17 +43,13 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken
             }
         }
         arguments.retain(|bindings| !doubles(world, spoken, bindings));
-        if spoken.has_any(&word.destination_verbs) && !settled(domain, world, word, said, spoken).is_empty() {
-            arguments.retain(|bindings| bindings.iter().all(|entity| spoken.entities.contains(entity)));
+        if let Some(held) = held.iter().find(|held| held.word == word.word) {
+            let spoken_of = |bindings: &Vec<EntityId>| bindings.iter().all(|e| spoken.entities.contains(e));
+            arguments.retain(|bindings| spoken_of(bindings) && !held.arguments.contains(bindings));
         }
         narrow(domain, world, &spoken.entities, word.parameters.len(), &mut arguments);
-        if !spoken.entities.is_empty() && !word.phrases.is_empty() {
-            let said = |bindings: &Vec<EntityId>| {
-                let has =
-                    |(before, parameter): &(String, usize)| spoken.has_phrase(world, before, bindings[*parameter]);
-                word.phrases.iter().any(has)
-            };
-            arguments.retain(said);
+        if !spoken.entities.is_empty() {
+            arguments.retain(|bindings| is_phrased(world, word, spoken, bindings));
         }
         if !said.is_empty() && !spoken.entities.is_empty() {
             arguments.retain(|bindings| may_follow(domain, world, word, said, spoken, bindings));
@@ -64,16 +61,27 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken
             });
         }
     }
-    likely(domain, spoken, offers)
+    let offers = likely(domain, spoken, offers);
+    // Everything asked for holds already: nothing else is to be made of it.
+    let asked = |offer: &Offer| spoken.has_any(&domain.goal_word(offer.word).destination_verbs) && fits(offer, spoken);
+    if !held.is_empty() && said.is_empty() && !is_plain(domain, &offers, spoken) && !offers.iter().any(asked) {
+        return Vec::new();
+    }
+    offers
 }
 
 /// Whether the instruction asks, with a word that the domain knows for it, for something whose things it all
 /// names: then there is nothing to ask back.
 pub(crate) fn is_plain(domain: &Domain, offers: &[Offer], spoken: &Spoken) -> bool {
-    offers.iter().any(|offer| {
-        let all = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
-        spoken.has_any(&domain.goal_word(offer.word).cues) && offer.arguments.iter().any(all)
-    })
+    offers
+        .iter()
+        .any(|offer| spoken.has_any(&domain.goal_word(offer.word).cues) && fits(offer, spoken))
+}
+
+/// Whether the instruction speaks of everything that one of the offered goals needs.
+fn fits(offer: &Offer, spoken: &Spoken) -> bool {
+    let spoken_of = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
+    offer.arguments.iter().any(spoken_of)
 }
 
 /// Whether two of the arguments are of one kind, of which the instruction mentions one: "the plate" is not both
@@ -87,19 +95,52 @@ fn doubles(world: &World, spoken: &Spoken, bindings: &[EntityId]) -> bool {
     })
 }
 
+/// Whether the instruction uses one of the word's phrases with these arguments, if it has any.
+fn is_phrased(world: &World, word: &GoalWord, spoken: &Spoken, bindings: &[EntityId]) -> bool {
+    let said = |(before, parameter): &(String, usize)| spoken.has_phrase(world, before, bindings[*parameter]);
+    word.phrases.is_empty() || word.phrases.iter().any(said)
+}
+
+/// A word and what it holds of already, as the instruction asks.
+struct Settled<'a> {
+    word: &'a str,
+    id: GoalWordId,
+    arguments: Vec<Vec<EntityId>>,
+}
+
+/// The words that say where something should end, where it is there already.
+fn settled_words<'a>(domain: &'a Domain, world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Settled<'a>> {
+    let words = domain.goal_words.iter().enumerate();
+    let asked = words.filter(|(_, word)| spoken.has_any(&word.destination_verbs));
+    asked
+        .map(|(index, word)| Settled {
+            word: &word.word,
+            id: GoalWordId::new(index),
+            arguments: settled(domain, world, word, said, spoken),
+        })
+        .filter(|settled| !settled.arguments.is_empty())
+        .collect()
+}
+
 /// What the instruction asks for, with words that the domain knows for it, and what holds already.
 pub(crate) fn already(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<GoalFact> {
-    let mut facts = Vec::new();
-    for (index, word) in domain.goal_words.iter().enumerate() {
-        if spoken.has_any(&word.cues) || spoken.has_any(&word.destination_verbs) {
-            let settled = settled(domain, world, word, &[], spoken);
-            facts.extend(settled.into_iter().map(|arguments| GoalFact::Word {
-                word: GoalWordId::new(index),
-                arguments,
-            }));
-        }
+    let mut all = settled_words(domain, world, &[], spoken);
+    for (index, word) in domain
+        .goal_words
+        .iter()
+        .enumerate()
+        .filter(|(_, word)| spoken.has_any(&word.cues))
+    {
+        all.push(Settled {
+            word: &word.word,
+            id: GoalWordId::new(index),
+            arguments: settled(domain, world, word, &[], spoken),
+        });
     }
-    facts
+    let fact = |id: GoalWordId| move |arguments| GoalFact::Word { word: id, arguments };
+    all.into_iter()
+        .flat_map(|settled| settled.arguments.into_iter().map(fact(settled.id)))
+        .collect()
 }
 
 /// The arguments, all spoken of, for which a word makes sense and holds already.
@@ -113,7 +154,10 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
         let disturbed = bindings
             .iter()
             .any(|e| said.iter().any(|fact| disturbs(domain, fact, *e)));
-        !disturbed && holds(moment, &word.offered, bindings) && holds(moment, &word.condition, bindings)
+        !disturbed
+            && is_phrased(world, word, spoken, bindings)
+            && holds(moment, &word.offered, bindings)
+            && holds(moment, &word.condition, bindings)
     };
     let mut all: Vec<Vec<EntityId>> = vec![Vec::new()];
     for parameter in &word.parameters {
@@ -138,10 +182,6 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
 /// Leaves out readings that others beat.
 fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
     let word = |offer: &Offer| domain.goal_word(offer.word);
-    let all_spoken_of = |offer: &Offer| {
-        let spoken_of = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
-        offer.arguments.iter().any(spoken_of)
-    };
     // Two forms of one word are two readings of one wish. One that the instruction uses a phrase of wins for
     // the same things, and so does one of which everything is spoken of.
     if !spoken.entities.is_empty() {
@@ -162,7 +202,7 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
     }
     let fitting: Vec<GoalWordId> = offers
         .iter()
-        .filter(|offer| all_spoken_of(offer))
+        .filter(|offer| fits(offer, spoken))
         .map(|o| o.word)
         .collect();
     let same_word = |offer: &Offer| fitting.iter().any(|id| domain.goal_word(*id).word == word(offer).word);

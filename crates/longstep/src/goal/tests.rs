@@ -55,9 +55,14 @@ fn what_is_spoken_of_narrows_what_is_offered() {
 fn a_thing_that_is_where_it_should_be_goes_nowhere_else() {
     check_put("Put the apple back on the tray", "", &[]);
     let (domain, world) = flat();
-    let already = already(&domain, &world, &Spoken::of(&world, "Close the oven"));
-    let texts: Vec<_> = already.iter().map(|fact| fact.everyday(&domain, &world)).collect();
-    assert_eq!(texts, ["closed(oven)"]);
+    for (instruction, expected) in [
+        ("Close the oven", "closed(oven)"),
+        ("Put the mug back on the desk", "put(mug 1, desk)"),
+    ] {
+        let already = already(&domain, &world, &Spoken::of(&world, instruction));
+        let texts: Vec<_> = already.iter().map(|fact| fact.everyday(&domain, &world)).collect();
+        assert_eq!(texts, [expected]);
+    }
 }
 
 #[test]
