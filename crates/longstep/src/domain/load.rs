@@ -265,6 +265,7 @@ impl Loader<'_> {
             rules,
             goal_words,
             lexicon: Lexicon::new(file.lexicon),
+            implied: file.implied,
             goal_prompt: String::new(),
             examples: Vec::new(),
         }

@@ -387,6 +387,9 @@ pub struct Domain {
     pub goal_words: Vec<GoalWord>,
     /// Everyday names.
     pub lexicon: Lexicon,
+    /// Stems of words that speak of a thing without naming it, by identifier: who throws something away speaks of
+    /// the bin.
+    pub implied: indexmap::IndexMap<String, Vec<String>>,
     /// What a model is told first: `prompt/goal.md`, rendered.
     pub goal_prompt: String,
     /// The worked examples of `prompt/examples.toml`.

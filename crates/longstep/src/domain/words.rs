@@ -30,6 +30,8 @@ pub(super) struct DomainFile {
     pub(super) goal: Vec<GoalEntry>,
     #[serde(default)]
     pub(super) lexicon: IndexMap<String, Vec<String>>,
+    #[serde(default)]
+    pub(super) implied: IndexMap<String, Vec<String>>,
 }
 
 #[derive(Debug, Deserialize)]

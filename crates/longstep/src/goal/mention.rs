@@ -5,7 +5,7 @@
 //! nothing is left, or when the instruction speaks of a thing that is not there, the person is asked.
 
 use super::{Goal, GoalFact};
-use crate::domain::{Domain, head, plain_words, singular};
+use crate::domain::{Domain, base_name, head, plain_words, singular};
 use crate::world::{EntityId, World};
 
 /// What was made of a model's answer.
@@ -55,7 +55,7 @@ pub struct Spoken {
 impl Spoken {
     /// Reads an instruction. Of things that share their last word, those that fit better are meant: "the water
     /// glass" is not the wine glass.
-    pub fn of(world: &World, instruction: &str) -> Self {
+    pub fn of(domain: &Domain, world: &World, instruction: &str) -> Self {
         let words = plain_words(instruction);
         let singulars: Vec<String> = words.iter().map(|word| singular(word)).collect();
         let scored: Vec<(EntityId, usize)> = world
@@ -71,11 +71,13 @@ impl Spoken {
                 .any(|(other, better)| *better > score && head(*other) == name)
                 && singulars.iter().filter(|word| **word == name).count() == 1
         };
-        let entities: Vec<EntityId> = scored
-            .iter()
-            .filter(|(id, score)| !beaten(*id, *score))
-            .map(|(id, _)| *id)
-            .collect();
+        let implied = |id: EntityId| {
+            let stems = domain.implied.get(&base_name(&world.entity(id).identifier));
+            stems.is_some_and(|stems| begins_with_any(&words, stems))
+        };
+        let named = |id: EntityId| scored.iter().any(|(other, score)| *other == id && !beaten(id, *score));
+        let all = world.entities().map(|(id, _)| id);
+        let entities: Vec<EntityId> = all.filter(|id| named(*id) || implied(*id)).collect();
         Self { entities, words }
     }
 
@@ -113,15 +115,19 @@ impl Spoken {
 
     /// Whether a word of the instruction begins with one of the stems.
     pub(super) fn has_any(&self, stems: &[String]) -> bool {
-        stems
-            .iter()
-            .any(|stem| self.words.iter().any(|word| word.starts_with(stem.as_str())))
+        begins_with_any(&self.words, stems)
     }
+}
+
+fn begins_with_any(words: &[String], stems: &[String]) -> bool {
+    stems
+        .iter()
+        .any(|stem| words.iter().any(|word| word.starts_with(stem.as_str())))
 }
 
 /// Looks at a goal against the instruction.
 pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal) -> Understanding {
-    let spoken = Spoken::of(world, instruction);
+    let spoken = Spoken::of(domain, world, instruction);
     let meant = &spoken.entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),

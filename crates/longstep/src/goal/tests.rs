@@ -28,7 +28,7 @@ fn check_put(instruction: &str, said: &str, expected: &[&str]) {
     } else {
         parse(&domain, &world, said).unwrap()
     };
-    let offers = offers(&domain, &world, &said.facts, &Spoken::of(&world, instruction));
+    let offers = offers(&domain, &world, &said.facts, &Spoken::of(&domain, &world, instruction));
     let mut texts = Vec::new();
     for offer in offers.iter().filter(|offer| domain.goal_word(offer.word).word == "put") {
         for arguments in &offer.arguments {
@@ -59,7 +59,7 @@ fn a_thing_that_is_where_it_should_be_goes_nowhere_else() {
         ("Close the oven", "closed(oven)"),
         ("Put the mug back on the desk", "put(mug 1, desk)"),
     ] {
-        let already = already(&domain, &world, &Spoken::of(&world, instruction));
+        let already = already(&domain, &world, &Spoken::of(&domain, &world, instruction));
         let texts: Vec<_> = already.iter().map(|fact| fact.everyday(&domain, &world)).collect();
         assert_eq!(texts, [expected]);
     }
@@ -69,7 +69,7 @@ fn a_thing_that_is_where_it_should_be_goes_nowhere_else() {
 fn one_mug_is_not_two() {
     check_put("Put the mug on the sofa", "put(mug 1, sofa)", &[]);
     let (domain, world) = flat();
-    let offers = offers(&domain, &world, &[], &Spoken::of(&world, "Reposition the mug"));
+    let offers = offers(&domain, &world, &[], &Spoken::of(&domain, &world, "Reposition the mug"));
     let words: Vec<_> = offers
         .iter()
         .map(|offer| domain.goal_word(offer.word).word.as_str())

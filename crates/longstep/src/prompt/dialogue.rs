@@ -69,7 +69,7 @@ impl<'a> GoalDialogue<'a> {
         // When the instruction names a thing that is not here, nothing is taken to be meant for certain.
         let spoken = match goal::unknown_thing(domain, world, instruction) {
             Some(_) => Spoken::default(),
-            None => Spoken::of(world, instruction),
+            None => Spoken::of(domain, world, instruction),
         };
         let scene = scene(domain, world, &offers(domain, world, &[], &Spoken::default()));
         messages.push(Message::new(
