@@ -47,10 +47,15 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken
             let spoken_of = |bindings: &Vec<EntityId>| bindings.iter().all(|e| spoken.entities.contains(e));
             arguments.retain(|bindings| spoken_of(bindings) && !held.arguments.contains(bindings));
         }
-        narrow(domain, world, &spoken.entities, word.parameters.len(), &mut arguments);
         if !spoken.entities.is_empty() {
-            arguments.retain(|bindings| is_phrased(world, word, spoken, bindings));
+            // A phrase decides between forms of a word; for a word with one form it only narrows.
+            let only_form = domain.goal_words.iter().filter(|other| other.word == word.word).count() == 1;
+            let phrased = |bindings: &Vec<EntityId>| is_phrased(world, word, spoken, bindings);
+            if !only_form || arguments.iter().any(phrased) {
+                arguments.retain(phrased);
+            }
         }
+        narrow(domain, world, &spoken.entities, word.parameters.len(), &mut arguments);
         if !said.is_empty() && !spoken.entities.is_empty() {
             arguments.retain(|bindings| may_follow(domain, world, word, said, spoken, bindings));
         }

@@ -95,11 +95,7 @@ impl Report {
 /// away; the simulation then goes on as if it had worked, so that later mistakes are told as well.
 pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
     let mut state = world.state.clone();
-    let mut assumed: FactSet = state
-        .sorted()
-        .into_iter()
-        .filter(|fact| world.assumed(*fact).is_some())
-        .collect();
+    let mut assumed: FactSet = world.assumptions();
     let mut report = Report {
         steps: Vec::new(),
         trace: Vec::with_capacity(plan.steps.len()),

@@ -93,6 +93,11 @@ impl World {
         &self.by_kind[kind.index()]
     }
 
+    /// Everything that is assumed at the start, in no order.
+    pub(crate) fn assumptions(&self) -> FactSet {
+        self.assumed.keys().copied().collect()
+    }
+
     /// Why the fact is assumed at the start, if it is.
     pub fn assumed(&self, fact: Fact) -> Option<Ground> {
         self.assumed.get(&fact).copied()
