@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::domain::{self, Domain, FormPiece, GoalWord};
+use longstep::domain::{self, Domain};
 use owo_colors::OwoColorize;
 
 use crate::arguments::DomainCommand;
@@ -60,17 +60,9 @@ fn describe(domain: &Domain) {
     entries = domain
         .goal_words
         .iter()
-        .map(|word| (form(word), word.means.as_str()))
+        .map(|word| (word.shown(), word.means.as_str()))
         .collect();
     table("Goals that can be asked for", &entries);
-}
-
-fn form(word: &GoalWord) -> String {
-    let piece = |piece: &FormPiece| match piece {
-        FormPiece::Text(text) => text.clone(),
-        FormPiece::Parameter(index) => word.parameters[*index].name.to_uppercase(),
-    };
-    word.form.iter().map(piece).collect()
 }
 
 fn table(title: &str, entries: &[(String, &str)]) {

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use longstep::answer::{Answer, Claims, Status, ViolationAnswer, compare_claims};
+use longstep::answer::{Answer, Claims, compare_claims};
 use longstep::json::Path;
 use longstep::plan::resolve;
 use longstep::verify::{Purpose, bind, check};
@@ -70,24 +70,7 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
             );
             answer
         }
-        Err(violations) => {
-            let mut answer = Answer::without_plan(Status::Invalid, &world, &file.instruction_summary, "");
-            answer.plan.task_cohesion.clone_from(&file.task_cohesion);
-            answer.violations = violations
-                .iter()
-                .map(|violation| ViolationAnswer {
-                    kind: violation.kind(),
-                    step: violation.step(),
-                    action: violation
-                        .step()
-                        .and_then(|s| file.task_cohesion.task_sequence.get(s).cloned()),
-                    missing: Vec::new(),
-                    undone_by: None,
-                    message: violation.message(&domain, &world, &[], None),
-                })
-                .collect();
-            answer
-        }
+        Err(violations) => Answer::of_unresolved(&domain, &world, &file, &violations),
     };
     answer.plan.question.clone_from(&file.question);
     answer.timings_ms.total = milliseconds(started);

@@ -8,7 +8,7 @@ use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
 use crate::plan::{PlanFile, Step, TaskCohesion};
 use crate::prompt::Usage;
-use crate::verify::Report;
+use crate::verify::{Report, Violation};
 use crate::world::{self, Environment, State, World};
 
 /// What came of a request.
@@ -195,20 +195,10 @@ impl Answer {
             .enumerate()
             .map(|(i, s)| StepAnswer::of(domain, world, i, s))
             .collect();
-        answer.violations = report
-            .violations
-            .iter()
-            .map(|violation| ViolationAnswer {
-                kind: violation.kind(),
-                step: violation.step(),
-                action: violation
-                    .step()
-                    .and_then(|step| report.steps.get(step))
-                    .map(|step| step.call(domain, world).to_string()),
-                missing: violation.missing(domain, world),
-                undone_by: violation.undone_by(),
-                message: violation.message(domain, world, &report.steps, goal),
-            })
+        let calls = &answer.plan.task_cohesion.task_sequence;
+        let told = report.violations.iter();
+        answer.violations = told
+            .map(|v| ViolationAnswer::of(domain, world, v, calls, &report.steps, goal))
             .collect();
         answer.assumptions = report.assumptions.iter().map(|a| a.message(domain, world)).collect();
         if let Some(goal) = goal {
@@ -217,10 +207,42 @@ impl Answer {
         answer
     }
 
+    /// The answer to a plan whose steps name what there is not: it was not simulated.
+    pub fn of_unresolved(domain: &Domain, world: &World, written: &PlanFile, violations: &[Violation]) -> Self {
+        let mut answer = Self::without_plan(Status::Invalid, world, &written.instruction_summary, "");
+        answer.plan.task_cohesion.clone_from(&written.task_cohesion);
+        let calls = &written.task_cohesion.task_sequence;
+        let told = violations.iter();
+        answer.violations = told
+            .map(|v| ViolationAnswer::of(domain, world, v, calls, &[], None))
+            .collect();
+        answer
+    }
+
     /// Adds to the assumptions what was left out of the goal.
     pub fn tell_left_out(&mut self, domain: &Domain, world: &World, left_out: &[LeftOut]) {
         let sentence = |left: &LeftOut| format!("left out {}: {}", left.fact.everyday(domain, world), left.why);
         self.assumptions.extend(left_out.iter().map(sentence));
+    }
+}
+
+impl ViolationAnswer {
+    fn of(
+        domain: &Domain,
+        world: &World,
+        violation: &Violation,
+        calls: &[String],
+        steps: &[Step],
+        goal: Option<&Goal>,
+    ) -> Self {
+        Self {
+            kind: violation.kind(),
+            step: violation.step(),
+            action: violation.step().and_then(|step| calls.get(step).cloned()),
+            missing: violation.missing(domain, world),
+            undone_by: violation.undone_by(),
+            message: violation.message(domain, world, steps, goal),
+        }
     }
 }
 

@@ -345,6 +345,17 @@ pub struct GoalWord {
     pub means: String,
 }
 
+impl GoalWord {
+    /// How it is written, with the parameters' names in capitals: `put(ITEM, PLACE)`.
+    pub fn shown(&self) -> String {
+        let piece = |piece: &FormPiece| match piece {
+            FormPiece::Text(text) => text.clone(),
+            FormPiece::Parameter(index) => self.parameters[*index].name.to_uppercase(),
+        };
+        self.form.iter().map(piece).collect()
+    }
+}
+
 /// The words for the environment's two lists.
 #[derive(Debug, Clone)]
 pub struct EnvironmentTypes {

@@ -93,7 +93,7 @@ fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErro
         let mut forms: Vec<String> = domain
             .goal_words
             .iter()
-            .map(|word| format!("`{}`", form_text(word)))
+            .map(|word| format!("`{}`", word.shown()))
             .collect();
         forms.dedup();
         GoalError::UnknownWord {
@@ -101,14 +101,6 @@ fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErro
             forms: forms.join(", "),
         }
     }))
-}
-
-fn form_text(word: &GoalWord) -> String {
-    let piece = |piece: &FormPiece| match piece {
-        FormPiece::Text(text) => text.clone(),
-        FormPiece::Parameter(index) => word.parameters[*index].name.to_uppercase(),
-    };
-    word.form.iter().map(piece).collect()
 }
 
 /// The names in a goal of this form, by parameter; none if the text has another form.

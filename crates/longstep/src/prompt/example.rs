@@ -4,7 +4,7 @@ use minijinja::{Environment, UndefinedBehavior, context};
 use serde_json::json;
 
 use super::{ConstraintKind, Message, Role};
-use crate::domain::{Domain, FormPiece, GoalWord};
+use crate::domain::{Domain, GoalWord};
 use crate::goal::read_form;
 
 /// A worked example for the model: a small scene, an instruction and the answer to it.
@@ -55,7 +55,7 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
     let goals: Vec<_> = domain
         .goal_words
         .iter()
-        .map(|word| context! { form => form(word), means => &word.means })
+        .map(|word| context! { form => word.shown(), means => &word.means })
         .collect();
     let actions: Vec<_> = domain
         .actions
@@ -74,14 +74,6 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
             let message = error.detail().map_or_else(|| error.to_string(), str::to_owned);
             (error.line().unwrap_or(1) as u32, message)
         })
-}
-
-fn form(word: &GoalWord) -> String {
-    let piece = |piece: &FormPiece| match piece {
-        FormPiece::Text(text) => text.clone(),
-        FormPiece::Parameter(index) => word.parameters[*index].name.to_uppercase(),
-    };
-    word.form.iter().map(piece).collect()
 }
 
 /// The turns that come before the scene and the instruction: the task, then each example as a pair of turns.

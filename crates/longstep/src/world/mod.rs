@@ -22,7 +22,7 @@ pub use write::write;
 
 use indexmap::IndexMap;
 
-use crate::domain::{Domain, TypeId};
+use crate::domain::TypeId;
 
 /// An entity of a world.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -112,29 +112,5 @@ impl World {
             }
         }
         known
-    }
-
-    /// The same world in another state, with the environment that says so.
-    #[must_use]
-    pub fn advanced(&self, domain: &Domain, state: &State) -> Self {
-        let environment = write(domain, self, state);
-        let mut next = self.clone();
-        next.state = state.clone();
-        for (index, words) in domain.predicate_words.iter().enumerate() {
-            if words.event {
-                let happened: Vec<Fact> = next
-                    .state
-                    .sorted()
-                    .into_iter()
-                    .filter(|f| f.predicate().index() == index)
-                    .collect();
-                for fact in happened {
-                    next.state.set(fact, false);
-                }
-            }
-        }
-        next.assumed.retain(|fact, _| state.holds(*fact));
-        next.environment = environment;
-        next
     }
 }

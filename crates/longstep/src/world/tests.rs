@@ -1,7 +1,7 @@
 //! Environments in, findings or environments out.
 
 use super::*;
-use crate::domain;
+use crate::domain::{self, Domain};
 use crate::json::Path;
 
 fn household() -> Domain {
