@@ -48,9 +48,7 @@ pub(crate) fn answer(domain: &Domain, world: &World, goal: &Goal, summary: &str)
                 notes.push("a shorter plan may exist: the search for it was cut short".to_owned());
             }
             let explained = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
-            let plan = Plan {
-                steps: steps.into_iter().map(explained).collect(),
-            };
+            let plan: Plan = steps.into_iter().map(explained).collect();
             let report = verify::check(domain, world, plan, &goal.purpose(domain));
             let verify_time = milliseconds(started);
             let mut answer = Answer::of_report(domain, world, &report, Some(goal), summary);

@@ -72,9 +72,7 @@ fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: 
         made.search_time = started.elapsed();
         if let Outcome::Solved { steps, .. } = outcome {
             let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
-            let plan = Plan {
-                steps: steps.into_iter().map(step).collect(),
-            };
+            let plan: Plan = steps.into_iter().map(step).collect();
             made.report = Some(verify::check(domain, world, plan, &goal.purpose(domain)));
         }
     }

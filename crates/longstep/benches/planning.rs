@@ -34,9 +34,7 @@ fn plan_for(domain: &Domain, world: &World, goal: &Goal) -> Plan {
         panic!("{outcome:?}")
     };
     let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
-    Plan {
-        steps: steps.into_iter().map(step).collect(),
-    }
+    steps.into_iter().map(step).collect()
 }
 
 fn planning(criterion: &mut Criterion) {
@@ -72,7 +70,7 @@ fn planning(criterion: &mut Criterion) {
         group.bench_function("search", |bencher| {
             bencher.iter(|| search::solve(&domain, &world, black_box(&wanted), &Limits::default()));
         });
-        group.throughput(Throughput::Elements(plan.steps.len() as u64));
+        group.throughput(Throughput::Elements(plan.steps().len() as u64));
         group.bench_function("verify", |bencher| {
             bencher.iter(|| verify::check(&domain, &world, black_box(plan.clone()), &purpose));
         });

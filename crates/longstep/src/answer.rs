@@ -9,7 +9,7 @@ use crate::goal::{Goal, LeftOut};
 use crate::plan::{PlanFile, Step, TaskCohesion};
 use crate::prompt::Usage;
 use crate::verify::{Report, Violation};
-use crate::world::{self, Environment, State, World};
+use crate::world::{self, Claim, Environment, State, World};
 
 /// What came of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -187,10 +187,11 @@ impl Answer {
         let good = report.violations.is_empty();
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
-        answer.plan.task_cohesion = TaskCohesion::new(domain, world, &report.steps);
+        answer.plan.task_cohesion = TaskCohesion::new(domain, world, report.plan.steps());
         answer.plan.environment_after = Some(world::write(domain, world, &report.after));
         answer.steps = report
-            .steps
+            .plan
+            .steps()
             .iter()
             .enumerate()
             .map(|(i, s)| StepAnswer::of(domain, world, i, s))
@@ -198,7 +199,7 @@ impl Answer {
         let calls = &answer.plan.task_cohesion.task_sequence;
         let told = report.violations.iter();
         answer.violations = told
-            .map(|v| ViolationAnswer::of(domain, world, v, calls, &report.steps, goal))
+            .map(|v| ViolationAnswer::of(domain, world, v, calls, report.plan.steps(), goal))
             .collect();
         answer.assumptions = report.assumptions.iter().map(|a| a.message(domain, world)).collect();
         if let Some(goal) = goal {
@@ -273,11 +274,11 @@ impl StepAnswer {
 }
 
 /// Compares what a plan claims of the world afterwards with what was simulated.
-pub fn compare_claims(domain: &Domain, world: &World, claimed: &State, simulated: &State) -> Claims {
+pub fn compare_claims(domain: &Domain, world: &World, claim: &Claim, simulated: &State) -> Claims {
     let words = |state: &State| words_by_entity(domain, world, state);
-    let (claimed, simulated) = (words(claimed), words(simulated));
+    let (claimed, simulated) = (words(&claim.state), words(simulated));
     let mut claims = Claims::default();
-    for (id, entity) in world.entities() {
+    for (id, entity) in world.entities().filter(|(id, _)| claim.speaks_of(*id)) {
         let (said, is) = (&claimed[id.index()], &simulated[id.index()]);
         if said == is {
             claims.agreed += 1;
@@ -295,7 +296,7 @@ pub fn compare_claims(domain: &Domain, world: &World, claimed: &State, simulated
 /// What an environment would say of each entity, sorted.
 fn words_by_entity(domain: &Domain, world: &World, state: &State) -> Vec<Vec<String>> {
     let mut all = vec![Vec::new(); world.entities().count()];
-    for fact in state.sorted() {
+    for fact in state.iter() {
         for word in domain
             .states
             .iter()

@@ -17,7 +17,7 @@ use longstep::json::Path;
 use longstep::plan::{self, Plan, PlanFile, Step, TaskCohesion};
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{self, Purpose, Report};
-use longstep::world::{self, Environment, World};
+use longstep::world::{self, Claim, Environment, World};
 use serde_json::Value;
 
 fn read(file: &str) -> Value {
@@ -49,9 +49,9 @@ fn household() -> Vec<(String, Value)> {
 }
 
 #[track_caller]
-fn check(domain: &Domain, world: &World, written: &TaskCohesion, claimed: Option<&World>, purpose: &Purpose) -> Report {
+fn check(domain: &Domain, world: &World, written: &TaskCohesion, purpose: &Purpose) -> Report {
     let (steps, objects) = plan::resolve(domain, world, written).unwrap();
-    let (plan, _) = verify::bind(domain, world, &steps, &objects, claimed.map(|claimed| &claimed.state));
+    let (plan, _) = verify::bind(domain, world, &steps, &objects, purpose.claim.as_ref());
     verify::check(domain, world, plan, purpose)
 }
 
@@ -62,18 +62,16 @@ fn recorded_household_plans_verify_and_end_where_they_claim() {
     for (name, recorded) in household() {
         let file: PlanFile = serde_json::from_value(recorded.clone()).unwrap();
         let world = world_of(&domain, &recorded["environment_before"]);
-        let claimed = world_of(&domain, &recorded["environment_after"]);
-        let report = check(
-            &domain,
-            &world,
-            &file.task_cohesion,
-            Some(&claimed),
-            &Purpose::default(),
-        );
+        let claimed = file.environment_after.as_ref().unwrap();
+        let purpose = Purpose {
+            claim: Some(Claim::read(&domain, &world, claimed)),
+            ..Purpose::default()
+        };
+        let report = check(&domain, &world, &file.task_cohesion, &purpose);
         let messages: Vec<_> = report
             .violations
             .iter()
-            .map(|v| v.message(&domain, &world, &report.steps, None))
+            .map(|v| v.message(&domain, &world, report.plan.steps(), None))
             .collect();
         assert_eq!(messages, Vec::<String>::new(), "{name}");
         let after = world::write(&domain, &world, &report.after);
@@ -132,11 +130,11 @@ fn reference_programs_reach_the_goals_of_their_scenarios() {
         .unwrap();
         let mut purpose = goal_of(&domain, &world, &scenario["goal"]).purpose(&domain);
         purpose.from_goal = false;
-        let report = check(&domain, &world, &written, None, &purpose);
+        let report = check(&domain, &world, &written, &purpose);
         let messages: Vec<_> = report
             .violations
             .iter()
-            .map(|v| v.message(&domain, &world, &report.steps, None))
+            .map(|v| v.message(&domain, &world, report.plan.steps(), None))
             .collect();
         assert_eq!(messages, Vec::<String>::new(), "{}", scenario["id"]);
     }
@@ -154,15 +152,14 @@ fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
             let Outcome::Solved { steps, shortest, .. } = outcome else {
                 panic!("{}: {outcome:?}", scenario["id"]);
             };
-            let plan = Plan {
-                steps: steps
-                    .into_iter()
-                    .map(|step| Step::explained(&domain, world, step.action, step.arguments))
-                    .collect(),
-            };
+            let plan: Plan = steps
+                .into_iter()
+                .map(|step| Step::explained(&domain, world, step.action, step.arguments))
+                .collect();
             let report = verify::check(&domain, world, plan, &goal.purpose(&domain));
             let calls: Vec<_> = report
-                .steps
+                .plan
+                .steps()
                 .iter()
                 .map(|step| step.call(&domain, world).to_string())
                 .collect();

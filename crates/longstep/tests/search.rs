@@ -9,7 +9,7 @@ use longstep::json::Path;
 use longstep::plan::{Plan, Step};
 use longstep::search::{self, Limits, Outcome, Wanted};
 use longstep::verify::{apply, check, unmet};
-use longstep::world::{self, EntityId, Environment, Fact, Moment, State, World, holds};
+use longstep::world::{self, EntityId, Environment, Moment, State, World, holds};
 use proptest::prelude::*;
 
 /// Every action with every choice of arguments.
@@ -40,10 +40,10 @@ fn brute_force(domain: &Domain, world: &World, wanted: &[Wanted]) -> Option<usiz
             .all(|w| holds(Moment { world, state }, &w.condition, &mut w.bindings.clone()))
     };
     let actions = all_actions(domain, world);
-    let mut depth: HashMap<Vec<Fact>, usize> = HashMap::from([(world.state.sorted(), 0)]);
+    let mut depth: HashMap<State, usize> = HashMap::from([(world.state.clone(), 0)]);
     let mut queue = VecDeque::from([world.state.clone()]);
     while let Some(state) = queue.pop_front() {
-        let steps = depth[&state.sorted()];
+        let steps = depth[&state.clone()];
         if reached(&state) {
             return Some(steps);
         }
@@ -52,7 +52,7 @@ fn brute_force(domain: &Domain, world: &World, wanted: &[Wanted]) -> Option<usiz
             if unmet(world, &state, &action.precondition, &mut arguments.clone()).is_empty() {
                 let mut next = state.clone();
                 apply(world, &mut next, action, arguments);
-                if let std::collections::hash_map::Entry::Vacant(entry) = depth.entry(next.sorted()) {
+                if let std::collections::hash_map::Entry::Vacant(entry) = depth.entry(next.clone()) {
                     entry.insert(steps + 1);
                     queue.push_back(next);
                 }
@@ -80,9 +80,7 @@ fn compare(domain_name: &str, environment: &str, goal: &str) -> Result<(), TestC
             prop_assert!(shortest);
             prop_assert_eq!(Some(steps.len()), expected);
             let step = |s: search::GroundAction| Step::explained(&domain, &world, s.action, s.arguments);
-            let plan = Plan {
-                steps: steps.into_iter().map(step).collect(),
-            };
+            let plan: Plan = steps.into_iter().map(step).collect();
             let report = check(&domain, &world, plan, &goal.purpose(&domain));
             prop_assert_eq!(report.violations, vec![]);
         }

@@ -146,6 +146,7 @@ impl Goal {
             wanted: self.facts.iter().map(|fact| fact.wanted(domain)).collect(),
             waivers: self.waivers(domain),
             from_goal: true,
+            ..Purpose::default()
         }
     }
 

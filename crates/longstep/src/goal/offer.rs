@@ -281,7 +281,7 @@ fn narrow(domain: &Domain, world: &World, meant: &[EntityId], parameters: usize,
 fn relations(domain: &Domain, world: &World) -> Vec<(EntityId, EntityId)> {
     let binary =
         |fact: &Fact| domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2;
-    let facts = world.state.sorted().into_iter().filter(binary);
+    let facts = world.state.iter().filter(binary);
     facts.map(|fact| (fact.argument(0), fact.argument(1))).collect()
 }
 

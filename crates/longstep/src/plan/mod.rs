@@ -7,8 +7,13 @@ pub use paper::{PlanFile, TaskCohesion};
 pub use resolve::{DraftStep, resolve};
 
 use crate::call::Call;
-use crate::domain::{ActionId, Domain};
+use crate::domain::{ActionId, Domain, id};
 use crate::world::{EntityId, World};
+
+id!(
+    /// A step of a plan, in reading order.
+    StepId
+);
 
 /// One action with all its arguments, and what it is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,9 +59,53 @@ impl Step {
     }
 }
 
-/// Steps, one after the other.
+/// A part of a plan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Node {
+    /// One step, by its number.
+    Step(StepId),
+}
+
+/// A plan is a tree of nodes over its steps; a plain list is a tree whose nodes are the steps in turn.
+///
+/// Steps are numbered in reading order, whatever the tree looks like, so that a finding can say "step 3".
+///
+/// ```
+/// use longstep::plan::{Node, Plan};
+/// let plan = Plan::sequence(Vec::new());
+/// assert!(plan.steps().is_empty() && plan.body().is_empty());
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Plan {
-    /// The steps.
-    pub steps: Vec<Step>,
+    steps: Vec<Step>,
+    body: Vec<Node>,
+}
+
+impl Plan {
+    /// The plan that does the steps one after the other.
+    pub fn sequence(steps: Vec<Step>) -> Self {
+        let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
+        Self { steps, body }
+    }
+
+    /// Every step, in reading order.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// The step with this number.
+    pub fn step(&self, id: StepId) -> &Step {
+        &self.steps[id.index()]
+    }
+
+    /// The outermost nodes, in the order in which they are carried out.
+    pub fn body(&self) -> &[Node] {
+        &self.body
+    }
+}
+
+impl FromIterator<Step> for Plan {
+    fn from_iter<I: IntoIterator<Item = Step>>(steps: I) -> Self {
+        Self::sequence(steps.into_iter().collect())
+    }
 }

@@ -15,7 +15,7 @@ pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {
         .flat_map(|o| o.arguments.iter().flatten().copied())
         .collect();
     shown.extend(world.entities().map(|(id, _)| id).filter(|id| is_object(*id)));
-    let facts = world.known().sorted();
+    let facts: Vec<_> = world.known().iter().collect();
     let (mut objects, mut places) = (Vec::new(), Vec::new());
     for (id, entity) in world.entities().filter(|(id, _)| shown.contains(id)) {
         let object = is_object(id);

@@ -11,7 +11,7 @@ use super::simulate::{apply, unmet};
 use super::violation::Assumption;
 use crate::domain::{Domain, plain_words, singular};
 use crate::plan::{DraftStep, Plan, Step};
-use crate::world::{Difference, EntityId, Fact, State, World, differences};
+use crate::world::{Claim, Difference, EntityId, State, World};
 
 /// States that are looked at before the best choice so far is taken.
 const LIMIT: usize = 20_000;
@@ -23,18 +23,18 @@ pub fn bind(
     world: &World,
     steps: &[DraftStep],
     objects: &[EntityId],
-    claimed: Option<&State>,
+    claim: Option<&Claim>,
 ) -> (Plan, Vec<Assumption>) {
     if steps.iter().all(|step| step.arguments.iter().all(Option::is_some)) {
         let plan = steps
             .iter()
             .map(|step| bound(domain, world, step, step.arguments.iter().flatten().copied().collect()));
-        return (Plan { steps: plan.collect() }, Vec::new());
+        return (plan.collect(), Vec::new());
     }
     let mut binder = Binder {
         domain,
         world,
-        claimed,
+        claim,
         candidates: Vec::new(),
         seen: FxHashSet::default(),
         best: None,
@@ -52,7 +52,7 @@ pub fn bind(
         .iter()
         .zip(arguments)
         .map(|(step, arguments)| bound(domain, world, step, arguments));
-    (Plan { steps: steps.collect() }, assumptions)
+    (steps.collect(), assumptions)
 }
 
 fn bound(domain: &Domain, world: &World, step: &DraftStep, arguments: Vec<EntityId>) -> Step {
@@ -66,10 +66,10 @@ fn bound(domain: &Domain, world: &World, step: &DraftStep, arguments: Vec<Entity
 struct Binder<'a> {
     domain: &'a Domain,
     world: &'a World,
-    claimed: Option<&'a State>,
+    claim: Option<&'a Claim>,
     /// For each step, complete arguments, the likeliest first.
     candidates: Vec<Vec<(crate::domain::ActionId, Vec<EntityId>)>>,
-    seen: FxHashSet<(usize, Vec<Fact>)>,
+    seen: FxHashSet<(usize, State)>,
     /// The choice that can be executed and differs least from the claim.
     best: Option<(usize, Vec<Vec<EntityId>>)>,
     /// The longest choice that can be executed.
@@ -129,13 +129,13 @@ impl Binder<'_> {
     }
 
     fn claimed_differences(&self, state: &State) -> Vec<Difference> {
-        self.claimed
-            .map_or_else(Vec::new, |claimed| differences(self.domain, state, claimed))
+        self.claim
+            .map_or_else(Vec::new, |claim| claim.differences(self.domain, state))
     }
 
     fn descend(&mut self, state: &State) {
         let depth = self.chosen.len();
-        if self.seen.len() >= LIMIT || matches!(self.best, Some((0, _))) || !self.seen.insert((depth, state.sorted())) {
+        if self.seen.len() >= LIMIT || matches!(self.best, Some((0, _))) || !self.seen.insert((depth, state.clone())) {
             return;
         }
         if depth > self.deepest.len() {
@@ -164,7 +164,7 @@ impl Binder<'_> {
     /// The longest executable beginning; from there on, at each step what lacks the fewest facts.
     fn as_far_as_it_goes(&self, steps: &[DraftStep]) -> Plan {
         let mut state = self.world.state.clone();
-        let mut plan = Plan::default();
+        let mut plan = Vec::new();
         for (index, step) in steps.iter().enumerate() {
             let action = self.domain.action(step.action);
             let arguments = self.deepest.get(index).cloned().or_else(|| {
@@ -179,9 +179,9 @@ impl Binder<'_> {
             });
             let Some(arguments) = arguments else { break };
             apply(self.world, &mut state, action, &arguments);
-            plan.steps.push(bound(self.domain, self.world, step, arguments));
+            plan.push(bound(self.domain, self.world, step, arguments));
         }
-        plan
+        Plan::sequence(plan)
     }
 
     /// Arguments that could be others without any difference that the plan shows.

@@ -4,22 +4,27 @@
 //! turns into a [`VerifiedPlan`], and there is no other way to make one.
 
 mod bind;
+mod possible;
 mod rules;
 mod simulate;
 #[cfg(test)]
 mod tests;
+mod trace;
 mod violation;
 
 pub use bind::bind;
+pub(crate) use possible::{can_apply, can_be_brought_about};
 pub(crate) use rules::wanted_at_end;
 pub use rules::{Waiver, broken_bindings};
-pub use simulate::{Change, apply, unmet};
+pub use simulate::{apply, unmet};
+pub use trace::{Change, Trace};
 pub use violation::{Assumption, Missing, Violation};
 
 use crate::domain::{Domain, RuleTime};
-use crate::plan::{Plan, Step};
+use crate::goal::Spoken;
+use crate::plan::{Node, Plan, Step, StepId};
 use crate::search::Wanted;
-use crate::world::{FactSet, Moment, State, World, holds};
+use crate::world::{Bindings, Claim, EntityId, Fact, Moment, State, World, differences, holds};
 
 /// What a plan is for, as far as it is known.
 #[derive(Debug, Clone, Default)]
@@ -30,15 +35,19 @@ pub struct Purpose {
     pub waivers: Vec<Waiver>,
     /// Whether the plan was made from a goal, so that tidy rules bind it.
     pub from_goal: bool,
+    /// What the plan claims the world to be afterwards.
+    pub claim: Option<Claim>,
+    /// What was asked for, in a person's words.
+    pub instruction: Option<String>,
 }
 
 /// What verification found.
 #[derive(Debug, Clone)]
 pub struct Report {
-    /// The steps, all arguments bound.
-    pub steps: Vec<Step>,
+    /// The plan, all arguments bound.
+    pub plan: Plan,
     /// What each step changed.
-    pub trace: Vec<Vec<Change>>,
+    pub trace: Trace,
     /// What is wrong; empty for a good plan.
     pub violations: Vec<Violation>,
     /// What is odd without being wrong.
@@ -58,9 +67,14 @@ pub struct VerifiedPlan {
 }
 
 impl VerifiedPlan {
-    /// The steps.
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.report.plan
+    }
+
+    /// Its steps, in reading order.
     pub fn steps(&self) -> &[Step] {
-        &self.report.steps
+        self.report.plan.steps()
     }
 
     /// The report behind it.
@@ -93,97 +107,200 @@ impl Report {
 ///
 /// A step that is not applicable is reported with the facts that were missing and the step that took each
 /// away; the simulation then goes on as if it had worked, so that later mistakes are told as well.
+///
+/// When the plan claims an environment afterwards, what it promises must come true: a fact that is claimed, did not
+/// hold before, does not hold in the end, and that some action could have brought about is a violation. Everything
+/// else in which claim and simulation differ is for [`crate::answer::compare_claims`] to show.
 pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
-    let mut state = world.state.clone();
-    let mut assumed: FactSet = world.assumptions();
-    let mut report = Report {
-        steps: Vec::new(),
-        trace: Vec::with_capacity(plan.steps.len()),
+    let mut walk = Walk {
+        domain,
+        world,
+        plan: &plan,
         violations: Vec::new(),
         warnings: Vec::new(),
-        assumptions: Vec::new(),
-        after: State::default(),
+        rested: Vec::new(),
+        bindings: Vec::new(),
+        fired: Vec::new(),
     };
-    let mut rested: FactSet = FactSet::default();
-    // What held in the first state has been looked at when the environment was read.
-    let mut broken_before = Vec::new();
-    for (index, step) in plan.steps.iter().enumerate() {
-        let action = domain.action(step.action);
-        let missing = unmet(world, &state, &action.precondition, &mut step.arguments.clone());
-        if missing.is_empty() {
-            simulate::rests_on(world, &state, &assumed, action, &step.arguments, &mut rested);
+    let mut path = Path {
+        state: world.state.clone(),
+        trace: Trace::default(),
+        broken: Vec::new(),
+    };
+    walk.nodes(plan.body(), &mut path);
+    walk.end(&path.state, purpose);
+    let Walk {
+        violations,
+        mut warnings,
+        mut rested,
+        ..
+    } = walk;
+    if let Some(instruction) = &purpose.instruction {
+        warnings.extend(moved_unasked(domain, world, &path.state, instruction));
+    }
+    rested.sort_unstable();
+    rested.dedup();
+    let assumption = |fact: Fact| {
+        let ground = world.assumed(fact)?;
+        Some(Assumption::Fact { fact, ground })
+    };
+    Report {
+        trace: path.trace,
+        violations,
+        warnings,
+        assumptions: rested.into_iter().filter_map(assumption).collect(),
+        after: path.state,
+        plan,
+    }
+}
+
+/// One way through a plan.
+struct Path {
+    state: State,
+    trace: Trace,
+    /// The rules that are broken in the state, so that each is told where it begins to be.
+    broken: Vec<(usize, Bindings)>,
+}
+
+/// What is found on the way, and room to work in.
+struct Walk<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    plan: &'a Plan,
+    violations: Vec<Violation>,
+    warnings: Vec<Violation>,
+    rested: Vec<Fact>,
+    bindings: Bindings,
+    fired: Vec<(Fact, bool)>,
+}
+
+impl Walk<'_> {
+    fn nodes(&mut self, nodes: &[Node], path: &mut Path) {
+        for node in nodes {
+            match node {
+                Node::Step(id) => self.step(*id, path),
+            }
+        }
+    }
+
+    fn step(&mut self, id: StepId, path: &mut Path) {
+        let step = self.plan.step(id);
+        let action = self.domain.action(step.action);
+        self.bindings.clear();
+        self.bindings.extend_from_slice(&step.arguments);
+        let moment = Moment {
+            world: self.world,
+            state: &path.state,
+        };
+        if holds(moment, &action.precondition, &mut self.bindings) {
+            simulate::rests_on(
+                moment,
+                &action.precondition,
+                &mut self.bindings,
+                path.trace.changes(),
+                &mut self.rested,
+            );
         } else {
-            report.violations.push(Violation::Precondition {
-                step: index,
-                missing: violation::with_culprits(missing, &report.trace),
+            let missing = unmet(self.world, &path.state, &action.precondition, &mut self.bindings);
+            self.violations.push(Violation::Precondition {
+                step: id.index(),
+                missing: violation::with_culprits(missing, &path.trace),
             });
         }
-        let changes = apply(world, &mut state, action, &step.arguments);
-        for change in &changes {
-            assumed.remove(&change.fact);
+        let changes = path.trace.begin(id);
+        simulate::apply_onto(
+            self.world,
+            &mut path.state,
+            action,
+            &mut self.bindings,
+            &mut self.fired,
+            changes,
+        );
+        if path.trace.last().is_empty() && !action.effects.is_empty() {
+            self.warnings.push(Violation::NoEffect { step: id.index() });
         }
-        report.trace.push(changes);
-        let mut broken_now = Vec::new();
-        for (number, rule) in domain
-            .rules
-            .iter()
-            .enumerate()
-            .filter(|(_, r)| r.time == RuleTime::Always)
-        {
-            for bindings in broken_bindings(rule, world, &state) {
-                if !broken_before.contains(&(number, bindings.clone())) {
-                    report.violations.push(Violation::Rule {
-                        step: Some(index),
+        self.always(id, path);
+    }
+
+    /// Rules that hold in every state: told after the step that breaks them.
+    fn always(&mut self, id: StepId, path: &mut Path) {
+        let rules = self.domain.rules.iter().enumerate();
+        let mut now = Vec::new();
+        for (number, rule) in rules.filter(|(_, rule)| rule.time == RuleTime::Always) {
+            for bindings in broken_bindings(rule, self.world, &path.state) {
+                // What held in the first state has been looked at when the environment was read.
+                let broken = (number, bindings);
+                if !path.broken.contains(&broken) {
+                    self.violations.push(Violation::Rule {
+                        step: Some(id.index()),
                         rule: number,
-                        bindings: bindings.clone(),
+                        bindings: broken.1.clone(),
                     });
                 }
-                broken_now.push((number, bindings));
+                now.push(broken);
             }
         }
-        broken_before = broken_now;
+        path.broken = now;
     }
-    for (number, rule) in domain
-        .rules
-        .iter()
-        .enumerate()
-        .filter(|(_, r)| matches!(r.time, RuleTime::End | RuleTime::Tidy))
-    {
-        for bindings in broken_bindings(rule, world, &state) {
-            if purpose.waivers.iter().any(|waiver| waiver.covers(number, &bindings)) {
-                continue;
+
+    fn end(&mut self, state: &State, purpose: &Purpose) {
+        let rules = self.domain.rules.iter().enumerate();
+        for (number, rule) in rules.filter(|(_, rule)| matches!(rule.time, RuleTime::End | RuleTime::Tidy)) {
+            for bindings in broken_bindings(rule, self.world, state) {
+                if purpose.waivers.iter().any(|waiver| waiver.covers(number, &bindings)) {
+                    continue;
+                }
+                let binds = rule.time == RuleTime::End || purpose.from_goal;
+                let list = if binds {
+                    &mut self.violations
+                } else {
+                    &mut self.warnings
+                };
+                list.push(Violation::Rule {
+                    step: None,
+                    rule: number,
+                    bindings,
+                });
             }
-            let binds = rule.time == RuleTime::End || purpose.from_goal;
-            let list = if binds {
-                &mut report.violations
-            } else {
-                &mut report.warnings
-            };
-            list.push(Violation::Rule {
-                step: None,
-                rule: number,
-                bindings,
-            });
+        }
+        let moment = Moment {
+            world: self.world,
+            state,
+        };
+        for (index, wanted) in purpose.wanted.iter().enumerate() {
+            if !holds(moment, &wanted.condition, &mut wanted.bindings.clone()) {
+                self.violations.push(Violation::Goal { index });
+            }
+        }
+        if let Some(claim) = &purpose.claim {
+            let broken = broken_promises(self.domain, self.world, claim, state);
+            self.violations
+                .extend(broken.into_iter().map(|fact| Violation::Claim { fact }));
         }
     }
-    for (index, wanted) in purpose.wanted.iter().enumerate() {
-        let moment = Moment { world, state: &state };
-        if !holds(moment, &wanted.condition, &mut wanted.bindings.clone()) {
-            report.violations.push(Violation::Goal { index });
-        }
-    }
-    let mut rested: Vec<_> = rested.into_iter().collect();
-    rested.sort_unstable();
-    report.assumptions = rested
+}
+
+/// What is claimed to have come about, has not, and could have.
+pub(crate) fn broken_promises(domain: &Domain, world: &World, claim: &Claim, state: &State) -> Vec<Fact> {
+    let mut promises = claim.promises(domain, world);
+    promises.retain(|fact| !state.holds(*fact) && can_be_brought_about(domain, world, *fact));
+    promises
+}
+
+/// Objects that end elsewhere and that the instruction does not speak of.
+fn moved_unasked(domain: &Domain, world: &World, after: &State, instruction: &str) -> Vec<Violation> {
+    let spoken = Spoken::of(domain, world, instruction);
+    let mut moved: Vec<EntityId> = differences(domain, &world.state, after)
         .into_iter()
-        .filter_map(|fact| {
-            Some(Assumption::Fact {
-                fact,
-                ground: world.assumed(fact)?,
-            })
-        })
+        .filter(|difference| domain.predicate(difference.fact.predicate()).parameters.len() > 1)
+        .map(|difference| difference.fact.argument(0))
+        .filter(|entity| world.is_of_kind(*entity, domain.environment.object) && !spoken.entities.contains(entity))
         .collect();
-    report.steps = plan.steps;
-    report.after = state;
-    report
+    moved.sort_unstable();
+    moved.dedup();
+    // An instruction that names nothing at all says nothing about what may be moved.
+    if spoken.entities.is_empty() {
+        moved.clear();
+    }
+    moved.into_iter().map(|entity| Violation::Unasked { entity }).collect()
 }

@@ -61,7 +61,7 @@ fn join(partial: &[Vec<Option<EntityId>>], atom: &Atom, state: &State) -> Vec<Ve
     let facts = state.of_predicate(atom.predicate);
     let mut joined = Vec::new();
     for bindings in partial {
-        for fact in &facts {
+        for fact in facts {
             let mut extended = bindings.clone();
             let fits = atom.terms.iter().enumerate().all(|(place, term)| {
                 let entity = fact.argument(place);

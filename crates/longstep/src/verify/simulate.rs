@@ -1,35 +1,47 @@
 //! One step: what it needs, and what it changes.
 
-use super::violation::Missing;
-use crate::domain::{Action, Condition, Effect};
-use crate::world::{Bindings, Fact, FactSet, Moment, State, World, ground, holds};
+use std::ops::ControlFlow;
 
-/// A fact that a step made true or false.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Change {
-    /// The fact.
-    pub fact: Fact,
-    /// Whether it holds now.
-    pub holds: bool,
-}
+use super::trace::Change;
+use super::violation::Missing;
+use crate::domain::{Action, Condition, Effect, Term};
+use crate::world::{Bindings, EntityId, Fact, Moment, State, World, for_candidates, for_matching, ground, holds};
 
 /// Applies an action, whether or not it is applicable; returns what changed, sorted by fact.
-pub fn apply(world: &World, state: &mut State, action: &Action, arguments: &[crate::world::EntityId]) -> Vec<Change> {
-    let mut fired: Vec<(Fact, bool)> = Vec::new();
-    let mut bindings = arguments.to_vec();
+pub fn apply(world: &World, state: &mut State, action: &Action, arguments: &[EntityId]) -> Vec<Change> {
+    let mut changes = Vec::new();
+    apply_onto(
+        world,
+        state,
+        action,
+        &mut arguments.to_vec(),
+        &mut Vec::new(),
+        &mut changes,
+    );
+    changes
+}
+
+/// The same, with `bindings` that begin with the arguments and room to work in; what changed is added to `changes`.
+pub(super) fn apply_onto(
+    world: &World,
+    state: &mut State,
+    action: &Action,
+    bindings: &mut Bindings,
+    fired: &mut Vec<(Fact, bool)>,
+    changes: &mut Vec<Change>,
+) {
+    fired.clear();
     for effect in &action.effects {
-        fire(world, state, effect, 0, &mut bindings, &mut fired);
+        fire(world, state, effect, 0, bindings, fired);
     }
     // All conditions were asked of the state before; what is both taken away and given stays.
-    let given: FactSet = fired.iter().filter(|(_, adds)| *adds).map(|(fact, _)| *fact).collect();
-    let mut changes: Vec<Change> = fired
-        .into_iter()
-        .filter(|(fact, adds)| *adds || !given.contains(fact))
-        .filter(|(fact, adds)| state.set(*fact, *adds))
-        .map(|(fact, holds)| Change { fact, holds })
-        .collect();
-    changes.sort_unstable_by_key(|change| change.fact);
-    changes
+    fired.sort_unstable_by_key(|(fact, adds)| (*fact, !*adds));
+    fired.dedup_by_key(|(fact, _)| *fact);
+    for (fact, holds) in fired.drain(..) {
+        if state.set(fact, holds) {
+            changes.push(Change { fact, holds });
+        }
+    }
 }
 
 fn fire(
@@ -40,20 +52,36 @@ fn fire(
     bindings: &mut Bindings,
     fired: &mut Vec<(Fact, bool)>,
 ) {
-    match effect.forall.get(depth) {
-        Some((_, kind)) => {
-            for entity in world.of_kind(*kind) {
-                bindings.push(*entity);
+    let Some((slot, kind)) = effect.forall.get(depth).copied() else {
+        if holds(Moment { world, state }, &effect.condition, bindings) {
+            fired.push((ground(&effect.atom, bindings), effect.adds));
+        }
+        return;
+    };
+    if !effect.adds && effect.atom.terms.contains(&Term::Variable(slot)) {
+        // Only what holds can be taken away.
+        let _ = for_matching(state, &effect.atom, slot, bindings, &mut |entity, bindings| {
+            if world.is_of_kind(entity, kind) {
+                bindings.push(entity);
                 fire(world, state, effect, depth + 1, bindings, fired);
                 bindings.pop();
             }
-        }
-        None => {
-            if holds(Moment { world, state }, &effect.condition, bindings) {
-                fired.push((ground(&effect.atom, bindings), effect.adds));
-            }
-        }
+            ControlFlow::Continue(())
+        });
+        return;
     }
+    let moment = Moment { world, state };
+    let _ = for_candidates(
+        moment,
+        (slot, kind),
+        &effect.condition,
+        true,
+        bindings,
+        &mut |bindings| {
+            fire(world, state, effect, depth + 1, bindings, fired);
+            ControlFlow::Continue(())
+        },
+    );
 }
 
 /// What is missing for a condition to hold: the shortest list of facts that would make it hold, the last
@@ -109,53 +137,34 @@ fn shortest(alternatives: impl Iterator<Item = Vec<Missing>>) -> Vec<Missing> {
     alternatives.min_by_key(length).unwrap_or_default()
 }
 
-/// Adds to `rested` the assumed facts that an applicable action's precondition looks at.
+/// Adds to `rested` the facts assumed at the start, and untouched since, that make the condition hold.
 pub(super) fn rests_on(
-    world: &World,
-    state: &State,
-    assumed: &FactSet,
-    action: &Action,
-    arguments: &[crate::world::EntityId],
-    rested: &mut FactSet,
-) {
-    if !assumed.is_empty() {
-        look(
-            world,
-            state,
-            assumed,
-            &action.precondition,
-            &mut arguments.to_vec(),
-            rested,
-        );
-    }
-}
-
-fn look(
-    world: &World,
-    state: &State,
-    assumed: &FactSet,
+    moment: Moment<'_>,
     condition: &Condition,
     bindings: &mut Bindings,
-    rested: &mut FactSet,
+    touched: &[Change],
+    rested: &mut Vec<Fact>,
 ) {
     match condition {
         Condition::And(parts) => parts
             .iter()
-            .for_each(|part| look(world, state, assumed, part, bindings, rested)),
+            .for_each(|part| rests_on(moment, part, bindings, touched, rested)),
         // Only what makes an alternative hold counts.
         Condition::Or(parts) => {
-            let holding = parts.iter().find(|part| holds(Moment { world, state }, part, bindings));
+            let holding = parts.iter().find(|part| holds(moment, part, bindings));
             holding
                 .into_iter()
-                .for_each(|part| look(world, state, assumed, part, bindings, rested));
+                .for_each(|part| rests_on(moment, part, bindings, touched, rested));
         }
+        // What holds of everything rests on nothing that is assumed to hold, unless an alternative within does.
+        Condition::Forall(_, _, inner) if !asks_for_facts(inner) => {}
         Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
             let all = matches!(condition, Condition::Forall(..));
-            for entity in world.of_kind(*kind) {
+            for entity in moment.world.of_kind(*kind) {
                 bindings.push(*entity);
-                let counts = all || holds(Moment { world, state }, inner, bindings);
+                let counts = all || holds(moment, inner, bindings);
                 if counts {
-                    look(world, state, assumed, inner, bindings, rested);
+                    rests_on(moment, inner, bindings, touched, rested);
                 }
                 bindings.pop();
                 if counts && !all {
@@ -165,10 +174,18 @@ fn look(
         }
         Condition::Atom { atom, holds: true, .. } => {
             let fact = ground(atom, bindings);
-            if assumed.contains(&fact) {
-                rested.insert(fact);
+            let untouched = || touched.iter().all(|change| change.fact != fact);
+            if moment.world.assumed(fact).is_some() && untouched() {
+                rested.push(fact);
             }
         }
         Condition::Atom { .. } | Condition::Equal { .. } => {}
     }
+}
+
+/// Whether the condition can hold because some fact does.
+fn asks_for_facts(condition: &Condition) -> bool {
+    let mut asks = false;
+    condition.for_each_atom(&mut |_, holds| asks |= holds);
+    asks
 }

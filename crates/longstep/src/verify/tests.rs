@@ -32,7 +32,7 @@ fn check_messages(calls: &[&str], expected: &[&str]) {
     let messages: Vec<_> = report
         .violations
         .iter()
-        .map(|v| v.message(&domain, &world, &report.steps, None))
+        .map(|v| v.message(&domain, &world, report.plan.steps(), None))
         .collect();
     assert_eq!(messages, expected);
     assert_eq!(report.into_verified().is_ok(), expected.is_empty());

@@ -1,6 +1,6 @@
 //! What can be wrong with a plan.
 
-use super::simulate::Change;
+use super::trace::Trace;
 use crate::domain::Domain;
 use crate::goal::Goal;
 use crate::plan::Step;
@@ -77,6 +77,21 @@ pub enum Violation {
         /// Which, in the order of the purpose's list.
         index: usize,
     },
+    /// The plan claims a change that it does not bring about and that could be brought about.
+    Claim {
+        /// What is claimed.
+        fact: Fact,
+    },
+    /// A step changes nothing.
+    NoEffect {
+        /// The step.
+        step: usize,
+    },
+    /// Something ends elsewhere that the instruction does not speak of.
+    Unasked {
+        /// What.
+        entity: EntityId,
+    },
 }
 
 /// Something that a verdict rests on and the environment does not say.
@@ -101,14 +116,14 @@ pub enum Assumption {
 }
 
 /// Fills in which step took each missing fact away.
-pub(super) fn with_culprits(mut missing: Vec<Missing>, trace: &[Vec<Change>]) -> Vec<Missing> {
+pub(super) fn with_culprits(mut missing: Vec<Missing>, trace: &Trace) -> Vec<Missing> {
     for missing in &mut missing {
-        let undoes = |changes: &Vec<Change>| {
-            changes
-                .iter()
-                .any(|c| Some(c.fact) == missing.fact && c.holds != missing.holds)
-        };
-        missing.undone_by = trace.iter().rposition(undoes);
+        let undoes = |change: &super::trace::Change| Some(change.fact) == missing.fact && change.holds != missing.holds;
+        missing.undone_by = trace
+            .steps()
+            .rev()
+            .find(|(_, changes)| changes.iter().any(undoes))
+            .map(|(step, _)| step.index());
     }
     missing
 }
@@ -124,6 +139,9 @@ impl Violation {
             Self::Precondition { .. } => "precondition",
             Self::Rule { .. } => "rule",
             Self::Goal { .. } => "goal",
+            Self::Claim { .. } => "claim",
+            Self::NoEffect { .. } => "no_effect",
+            Self::Unasked { .. } => "unasked",
         }
     }
 
@@ -133,19 +151,21 @@ impl Violation {
             Self::UnknownAction { step, .. }
             | Self::WrongArguments { step, .. }
             | Self::WrongType { step, .. }
+            | Self::NoEffect { step }
             | Self::Precondition { step, .. } => Some(*step),
             Self::UnknownEntity { step, .. } | Self::Rule { step, .. } => *step,
-            Self::Goal { .. } => None,
+            Self::Goal { .. } | Self::Claim { .. } | Self::Unasked { .. } => None,
         }
     }
 
     /// The facts that were missing, as sentences.
     pub fn missing(&self, domain: &Domain, world: &World) -> Vec<String> {
-        let Self::Precondition { missing, .. } = self else {
-            return Vec::new();
-        };
         let text = |m: &Missing| m.fact.map(|fact| fact_text(domain, world, fact, m.holds));
-        missing.iter().filter_map(text).collect()
+        match self {
+            Self::Precondition { missing, .. } => missing.iter().filter_map(text).collect(),
+            Self::Claim { fact } => vec![fact_text(domain, world, *fact, true)],
+            _ => Vec::new(),
+        }
     }
 
     /// The last step that took a missing fact away.
@@ -211,6 +231,18 @@ impl Violation {
                 Some(fact) => format!("at the end, this is not reached: {}", fact.sentence(domain, world)),
                 None => "at the end, the goal is not reached".to_owned(),
             },
+            Self::Claim { fact } => {
+                let text = fact_text(domain, world, *fact, true);
+                format!("at the end, this is claimed and not so: {text}")
+            }
+            Self::NoEffect { step } => {
+                let call = steps[*step].call(domain, world);
+                format!("step {}: {call} changes nothing", step + 1)
+            }
+            Self::Unasked { entity } => {
+                let name = world.entity(*entity).with_article();
+                format!("{name} ends elsewhere, and nobody asked for that")
+            }
         }
     }
 }

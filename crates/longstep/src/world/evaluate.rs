@@ -1,7 +1,9 @@
-//! Whether a condition holds.
+//! Whether a condition holds, and for which entities it can.
+
+use std::ops::ControlFlow;
 
 use super::{EntityId, Fact, State, World};
-use crate::domain::{Atom, Condition, Term};
+use crate::domain::{Atom, Condition, Slot, Term, TypeId};
 
 /// The entities that the slots of a condition are bound to.
 pub type Bindings = Vec<EntityId>;
@@ -20,31 +22,160 @@ pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings)
     match condition {
         Condition::And(all) => all.iter().all(|c| holds(moment, c, bindings)),
         Condition::Or(any) => any.iter().any(|c| holds(moment, c, bindings)),
-        Condition::Forall(slot, kind, inner) => {
-            debug_assert_eq!(*slot, bindings.len());
-            moment.world.of_kind(*kind).iter().all(|entity| {
-                bindings.push(*entity);
-                let result = holds(moment, inner, bindings);
-                bindings.pop();
-                result
-            })
-        }
-        Condition::Exists(slot, kind, inner) => {
-            debug_assert_eq!(*slot, bindings.len());
-            moment.world.of_kind(*kind).iter().any(|entity| {
-                bindings.push(*entity);
-                let result = holds(moment, inner, bindings);
-                bindings.pop();
-                result
-            })
-        }
+        Condition::Forall(slot, kind, inner) => !some(moment, *slot, *kind, inner, false, bindings),
+        Condition::Exists(slot, kind, inner) => some(moment, *slot, *kind, inner, true, bindings),
         Condition::Atom { atom, holds, initially } => {
-            let state = if *initially { &moment.world.state } else { moment.state };
-            state.holds(ground(atom, bindings)) == *holds
+            moment.state_of(*initially).holds(ground(atom, bindings)) == *holds
         }
         Condition::Equal { left, right, holds } => {
             (grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds
         }
+    }
+}
+
+/// Whether `inner` has the value for some entity in the slot.
+fn some(moment: Moment<'_>, slot: Slot, kind: TypeId, inner: &Condition, value: bool, bindings: &mut Bindings) -> bool {
+    for_candidates(moment, (slot, kind), inner, value, bindings, &mut |bindings| {
+        if holds(moment, inner, bindings) == value {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })
+    .is_break()
+}
+
+/// Calls `visit` with every entity of the type in the slot for which `condition` may have the value.
+///
+/// Mostly a condition can have a value only where some fact holds: "nothing is in hand" fails only for what is in
+/// hand. Then only the entities of such facts are visited, not everything that there is; some perhaps twice.
+pub(crate) fn for_candidates(
+    moment: Moment<'_>,
+    (slot, kind): (Slot, TypeId),
+    condition: &Condition,
+    value: bool,
+    bindings: &mut Bindings,
+    visit: &mut dyn FnMut(&mut Bindings) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    debug_assert_eq!(slot, bindings.len());
+    let mut bind = |entity: EntityId, bindings: &mut Bindings| {
+        bindings.push(entity);
+        let flow = visit(bindings);
+        bindings.pop();
+        flow
+    };
+    if guarded(condition, value, slot) {
+        return for_guards(moment, slot, condition, value, bindings, &mut |entity, bindings| {
+            if moment.world.is_of_kind(entity, kind) {
+                bind(entity, bindings)
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
+    }
+    moment
+        .world
+        .of_kind(kind)
+        .iter()
+        .try_for_each(|entity| bind(*entity, bindings))
+}
+
+/// Whether the condition can have the value only for entities of certain facts.
+fn guarded(condition: &Condition, value: bool, slot: Slot) -> bool {
+    match condition {
+        Condition::And(parts) if value => parts.iter().any(|part| guarded(part, value, slot)),
+        Condition::Or(parts) if !value => parts.iter().any(|part| guarded(part, value, slot)),
+        Condition::And(parts) | Condition::Or(parts) => parts.iter().all(|part| guarded(part, value, slot)),
+        Condition::Exists(_, _, inner) if value => guarded(inner, value, slot),
+        Condition::Forall(_, _, inner) if !value => guarded(inner, value, slot),
+        Condition::Forall(..) | Condition::Exists(..) => false,
+        Condition::Atom { atom, holds, .. } => *holds == value && atom.terms.contains(&Term::Variable(slot)),
+        Condition::Equal { left, right, holds } => *holds == value && other_side(*left, *right, slot).is_some(),
+    }
+}
+
+/// What the slot is equal to, if the other side is bound before it.
+fn other_side(left: Term, right: Term, slot: Slot) -> Option<Term> {
+    let bound = |term: Term| match term {
+        Term::Variable(other) => other < slot,
+        Term::Constant(_) => true,
+    };
+    match (left, right) {
+        (Term::Variable(variable), other) | (other, Term::Variable(variable)) if variable == slot && bound(other) => {
+            Some(other)
+        }
+        _ => None,
+    }
+}
+
+/// Visits the entities of the facts that guard the condition.
+fn for_guards(
+    moment: Moment<'_>,
+    slot: Slot,
+    condition: &Condition,
+    value: bool,
+    bindings: &mut Bindings,
+    visit: &mut dyn FnMut(EntityId, &mut Bindings) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    match condition {
+        Condition::And(parts) | Condition::Or(parts) => {
+            let one_is_enough = matches!(condition, Condition::And(_)) == value;
+            for part in parts.iter().filter(|part| !one_is_enough || guarded(part, value, slot)) {
+                for_guards(moment, slot, part, value, bindings, visit)?;
+                if one_is_enough {
+                    break;
+                }
+            }
+            ControlFlow::Continue(())
+        }
+        Condition::Forall(_, _, inner) | Condition::Exists(_, _, inner) => {
+            for_guards(moment, slot, inner, value, bindings, visit)
+        }
+        Condition::Equal { left, right, .. } => match other_side(*left, *right, slot) {
+            Some(other) => visit(grounded_term(other, bindings), bindings),
+            None => ControlFlow::Continue(()),
+        },
+        Condition::Atom { atom, initially, .. } => {
+            for_matching(moment.state_of(*initially), atom, slot, bindings, visit)
+        }
+    }
+}
+
+/// Visits the entities that stand in the slot in facts that hold, the slots before it being bound.
+pub(crate) fn for_matching(
+    state: &State,
+    atom: &Atom,
+    slot: Slot,
+    bindings: &mut Bindings,
+    visit: &mut dyn FnMut(EntityId, &mut Bindings) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let known = |term: Term, bindings: &Bindings| match term {
+        Term::Variable(variable) if variable >= slot => None,
+        term => Some(grounded_term(term, bindings)),
+    };
+    let facts = match atom.terms.first().and_then(|term| known(*term, bindings)) {
+        Some(first) => state.of_first(atom.predicate, first),
+        None => state.of_predicate(atom.predicate),
+    };
+    for fact in facts {
+        let mut entity = None;
+        let fits = atom.terms.iter().enumerate().all(|(place, term)| {
+            let argument = fact.argument(place);
+            match *term {
+                Term::Variable(variable) if variable == slot => *entity.get_or_insert(argument) == argument,
+                term => known(term, bindings).is_none_or(|known| known == argument),
+            }
+        });
+        if let Some(entity) = entity.filter(|_| fits) {
+            visit(entity, bindings)?;
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+impl<'a> Moment<'a> {
+    fn state_of(self, initially: bool) -> &'a State {
+        if initially { &self.world.state } else { self.state }
     }
 }
 

@@ -1,5 +1,8 @@
 //! Facts and states.
 
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
 use rustc_hash::FxHashSet;
 
 use crate::domain::{PredicateId, id};
@@ -44,53 +47,81 @@ impl Fact {
 }
 
 /// What is true, all else being false.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+///
+/// The facts of each predicate stand in a sorted list of their own, shared until one of its copies changes: a copy of
+/// a state costs next to nothing, what holds of a predicate is at hand without looking at the rest, and everything
+/// comes out in order.
+#[derive(Debug, Clone, Default)]
 pub struct State {
-    facts: FxHashSet<Fact>,
+    by_predicate: Vec<Arc<Vec<Fact>>>,
 }
 
 impl State {
     /// Whether the fact holds.
     pub fn holds(&self, fact: Fact) -> bool {
-        self.facts.contains(&fact)
+        self.of_predicate(fact.predicate()).binary_search(&fact).is_ok()
     }
 
     /// Makes the fact hold, or not; tells whether that changed anything.
     pub fn set(&mut self, fact: Fact, holds: bool) -> bool {
-        if holds {
-            self.facts.insert(fact)
-        } else {
-            self.facts.remove(&fact)
+        let index = fact.predicate().index();
+        if self.by_predicate.len() <= index {
+            self.by_predicate.resize_with(index + 1, Arc::default);
         }
+        let facts = &mut self.by_predicate[index];
+        match (facts.binary_search(&fact), holds) {
+            (Err(place), true) => Arc::make_mut(facts).insert(place, fact),
+            (Ok(place), false) => {
+                Arc::make_mut(facts).remove(place);
+            }
+            _ => return false,
+        }
+        true
     }
 
-    /// What holds, sorted.
-    pub fn sorted(&self) -> Vec<Fact> {
-        let mut facts: Vec<Fact> = self.facts.iter().copied().collect();
-        facts.sort_unstable();
-        facts
+    /// Everything that holds, in order.
+    pub fn iter(&self) -> impl Iterator<Item = Fact> + '_ {
+        self.by_predicate.iter().flat_map(|facts| facts.iter().copied())
     }
 
-    /// What holds of one predicate, sorted.
-    pub fn of_predicate(&self, predicate: PredicateId) -> Vec<Fact> {
-        let mut facts: Vec<Fact> = self
-            .facts
-            .iter()
-            .copied()
-            .filter(|f| f.predicate() == predicate)
-            .collect();
-        facts.sort_unstable();
-        facts
+    /// What holds of one predicate, in order.
+    pub fn of_predicate(&self, predicate: PredicateId) -> &[Fact] {
+        self.by_predicate
+            .get(predicate.index())
+            .map_or(&[], |facts| facts.as_slice())
+    }
+
+    /// What holds of one predicate and this first argument, in order.
+    pub fn of_first(&self, predicate: PredicateId, first: EntityId) -> &[Fact] {
+        let facts = self.of_predicate(predicate);
+        let from = facts.partition_point(|fact| fact.argument(0) < first);
+        let length = facts[from..].partition_point(|fact| fact.argument(0) == first);
+        &facts[from..from + length]
     }
 
     /// How many facts hold.
     pub fn len(&self) -> usize {
-        self.facts.len()
+        self.by_predicate.iter().map(|facts| facts.len()).sum()
     }
 
     /// Whether nothing holds.
     pub fn is_empty(&self) -> bool {
-        self.facts.is_empty()
+        self.len() == 0
+    }
+}
+
+impl PartialEq for State {
+    fn eq(&self, other: &Self) -> bool {
+        // A predicate of which nothing ever held may have no list at all.
+        self.iter().eq(other.iter())
+    }
+}
+
+impl Eq for State {}
+
+impl Hash for State {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        self.iter().for_each(|fact| fact.hash(hasher));
     }
 }
 

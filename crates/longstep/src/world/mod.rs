@@ -1,5 +1,6 @@
 //! One state of the world: as facts, and as the paper's JSON.
 
+mod claim;
 mod diff;
 mod environment;
 mod evaluate;
@@ -10,10 +11,11 @@ mod read;
 mod tests;
 mod write;
 
+pub use claim::Claim;
 pub use diff::{Difference, differences};
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};
-pub(crate) use evaluate::{ground, grounded_term};
+pub(crate) use evaluate::{for_candidates, for_matching, ground, grounded_term};
 pub use fact::{EntityId, Fact, FactSet, State};
 pub use naming::fact_text;
 pub use read::read;
@@ -93,9 +95,11 @@ impl World {
         &self.by_kind[kind.index()]
     }
 
-    /// Everything that is assumed at the start, in no order.
-    pub(crate) fn assumptions(&self) -> FactSet {
-        self.assumed.keys().copied().collect()
+    /// Whether the entity is of the type.
+    pub(crate) fn is_of_kind(&self, entity: EntityId, kind: TypeId) -> bool {
+        let all = self.of_kind(kind);
+        // The lists are in order, and the one of everything needs no look.
+        all.len() == self.entities.len() || all.binary_search(&entity).is_ok()
     }
 
     /// Why the fact is assumed at the start, if it is.

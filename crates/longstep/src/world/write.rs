@@ -14,7 +14,7 @@ pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
     let mut environment = world.environment.clone();
     let as_list = environment.prefers_lists();
     let mut news: IndexMap<EntityId, Vec<String>> = IndexMap::new();
-    for fact in state.sorted().into_iter().filter(|fact| !world.state.holds(*fact)) {
+    for fact in state.iter().filter(|fact| !world.state.holds(*fact)) {
         for word in domain
             .states
             .iter()
@@ -68,7 +68,7 @@ fn revise(domain: &Domain, world: &World, state: &State, subject: EntityId, word
     };
 }
 
-fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Option<Fact> {
+pub(super) fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Option<Fact> {
     let call = Call::parse(text).ok()?;
     let word = domain
         .states

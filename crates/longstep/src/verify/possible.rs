@@ -1,0 +1,95 @@
+//! What could ever be, as far as the unchanging facts of a world tell.
+//!
+//! These are one-sided: "no" is certain, "yes" means that nothing unchanging speaks against it.
+
+use crate::domain::{ActionId, Condition, Domain, Term};
+use crate::world::{Bindings, EntityId, Fact, World, ground, grounded_term};
+
+/// Whether the condition can have the value in some state of this world, facts that actions change being free.
+pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
+    match condition {
+        Condition::And(parts) => parts.iter().all(|part| possibly(domain, world, part, bindings)),
+        Condition::Or(parts) => parts.iter().any(|part| possibly(domain, world, part, bindings)),
+        Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
+            let mut instance = |entity: &EntityId| {
+                bindings.push(*entity);
+                let possible = possibly(domain, world, inner, bindings);
+                bindings.pop();
+                possible
+            };
+            let all = world.of_kind(*kind);
+            match condition {
+                Condition::Forall(..) => all.iter().all(&mut instance),
+                _ => all.iter().any(&mut instance),
+            }
+        }
+        Condition::Atom { atom, holds, initially } => {
+            let free = domain.words(atom.predicate).fluent && !initially;
+            free || world.state.holds(ground(atom, bindings)) == *holds
+        }
+        Condition::Equal { left, right, holds } => {
+            (grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds
+        }
+    }
+}
+
+/// Whether the action with these arguments can be applicable in some state of this world.
+pub(crate) fn can_apply(domain: &Domain, world: &World, action: ActionId, arguments: &[EntityId]) -> bool {
+    possibly(
+        domain,
+        world,
+        &domain.action(action).precondition,
+        &mut arguments.to_vec(),
+    )
+}
+
+/// Whether some action can make the fact true in this world.
+pub(crate) fn can_be_brought_about(domain: &Domain, world: &World, fact: Fact) -> bool {
+    domain.action_ids().any(|(id, action)| {
+        let adding = action
+            .effects
+            .iter()
+            .filter(|effect| effect.adds && effect.atom.predicate == fact.predicate());
+        adding.into_iter().any(|effect| {
+            let mut bound: Vec<Option<EntityId>> = vec![None; action.parameters.len()];
+            let fits = effect.atom.terms.iter().enumerate().all(|(place, term)| {
+                let entity = fact.argument(place);
+                match *term {
+                    Term::Constant(constant) => constant == entity,
+                    Term::Variable(slot) => match bound.get_mut(slot) {
+                        Some(parameter) => *parameter.get_or_insert(entity) == entity,
+                        // A variable of the effect's own.
+                        None => true,
+                    },
+                }
+            });
+            fits && some_arguments(domain, world, id, &bound, &mut Vec::new())
+        })
+    })
+}
+
+/// Whether the open arguments can be filled in so that the action can apply.
+fn some_arguments(
+    domain: &Domain,
+    world: &World,
+    id: ActionId,
+    bound: &[Option<EntityId>],
+    arguments: &mut Vec<EntityId>,
+) -> bool {
+    let Some(parameter) = domain.action(id).parameters.get(arguments.len()) else {
+        return can_apply(domain, world, id, arguments);
+    };
+    let fixed = bound[arguments.len()];
+    let candidates = fixed
+        .as_ref()
+        .map_or(world.of_kind(parameter.kind), std::slice::from_ref);
+    candidates
+        .iter()
+        .filter(|entity| world.is_of_kind(**entity, parameter.kind))
+        .any(|entity| {
+            arguments.push(*entity);
+            let possible = some_arguments(domain, world, id, bound, arguments);
+            arguments.pop();
+            possible
+        })
+}
