@@ -2,14 +2,14 @@
 
 /// A literal: a fact's number in the task, and whether it holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Literal {
-    pub(super) fact: u32,
-    pub(super) holds: bool,
+pub(crate) struct Literal {
+    pub(crate) fact: u32,
+    pub(crate) holds: bool,
 }
 
 /// A ground condition in negation normal form.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) enum Formula {
+pub(crate) enum Formula {
     /// All of them; an empty one is true.
     And(Vec<Formula>),
     /// At least one of them; an empty one is false.
@@ -18,19 +18,19 @@ pub(super) enum Formula {
 }
 
 impl Formula {
-    pub(super) const TRUE: Formula = Formula::And(Vec::new());
-    pub(super) const FALSE: Formula = Formula::Or(Vec::new());
+    pub(crate) const TRUE: Formula = Formula::And(Vec::new());
+    pub(crate) const FALSE: Formula = Formula::Or(Vec::new());
 
-    pub(super) fn is_true(&self) -> bool {
+    pub(crate) fn is_true(&self) -> bool {
         *self == Self::TRUE
     }
 
-    pub(super) fn is_false(&self) -> bool {
+    pub(crate) fn is_false(&self) -> bool {
         *self == Self::FALSE
     }
 
     /// The conjunction, flattened.
-    pub(super) fn and(parts: impl IntoIterator<Item = Formula>) -> Self {
+    pub(crate) fn and(parts: impl IntoIterator<Item = Formula>) -> Self {
         let mut all = Vec::new();
         for part in parts {
             match part {
@@ -43,7 +43,7 @@ impl Formula {
     }
 
     /// The disjunction, flattened.
-    pub(super) fn or(parts: impl IntoIterator<Item = Formula>) -> Self {
+    pub(crate) fn or(parts: impl IntoIterator<Item = Formula>) -> Self {
         let mut any = Vec::new();
         for part in parts {
             match part {
@@ -56,7 +56,7 @@ impl Formula {
     }
 
     /// The formula with every literal looked at again.
-    pub(super) fn map(self, literal: &impl Fn(Literal) -> Formula) -> Self {
+    pub(crate) fn map(self, literal: &impl Fn(Literal) -> Formula) -> Self {
         match self {
             Self::And(all) => Self::and(all.into_iter().map(|part| part.map(literal))),
             Self::Or(any) => Self::or(any.into_iter().map(|part| part.map(literal))),
@@ -64,7 +64,7 @@ impl Formula {
         }
     }
 
-    pub(super) fn holds(&self, is: &impl Fn(Literal) -> bool) -> bool {
+    pub(crate) fn holds(&self, is: &impl Fn(Literal) -> bool) -> bool {
         match self {
             Self::And(all) => all.iter().all(|part| part.holds(is)),
             Self::Or(any) => any.iter().any(|part| part.holds(is)),
@@ -72,7 +72,7 @@ impl Formula {
         }
     }
 
-    pub(super) fn for_each(&self, visit: &mut impl FnMut(Literal)) {
+    pub(crate) fn for_each(&self, visit: &mut impl FnMut(Literal)) {
         match self {
             Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.for_each(visit)),
             Self::Literal(literal) => visit(*literal),

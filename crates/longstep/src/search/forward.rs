@@ -64,68 +64,55 @@ impl Bits {
 }
 
 pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
+    let steps = |path: &[u32], task: &Task| -> Vec<super::GroundAction> {
+        let step = |number: &u32| task.operators[*number as usize].step.clone();
+        path.iter().map(step).collect()
+    };
     let focused = relevance::focus(task);
     let mut heuristic = LandmarkCut::new(task);
-    let direct = Search::new(&focused, &mut LandmarkCut::new(&focused), 1, limits.direct).run();
-    let mut looked_at = match direct {
-        Outcome::GaveUp { expanded, .. } => {
+    let (direct, mut expanded) = Search::new(&focused, &mut LandmarkCut::new(&focused), 1, limits.direct).run();
+    match direct {
+        Found::Limit => {
             let mut heuristic = LandmarkCut::new(&focused);
-            match Search::new(&focused, &mut heuristic, GREED, limits.any).run() {
-                Outcome::Solved {
-                    steps, expanded: more, ..
-                } => {
-                    return Outcome::Solved {
-                        steps,
-                        shortest: false,
-                        expanded: expanded + more,
-                    };
-                }
-                Outcome::ProvenUnsolvable { expanded: more } | Outcome::GaveUp { expanded: more, .. } => {
-                    expanded + more
-                }
+            let (found, more) = Search::new(&focused, &mut heuristic, GREED, limits.any).run();
+            expanded += more;
+            if let Found::Path(path) = found {
+                return Outcome::Solved {
+                    steps: steps(&path, &focused),
+                    shortest: false,
+                    expanded,
+                };
             }
         }
-        Outcome::Solved { steps, expanded, .. } => {
+        Found::Path(direct) => {
             // Now everything is allowed, but only plans with fewer steps count.
             let mut proof = Search::new(task, &mut heuristic, 1, limits.proof);
-            proof.below = Some(steps.len() as u32);
-            return match proof.run() {
-                Outcome::Solved {
-                    steps, expanded: more, ..
-                } => Outcome::Solved {
-                    steps,
-                    shortest: true,
-                    expanded: expanded + more,
+            proof.below = Some(direct.len() as u32);
+            let (found, more) = proof.run();
+            return Outcome::Solved {
+                shortest: !matches!(found, Found::Limit),
+                steps: match found {
+                    Found::Path(shorter) => steps(&shorter, task),
+                    Found::Nothing | Found::Limit => steps(&direct, &focused),
                 },
-                Outcome::ProvenUnsolvable { expanded: more } => Outcome::Solved {
-                    steps,
-                    shortest: true,
-                    expanded: expanded + more,
-                },
-                Outcome::GaveUp { expanded: more, .. } => Outcome::Solved {
-                    steps,
-                    shortest: false,
-                    expanded: expanded + more,
-                },
+                expanded: expanded + more,
             };
         }
-        Outcome::ProvenUnsolvable { expanded } => expanded,
-    };
+        Found::Nothing => {}
+    }
     for (weight, limit) in [(1, limits.shortest), (GREED, limits.any)] {
-        match Search::new(task, &mut heuristic, weight, limit).run() {
-            Outcome::Solved { steps, expanded, .. } => {
+        let (found, more) = Search::new(task, &mut heuristic, weight, limit).run();
+        expanded += more;
+        match found {
+            Found::Path(path) => {
                 return Outcome::Solved {
-                    steps,
+                    steps: steps(&path, task),
                     shortest: weight == 1,
-                    expanded: looked_at + expanded,
+                    expanded,
                 };
             }
-            Outcome::ProvenUnsolvable { expanded } => {
-                return Outcome::ProvenUnsolvable {
-                    expanded: looked_at + expanded,
-                };
-            }
-            Outcome::GaveUp { expanded, .. } => looked_at += expanded,
+            Found::Nothing => return Outcome::ProvenUnsolvable { expanded },
+            Found::Limit => {}
         }
     }
     Outcome::GaveUp {
@@ -133,16 +120,32 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
             "no plan found in {} states",
             limits.direct + limits.shortest + limits.any
         ),
-        expanded: looked_at,
+        expanded,
     }
+}
+
+/// The cheapest way to the goal, by the operators' costs, with the number of states expanded.
+pub(crate) fn cheapest(task: &Task, limit: usize) -> (Found, usize) {
+    Search::new(task, &mut LandmarkCut::new(task), 1, limit).run()
+}
+
+/// What one search came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// The operators to apply, by their numbers.
+    Path(Vec<u32>),
+    /// There is no way to the goal (or none that is cheap enough).
+    Nothing,
+    /// The limit was reached first.
+    Limit,
 }
 
 struct Node {
     state: Bits,
     parent: Option<(u32, u32)>,
-    /// Steps from the start.
+    /// What it cost to come here from the start.
     depth: u32,
-    /// Steps to the goal at least; of the parent until the node's turn comes.
+    /// What it costs to the goal at least; of the parent until the node's turn comes.
     estimate: u32,
     estimated: bool,
     expanded: bool,
@@ -156,7 +159,7 @@ struct Search<'a> {
     heuristic: &'a mut LandmarkCut,
     weight: u32,
     limit: usize,
-    /// Only plans with fewer steps than this are looked for.
+    /// Only plans that cost less than this are looked for.
     below: Option<u32>,
     nodes: Vec<Node>,
     known: FxHashMap<Bits, u32>,
@@ -180,7 +183,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn run(mut self) -> Outcome {
+    fn run(mut self) -> (Found, usize) {
         let mut start = Bits(vec![0; self.task.initial.len().div_ceil(64)].into());
         for (fact, holds) in self.task.initial.iter().enumerate() {
             start.set(Literal {
@@ -190,7 +193,7 @@ impl<'a> Search<'a> {
         }
         let (mut expanded, mut estimated) = (0, 0);
         if !self.task.always.holds(&|literal| start.is(literal)) {
-            return Outcome::ProvenUnsolvable { expanded };
+            return (Found::Nothing, expanded);
         }
         self.discover(start, None, 0, 0, false);
         while let Some(Reverse((promise, _, _, number))) = self.open.pop() {
@@ -200,25 +203,18 @@ impl<'a> Search<'a> {
             }
             if self.below.is_some_and(|below| promise >= below) {
                 // Everything else that is open promises no better.
-                return Outcome::ProvenUnsolvable { expanded };
+                return (Found::Nothing, expanded);
             }
             if self.task.goal.holds(&|literal| node.state.is(literal)) {
-                return Outcome::Solved {
-                    steps: self.steps(number),
-                    shortest: self.weight == 1,
-                    expanded,
-                };
+                return (Found::Path(self.path(number)), expanded);
             }
             if !node.estimated {
                 if estimated == self.limit {
-                    return Outcome::GaveUp {
-                        why: format!("no plan found in {} states", self.limit),
-                        expanded,
-                    };
+                    return (Found::Limit, expanded);
                 }
                 estimated += 1;
                 let estimate = self.heuristic.estimate(|fact| node.state.holds(fact));
-                let Some(steps) = estimate.steps else {
+                let Some(cost) = estimate.cost else {
                     // A dead end: nothing leads from here to the goal.
                     self.nodes[number as usize].expanded = true;
                     continue;
@@ -226,7 +222,7 @@ impl<'a> Search<'a> {
                 self.preferred.insert(number, estimate.preferred);
                 let node = &mut self.nodes[number as usize];
                 node.estimated = true;
-                node.estimate = node.estimate.max(steps);
+                node.estimate = node.estimate.max(cost);
                 let later = self.promise(&self.nodes[number as usize]);
                 if later > promise {
                     self.open.push(self.entry(number, false));
@@ -236,7 +232,7 @@ impl<'a> Search<'a> {
             expanded += 1;
             self.expand(number);
         }
-        Outcome::ProvenUnsolvable { expanded }
+        (Found::Nothing, expanded)
     }
 
     fn promise(&self, node: &Node) -> u32 {
@@ -270,7 +266,7 @@ impl<'a> Search<'a> {
             if next == node.state || !task.always.holds(&|literal| next.is(literal)) {
                 continue;
             }
-            let (depth, estimate) = (node.depth + 1, node.estimate.saturating_sub(1));
+            let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));
             let is_preferred = preferred.binary_search(&(index as u32)).is_ok();
             self.discover(next, Some((number, index as u32)), depth, estimate, is_preferred);
         }
@@ -301,14 +297,15 @@ impl<'a> Search<'a> {
         self.open.push(self.entry(number, preferred));
     }
 
-    fn steps(&self, number: u32) -> Vec<super::GroundAction> {
-        let mut steps = Vec::new();
+    /// The operators that lead to a node.
+    fn path(&self, number: u32) -> Vec<u32> {
+        let mut path = Vec::new();
         let mut at = number;
         while let Some((parent, operator)) = self.nodes[at as usize].parent {
-            steps.push(self.task.operators[operator as usize].step.clone());
+            path.push(operator);
             at = parent;
         }
-        steps.reverse();
-        steps
+        path.reverse();
+        path
     }
 }

@@ -1,4 +1,4 @@
-//! The landmark-cut heuristic: a lower bound on the number of steps to the goal.
+//! The landmark-cut heuristic: a lower bound on the cost of reaching the goal.
 //!
 //! Helmert and Domshlak, *Landmarks, Critical Paths and Abstractions: What's the Difference Anyway?* (2009),
 //! with conditional effects as in Röger, Pommerening and Helmert (2014): the cost that a cut takes is taken
@@ -33,7 +33,8 @@ pub(super) struct LandmarkCut {
     literals: Vec<[Option<u32>; 2]>,
     truth: u32,
     goal: u32,
-    operators: usize,
+    /// By operator: what it costs.
+    operator_costs: Vec<u32>,
     // Scratch space.
     cost: Vec<u32>,
     value: Vec<u32>,
@@ -44,8 +45,8 @@ pub(super) struct LandmarkCut {
 /// What is known of a state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Estimate {
-    /// No plan has fewer steps; `None` if there is no plan.
-    pub(super) steps: Option<u32>,
+    /// No plan costs less; `None` if there is no plan.
+    pub(super) cost: Option<u32>,
     /// Operators in the cuts, of which some must be applied, sorted.
     pub(super) preferred: Vec<u32>,
 }
@@ -59,7 +60,7 @@ impl LandmarkCut {
             literals: vec![[None; 2]; task.initial.len()],
             truth: 0,
             goal: 0,
-            operators: task.operators.len(),
+            operator_costs: task.operators.iter().map(|operator| operator.cost).collect(),
             cost: Vec::new(),
             value: Vec::new(),
             missing: Vec::new(),
@@ -152,16 +153,15 @@ impl LandmarkCut {
         for (fact, propositions) in self.literals.iter().enumerate() {
             start.extend(propositions[usize::from(holds(fact as u32))]);
         }
-        self.cost.clear();
-        self.cost.resize(self.operators, 1);
-        let mut steps = 0;
+        self.cost.clone_from(&self.operator_costs);
+        let mut bound = 0;
         let mut preferred = Vec::new();
         loop {
             self.values(&start);
             match self.value[self.goal as usize] {
                 UNREACHED => {
                     return Estimate {
-                        steps: None,
+                        cost: None,
                         preferred: Vec::new(),
                     };
                 }
@@ -175,7 +175,7 @@ impl LandmarkCut {
                 debug_assert!(false, "an empty cut");
                 break;
             };
-            steps += least;
+            bound += least;
             for operator in &cut {
                 self.cost[*operator as usize] -= least;
             }
@@ -184,7 +184,7 @@ impl LandmarkCut {
         preferred.sort_unstable();
         preferred.dedup();
         Estimate {
-            steps: Some(steps),
+            cost: Some(bound),
             preferred,
         }
     }
@@ -205,7 +205,7 @@ impl LandmarkCut {
             .extend(self.rules.iter().map(|rule| rule.needs.len() as u32));
         self.supporter.clear();
         self.supporter.resize(self.rules.len(), UNREACHED);
-        // Costs are small whole numbers: a bucket for each.
+        // Costs are small whole numbers: a bucket for each sum of them.
         let mut buckets: Vec<Vec<u32>> = vec![start.to_vec()];
         for proposition in start {
             self.value[*proposition as usize] = 0;

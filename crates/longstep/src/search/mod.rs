@@ -4,13 +4,15 @@
 //! and searches forward with an admissible heuristic (`landmark_cut`), so that the plan it finds first is a
 //! shortest one. When that takes too long it goes on greedily and says so.
 
-mod formula;
+pub(crate) mod formula;
 mod forward;
 mod landmark_cut;
 mod relevance;
-mod task;
+pub(crate) mod task;
 
 pub use forward::Limits;
+pub(crate) use forward::{Found, cheapest};
+pub(crate) use relevance::reduce;
 
 use crate::domain::{ActionId, Condition, Domain};
 use crate::world::{EntityId, World};

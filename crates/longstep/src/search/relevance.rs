@@ -15,7 +15,7 @@ use super::formula::{Formula, Literal};
 use super::task::{Operator, Task};
 
 /// The task without what no plan can need.
-pub(super) fn reduce(mut task: Task) -> Task {
+pub(crate) fn reduce(mut task: Task) -> Task {
     task.operators = reachable(&task);
     simplify(&mut task);
     task.operators = relevant(&task, false);

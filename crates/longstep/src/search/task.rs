@@ -9,94 +9,51 @@ use crate::world::{Bindings, EntityId, Fact, World, ground as ground_atom, groun
 
 /// One fact that an operator makes true or false when `condition` held before.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct GroundEffect {
-    pub(super) condition: Formula,
-    pub(super) literal: Literal,
+pub(crate) struct GroundEffect {
+    pub(crate) condition: Formula,
+    pub(crate) literal: Literal,
 }
 
 /// An action with arguments.
 #[derive(Debug, Clone)]
-pub(super) struct Operator {
-    pub(super) step: GroundAction,
-    pub(super) precondition: Formula,
-    pub(super) effects: Vec<GroundEffect>,
+pub(crate) struct Operator {
+    pub(crate) step: GroundAction,
+    /// What it costs; a step of a plan that is searched for costs 1.
+    pub(crate) cost: u32,
+    /// For whoever made the task: what applying the operator means.
+    pub(crate) tag: u32,
+    pub(crate) precondition: Formula,
+    pub(crate) effects: Vec<GroundEffect>,
 }
 
 /// What is searched.
 #[derive(Debug, Clone)]
-pub(super) struct Task {
+pub(crate) struct Task {
     /// Whether each fact holds at the start.
-    pub(super) initial: Vec<bool>,
-    pub(super) operators: Vec<Operator>,
-    pub(super) goal: Formula,
+    pub(crate) initial: Vec<bool>,
+    pub(crate) operators: Vec<Operator>,
+    pub(crate) goal: Formula,
     /// Must hold in every state.
-    pub(super) always: Formula,
+    pub(crate) always: Formula,
 }
 
 /// Grounds everything that the precondition's unchanging parts allow.
 pub(super) fn ground(domain: &Domain, world: &World, wanted: &[Wanted]) -> Task {
-    let mut grounder = Grounder {
-        domain,
-        world,
-        numbers: FxHashMap::default(),
-        initial: Vec::new(),
-    };
-    let goals: Vec<Formula> = wanted
-        .iter()
-        .map(|wanted| grounder.formula(&wanted.condition, &mut wanted.bindings.clone()))
-        .collect();
-    let mut always = Vec::new();
-    for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
-        let kinds: Vec<_> = rule.variables.iter().map(|v| v.kind).collect();
-        let condition = kinds
-            .iter()
-            .enumerate()
-            .rev()
-            .fold(rule.condition.clone(), |inner, (slot, kind)| {
-                Condition::Forall(slot, *kind, Box::new(inner))
-            });
-        always.push(grounder.formula(&condition, &mut Vec::new()));
-    }
-    let mut operators: Vec<Operator> = Vec::new();
-    for (id, action) in domain.action_ids() {
-        let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
-        let mut arguments = Vec::with_capacity(action.parameters.len());
-        grounder.bind(
-            action,
-            &conjuncts,
-            &mut arguments,
-            &mut |grounder, arguments, precondition| {
-                let effects = grounder.effects(action, arguments);
-                operators.push(Operator {
-                    step: GroundAction {
-                        action: id,
-                        arguments: arguments.to_vec(),
-                    },
-                    precondition,
-                    effects,
-                });
-            },
-        );
-    }
+    let mut grounder = Grounder::new(domain, world);
+    let goal = grounder.goal(wanted);
+    let always = grounder.always();
     // Of equally short plans, the one that deals with the things of the goal is the one to expect: walk to the
-    // sink rather than to its tap. Operators that come first are tried first.
+    // sink rather than to its tap.
     let spoken_of: FxHashSet<EntityId> = wanted
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
         .collect();
-    operators.sort_by_key(|operator| {
-        operator
-            .step
-            .arguments
-            .iter()
-            .filter(|entity| !spoken_of.contains(entity))
-            .count()
-    });
+    let operators = grounder.operators(&spoken_of);
     Task {
         initial: grounder.initial,
         operators,
-        goal: Formula::and(goals),
-        always: Formula::and(always),
+        goal,
+        always,
     }
 }
 
@@ -129,14 +86,101 @@ fn parameters_needed(condition: &Condition, bound: usize) -> usize {
     }
 }
 
-struct Grounder<'a> {
+/// Numbers facts and writes conditions over them.
+pub(crate) struct Grounder<'a> {
     domain: &'a Domain,
     world: &'a World,
     numbers: FxHashMap<Fact, u32>,
-    initial: Vec<bool>,
+    /// Whether each numbered fact holds at the start.
+    pub(crate) initial: Vec<bool>,
 }
 
-impl Grounder<'_> {
+impl<'a> Grounder<'a> {
+    pub(crate) fn new(domain: &'a Domain, world: &'a World) -> Self {
+        Self {
+            domain,
+            world,
+            numbers: FxHashMap::default(),
+            initial: Vec::new(),
+        }
+    }
+
+    /// Everything that is wanted, as one condition.
+    pub(crate) fn goal(&mut self, wanted: &[Wanted]) -> Formula {
+        let parts: Vec<Formula> = wanted
+            .iter()
+            .map(|wanted| self.formula(&wanted.condition, &mut wanted.bindings.clone()))
+            .collect();
+        Formula::and(parts)
+    }
+
+    /// The rules that hold in every state, as one condition.
+    pub(crate) fn always(&mut self) -> Formula {
+        let rules = self.domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
+        let whole: Vec<Condition> = rules
+            .map(|rule| {
+                let variables = rule.variables.iter().enumerate().rev();
+                variables.fold(rule.condition.clone(), |inner, (slot, variable)| {
+                    Condition::Forall(slot, variable.kind, Box::new(inner))
+                })
+            })
+            .collect();
+        let parts: Vec<Formula> = whole.iter().map(|rule| self.formula(rule, &mut Vec::new())).collect();
+        Formula::and(parts)
+    }
+
+    /// Every action with all arguments that its precondition's unchanging parts allow. Those whose arguments are
+    /// `spoken_of` come first: operators that come first are tried first.
+    pub(crate) fn operators(&mut self, spoken_of: &FxHashSet<EntityId>) -> Vec<Operator> {
+        let mut operators: Vec<Operator> = Vec::new();
+        for (id, action) in self.domain.action_ids() {
+            let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
+            let mut arguments = Vec::with_capacity(action.parameters.len());
+            self.bind(
+                action,
+                &conjuncts,
+                &mut arguments,
+                &mut |grounder, arguments, precondition| {
+                    let step = GroundAction {
+                        action: id,
+                        arguments: arguments.to_vec(),
+                    };
+                    operators.push(Operator {
+                        effects: grounder.effects(action, arguments),
+                        step,
+                        cost: 1,
+                        tag: 0,
+                        precondition,
+                    });
+                },
+            );
+        }
+        operators.sort_by_key(|operator| {
+            let arguments = operator.step.arguments.iter();
+            arguments.filter(|entity| !spoken_of.contains(entity)).count()
+        });
+        operators
+    }
+
+    /// One action with its arguments, whether or not it can ever be applicable.
+    pub(crate) fn operator(&mut self, step: GroundAction) -> Operator {
+        let action = self.domain.action(step.action);
+        let precondition = self.formula(&action.precondition, &mut step.arguments.clone());
+        Operator {
+            effects: self.effects(action, &step.arguments),
+            step,
+            cost: 1,
+            tag: 0,
+            precondition,
+        }
+    }
+
+    /// A fact of the task's own, which nothing in the world means.
+    pub(crate) fn extra(&mut self, holds: bool) -> u32 {
+        self.initial.push(holds);
+        (self.initial.len() - 1) as u32
+    }
+
     fn number(&mut self, fact: Fact) -> u32 {
         *self.numbers.entry(fact).or_insert_with(|| {
             self.initial.push(self.world.state.holds(fact));
@@ -188,7 +232,7 @@ impl Grounder<'_> {
         }
     }
 
-    fn formula(&mut self, condition: &Condition, bindings: &mut Bindings) -> Formula {
+    pub(crate) fn formula(&mut self, condition: &Condition, bindings: &mut Bindings) -> Formula {
         match condition {
             Condition::And(all) => {
                 let mut parts = Vec::with_capacity(all.len());
