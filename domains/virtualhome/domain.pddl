@@ -12,6 +12,8 @@
     (room ?thing - thing)
     (base ?thing - thing)                      ; something may stand on it
     (heats ?thing - thing)
+    (hot-on-top ?thing - thing)                ; what lies on it gets hot too
+    (cookware ?item - item)                    ; made to stand on such a thing
     (drinkable ?thing - thing)
     (basin ?thing - thing)                     ; water runs into it
     (tap ?thing - thing)                       ; water runs out of it
@@ -70,7 +72,8 @@
 
   (:action put
     :parameters (?item - item ?place - thing)
-    :precondition (and (holding ?item) (near ?place) (not (= ?item ?place)))
+    :precondition (and (holding ?item) (near ?place) (not (= ?item ?place))
+                       (imply (and (hot-on-top ?place) (switched-on ?place)) (cookware ?item)))
     :effect (and (not (holding ?item)) (on ?item ?place) (placed ?item ?place)))
 
   (:action put-in
@@ -82,8 +85,11 @@
 
   (:action switch-on
     :parameters (?thing - thing)
+    ; nothing but cookware may lie on a stove that gets hot
     :precondition (and (near ?thing) (has-switch ?thing) (not (switched-on ?thing))
-                       (imply (heats ?thing) (not (open ?thing))))
+                       (imply (heats ?thing) (not (open ?thing)))
+                       (forall (?item - item)
+                         (imply (and (hot-on-top ?thing) (on ?item ?thing)) (cookware ?item))))
     :effect (switched-on ?thing))
 
   (:action switch-off

@@ -43,6 +43,7 @@ pub mod goal;
 pub mod json;
 pub mod plan;
 pub mod prompt;
+pub mod repair;
 pub mod search;
 pub mod verify;
 pub mod world;

@@ -7,7 +7,7 @@ use super::pddl::{Reader, Scope, Semantics};
 use super::words::{self, DomainFile, ExamplesFile, TimeEntry, UnknownEntry};
 use super::{
     Action, DefaultFact, Derivation, Domain, EnvironmentTypes, FormPiece, GoalWord, Lexicon, Literal, Parameter,
-    PredicateWords, PropertyWord, Rule, RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
+    PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
@@ -249,6 +249,7 @@ impl Loader<'_> {
             .collect();
         let goal_words: Vec<GoalWord> = file.goal.iter().filter_map(|entry| self.goal_word(entry)).collect();
         let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
+        let repair = self.repair_costs(&file.repair);
         Domain {
             name: file.name,
             about: file.about,
@@ -264,6 +265,7 @@ impl Loader<'_> {
             defaults,
             rules,
             goal_words,
+            repair,
             lexicon: Lexicon::new(file.lexicon),
             implied: file.implied,
             goal_prompt: String::new(),
@@ -502,6 +504,33 @@ impl Loader<'_> {
             variables,
             condition,
             unless: entry.unless.iter().map(|word| word.get_ref().clone()).collect(),
+        }
+    }
+
+    fn repair_costs(&mut self, entry: &words::RepairEntry) -> RepairCosts {
+        let usual = RepairCosts::default();
+        let mut cost = |given: &Option<Spanned<u32>>, usual: u32| match given {
+            // Costs of that size add up without overflow, however long the draft is.
+            Some(given) if !(1..=1000).contains(given.get_ref()) => {
+                let position = Position::of(self.text, given.span().start);
+                let message = "a cost is a whole number from 1 to 1000";
+                self.findings.push(Diagnostic::at(self.file, position, message));
+                usual
+            }
+            Some(given) => *given.get_ref(),
+            None => usual,
+        };
+        RepairCosts {
+            insert: cost(&entry.insert, usual.insert),
+            replace: cost(&entry.replace, usual.replace),
+            postpone: cost(&entry.postpone, usual.postpone),
+            rebind: cost(&entry.rebind, usual.rebind),
+            drop_idle: cost(&entry.drop_idle, usual.drop_idle),
+            drop_impossible: cost(&entry.drop_impossible, usual.drop_impossible),
+            drop: cost(&entry.drop, usual.drop),
+            other_relation: cost(&entry.other_relation, usual.other_relation),
+            forgo: cost(&entry.forgo, usual.forgo),
+            unsettle: cost(&entry.unsettle, usual.unsettle),
         }
     }
 

@@ -356,6 +356,48 @@ impl GoalWord {
     }
 }
 
+/// What each way to change a draft costs; keeping a step that can be done is free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RepairCosts {
+    /// A step more.
+    pub insert: u32,
+    /// Another verb for the same things, one that changes some of the same facts in the same way.
+    pub replace: u32,
+    /// A step later than the draft has it.
+    pub postpone: u32,
+    /// Another argument in an open place than the step's explanation speaks of.
+    pub rebind: u32,
+    /// Leaving out a step that would change nothing where it stands.
+    pub drop_idle: u32,
+    /// Leaving out a step that can never be done in this world, and no other verb for it either.
+    pub drop_impossible: u32,
+    /// Leaving out a step that does something: more than inserting what it needs.
+    pub drop: u32,
+    /// Ending with another relation between two things than the draft says: on rather than in.
+    pub other_relation: u32,
+    /// Ending without something that the draft says will have come about.
+    pub forgo: u32,
+    /// Ending without something that the draft says will be as before.
+    pub unsettle: u32,
+}
+
+impl Default for RepairCosts {
+    fn default() -> Self {
+        Self {
+            insert: 4,
+            replace: 5,
+            postpone: 3,
+            rebind: 2,
+            drop_idle: 2,
+            drop_impossible: 4,
+            drop: 80,
+            other_relation: 10,
+            forgo: 60,
+            unsettle: 20,
+        }
+    }
+}
+
 /// The words for the environment's two lists.
 #[derive(Debug, Clone)]
 pub struct EnvironmentTypes {
@@ -396,6 +438,8 @@ pub struct Domain {
     pub rules: Vec<Rule>,
     /// The words that goals are told in.
     pub goal_words: Vec<GoalWord>,
+    /// What changes to a draft cost.
+    pub repair: RepairCosts,
     /// Everyday names.
     pub lexicon: Lexicon,
     /// Stems of words that speak of a thing without naming it, by identifier: who throws something away speaks of

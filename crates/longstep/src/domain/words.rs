@@ -29,6 +29,8 @@ pub(super) struct DomainFile {
     #[serde(default)]
     pub(super) goal: Vec<GoalEntry>,
     #[serde(default)]
+    pub(super) repair: RepairEntry,
+    #[serde(default)]
     pub(super) lexicon: IndexMap<String, Vec<String>>,
     #[serde(default)]
     pub(super) implied: IndexMap<String, Vec<String>>,
@@ -124,6 +126,21 @@ pub(super) struct RuleEntry {
     pub(super) says: Text,
     #[serde(default)]
     pub(super) unless: Vec<Text>,
+}
+
+#[derive(Debug, Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RepairEntry {
+    pub(super) insert: Option<Spanned<u32>>,
+    pub(super) replace: Option<Spanned<u32>>,
+    pub(super) postpone: Option<Spanned<u32>>,
+    pub(super) rebind: Option<Spanned<u32>>,
+    pub(super) drop_idle: Option<Spanned<u32>>,
+    pub(super) drop_impossible: Option<Spanned<u32>>,
+    pub(super) drop: Option<Spanned<u32>>,
+    pub(super) other_relation: Option<Spanned<u32>>,
+    pub(super) forgo: Option<Spanned<u32>>,
+    pub(super) unsettle: Option<Spanned<u32>>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -94,22 +94,25 @@ impl GoalFact {
                 condition: domain.goal_word(*word).condition.clone(),
                 bindings: arguments.clone(),
             },
-            Self::Plain(fact) => {
-                let arity = domain.predicate(fact.predicate()).parameters.len();
-                let atom = Atom {
-                    predicate: fact.predicate(),
-                    terms: (0..arity).map(Term::Variable).collect(),
-                };
-                Wanted {
-                    condition: Condition::Atom {
-                        atom,
-                        holds: true,
-                        initially: false,
-                    },
-                    bindings: (0..arity).map(|place| fact.argument(place)).collect(),
-                }
-            }
+            Self::Plain(fact) => wanted_fact(domain, *fact),
         }
+    }
+}
+
+/// A fact as something to be reached.
+pub(crate) fn wanted_fact(domain: &Domain, fact: Fact) -> Wanted {
+    let arity = domain.predicate(fact.predicate()).parameters.len();
+    let atom = Atom {
+        predicate: fact.predicate(),
+        terms: (0..arity).map(Term::Variable).collect(),
+    };
+    Wanted {
+        condition: Condition::Atom {
+            atom,
+            holds: true,
+            initially: false,
+        },
+        bindings: (0..arity).map(|place| fact.argument(place)).collect(),
     }
 }
 
@@ -155,7 +158,7 @@ impl Goal {
         let Purpose {
             mut wanted, waivers, ..
         } = self.purpose(domain);
-        wanted.extend(wanted_at_end(domain, world, &waivers));
+        wanted.extend(wanted_at_end(domain, world, &waivers, true));
         wanted
     }
 }

@@ -1,10 +1,11 @@
 //! Plans: the paper's JSON, and the same resolved against a domain and a world.
 
+mod near;
 mod paper;
 mod resolve;
 
 pub use paper::{PlanFile, TaskCohesion};
-pub use resolve::{DraftStep, resolve};
+pub use resolve::{DraftStep, Resolved, resolve};
 
 use crate::call::Call;
 use crate::domain::{ActionId, Domain, id};

@@ -124,16 +124,16 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     }
 }
 
-/// The cheapest way to the goal, by the operators' costs, with the number of states expanded.
-pub(crate) fn cheapest(task: &Task, limit: usize) -> (Found, usize) {
+/// The cheapest way to the goal, by the numbers of operators, with the number of states expanded.
+pub(crate) fn cheapest(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
     Search::new(task, &mut LandmarkCut::new(task), 1, limit).run()
 }
 
 /// What one search came to.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Found {
-    /// The operators to apply, by their numbers.
-    Path(Vec<u32>),
+pub(crate) enum Found<P> {
+    /// The operators to apply.
+    Path(P),
     /// There is no way to the goal (or none that is cheap enough).
     Nothing,
     /// The limit was reached first.
@@ -183,7 +183,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn run(mut self) -> (Found, usize) {
+    fn run(mut self) -> (Found<Vec<u32>>, usize) {
         let mut start = Bits(vec![0; self.task.initial.len().div_ceil(64)].into());
         for (fact, holds) in self.task.initial.iter().enumerate() {
             start.set(Literal {

@@ -43,6 +43,13 @@ fn index(literal: Literal) -> usize {
 
 /// The operators that can be applied when nothing is ever lost.
 fn reachable(task: &Task) -> Vec<Operator> {
+    let (_, applied) = relaxed(task);
+    let kept = task.operators.iter().zip(applied).filter(|(_, applied)| *applied);
+    kept.map(|(operator, _)| operator.clone()).collect()
+}
+
+/// The literals that can come to hold and the operators that can be applied when nothing is ever lost.
+fn relaxed(task: &Task) -> (Vec<bool>, Vec<bool>) {
     let mut reached: Vec<bool> = task.initial.iter().flat_map(|holds| [!holds, *holds]).collect();
     let mut applied = vec![false; task.operators.len()];
     loop {
@@ -62,11 +69,9 @@ fn reachable(task: &Task) -> Vec<Operator> {
             }
         }
         if !changed {
-            break;
+            return (reached, applied);
         }
     }
-    let kept = task.operators.iter().zip(applied).filter(|(_, applied)| *applied);
-    kept.map(|(operator, _)| operator.clone()).collect()
 }
 
 /// Replaces facts that never change by what they are, and drops effects that do nothing.

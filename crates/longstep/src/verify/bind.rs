@@ -41,7 +41,12 @@ pub fn bind(
         deepest: Vec::new(),
         chosen: Vec::new(),
     };
-    binder.candidates = steps.iter().map(|step| binder.candidates_of(step, objects)).collect();
+    let places = claimed_places(domain, world, claim, objects);
+    let complete = |step: &DraftStep| {
+        let all = candidates(domain, world, step, objects, &places).into_iter();
+        all.map(|candidate| (step.action, candidate.arguments)).collect()
+    };
+    binder.candidates = steps.iter().map(complete).collect();
     binder.descend(&world.state);
     let Some((_, arguments)) = binder.best.take() else {
         let plan = binder.as_far_as_it_goes(steps);
@@ -63,6 +68,92 @@ fn bound(domain: &Domain, world: &World, step: &DraftStep, arguments: Vec<Entity
     bound
 }
 
+/// Complete arguments for a step.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Candidate {
+    pub(crate) arguments: Vec<EntityId>,
+    /// Whether the step's explanation speaks of something else in one of the open places.
+    pub(crate) unspoken: bool,
+}
+
+/// Every choice of arguments for a step, the likeliest first: what the explanation speaks of, then what is claimed to
+/// be where the objects end.
+pub(crate) fn candidates(
+    domain: &Domain,
+    world: &World,
+    step: &DraftStep,
+    objects: &[EntityId],
+    claimed_places: &FxHashSet<EntityId>,
+) -> Vec<Candidate> {
+    let action = domain.action(step.action);
+    let words: Vec<String> = plain_words(&step.explanation)
+        .iter()
+        .map(|word| singular(word))
+        .collect();
+    let mut all = vec![Candidate {
+        arguments: Vec::new(),
+        unspoken: false,
+    }];
+    for (index, parameter) in action.parameters.iter().enumerate() {
+        let open = world.of_kind(parameter.kind);
+        let fitting: Vec<(EntityId, bool)> = match step.arguments[index] {
+            Some(entity) => vec![(entity, false)],
+            None if action.object == Some(index) && !objects.is_empty() => {
+                let handled = objects.iter().filter(|object| open.contains(object));
+                handled.map(|object| (*object, false)).collect()
+            }
+            None => {
+                let mentioned = |entity: EntityId| match action.object.is_some() && objects.contains(&entity) {
+                    // The thing that is handled is named in every sentence, and is not its own place.
+                    true => 0,
+                    false => world.entity(entity).words_in(&words),
+                };
+                let mut ranked: Vec<(EntityId, usize)> = open.iter().map(|e| (*e, mentioned(*e))).collect();
+                ranked.sort_by_key(|(entity, mentioned)| {
+                    let itself = action.object.is_some() && objects.contains(entity);
+                    (
+                        itself,
+                        std::cmp::Reverse(*mentioned),
+                        !claimed_places.contains(entity),
+                        *entity,
+                    )
+                });
+                let best = ranked.iter().map(|(_, mentioned)| *mentioned).max().unwrap_or(0);
+                ranked.into_iter().map(|(e, mentioned)| (e, mentioned < best)).collect()
+            }
+        };
+        let longer = |candidate: &Candidate| {
+            fitting
+                .iter()
+                .map(|(entity, unspoken)| Candidate {
+                    arguments: [&candidate.arguments[..], &[*entity]].concat(),
+                    unspoken: candidate.unspoken || *unspoken,
+                })
+                .collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all
+}
+
+/// Entities that newly claimed facts about the objects speak of.
+pub(crate) fn claimed_places(
+    domain: &Domain,
+    world: &World,
+    claim: Option<&Claim>,
+    objects: &[EntityId],
+) -> FxHashSet<EntityId> {
+    let mut places = FxHashSet::default();
+    for fact in claim.map_or_else(Vec::new, |claim| claim.promises(domain, world)) {
+        let arity = domain.predicate(fact.predicate()).parameters.len();
+        let arguments = || (0..arity).map(|place| fact.argument(place));
+        if arguments().any(|entity| objects.contains(&entity)) {
+            places.extend(arguments());
+        }
+    }
+    places
+}
+
 struct Binder<'a> {
     domain: &'a Domain,
     world: &'a World,
@@ -78,56 +169,6 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    fn candidates_of(&self, step: &DraftStep, objects: &[EntityId]) -> Vec<(crate::domain::ActionId, Vec<EntityId>)> {
-        let action = self.domain.action(step.action);
-        let words: Vec<String> = plain_words(&step.explanation)
-            .iter()
-            .map(|word| singular(word))
-            .collect();
-        let claims: FxHashSet<EntityId> = self.claimed_places(objects);
-        let mut all: Vec<Vec<EntityId>> = vec![Vec::new()];
-        for (index, parameter) in action.parameters.iter().enumerate() {
-            let open = self.world.of_kind(parameter.kind);
-            let fitting: Vec<EntityId> = match step.arguments[index] {
-                Some(entity) => vec![entity],
-                None if action.object == Some(index) && !objects.is_empty() => {
-                    objects.iter().copied().filter(|object| open.contains(object)).collect()
-                }
-                None => {
-                    let mut ranked = open.to_vec();
-                    ranked.sort_by_key(|entity| {
-                        let mentioned = self.world.entity(*entity).words_in(&words);
-                        // The thing that is handled is named in every sentence, and is not its own place.
-                        let itself = action.object.is_some() && objects.contains(entity);
-                        (itself, std::cmp::Reverse(mentioned), !claims.contains(entity), *entity)
-                    });
-                    ranked
-                }
-            };
-            let longer = |arguments: &Vec<EntityId>| {
-                fitting
-                    .iter()
-                    .map(|entity| [&arguments[..], &[*entity]].concat())
-                    .collect::<Vec<_>>()
-            };
-            all = all.iter().flat_map(longer).collect();
-        }
-        all.into_iter().map(|arguments| (step.action, arguments)).collect()
-    }
-
-    /// Entities that newly claimed facts about the objects speak of.
-    fn claimed_places(&self, objects: &[EntityId]) -> FxHashSet<EntityId> {
-        let mut places = FxHashSet::default();
-        for Difference { fact, now_holds } in self.claimed_differences(&self.world.state) {
-            let arity = self.domain.predicate(fact.predicate()).parameters.len();
-            let arguments = || (0..arity).map(|place| fact.argument(place));
-            if now_holds && arguments().any(|entity| objects.contains(&entity)) {
-                places.extend(arguments());
-            }
-        }
-        places
-    }
-
     fn claimed_differences(&self, state: &State) -> Vec<Difference> {
         self.claim
             .map_or_else(Vec::new, |claim| claim.differences(self.domain, state))

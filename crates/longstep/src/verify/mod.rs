@@ -13,6 +13,7 @@ mod trace;
 mod violation;
 
 pub use bind::bind;
+pub(crate) use bind::{Candidate, candidates, claimed_places};
 pub(crate) use possible::{can_apply, can_be_brought_about};
 pub(crate) use rules::wanted_at_end;
 pub use rules::{Waiver, broken_bindings};

@@ -14,7 +14,7 @@ pub struct Waiver {
 }
 
 impl Waiver {
-    pub(super) fn covers(&self, rule: usize, bindings: &[EntityId]) -> bool {
+    pub(crate) fn covers(&self, rule: usize, bindings: &[EntityId]) -> bool {
         self.rule == rule && (bindings.is_empty() || bindings.contains(&self.entity))
     }
 }
@@ -108,10 +108,10 @@ fn complete(
     }
 }
 
-/// What the rules ask of the last state of a plan that is made from a goal.
-pub(crate) fn wanted_at_end(domain: &Domain, world: &World, waivers: &[Waiver]) -> Vec<Wanted> {
+/// What the rules ask of the last state of a plan; those for tidiness only if it is made from a goal.
+pub(crate) fn wanted_at_end(domain: &Domain, world: &World, waivers: &[Waiver], from_goal: bool) -> Vec<Wanted> {
     let mut wanted = Vec::new();
-    let at_end = |rule: &Rule| matches!(rule.time, RuleTime::End | RuleTime::Tidy);
+    let at_end = |rule: &Rule| rule.time == RuleTime::End || (from_goal && rule.time == RuleTime::Tidy);
     for (number, rule) in domain.rules.iter().enumerate().filter(|(_, rule)| at_end(rule)) {
         if !waivers.iter().any(|waiver| waiver.rule == number) {
             let whole = rule

@@ -18,8 +18,8 @@ fn report(domain: &Domain, world: &World, calls: &[&str], object: Option<&str>) 
         object_name: object.map(str::to_owned),
         ..TaskCohesion::default()
     };
-    let (steps, objects) = resolve(domain, world, &written).unwrap();
-    let (plan, _) = bind(domain, world, &steps, &objects, None);
+    let resolved = resolve(domain, world, &written);
+    let (plan, _) = bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None);
     check(domain, world, plan, &Purpose::default())
 }
 

@@ -56,6 +56,13 @@ pub enum Violation {
         /// The type that it should have.
         expected: String,
     },
+    /// There are not as many explanations as steps.
+    LengthMismatch {
+        /// How many steps there are.
+        calls: usize,
+        /// How many explanations.
+        explanations: usize,
+    },
     /// A step was not applicable.
     Precondition {
         /// The step.
@@ -113,6 +120,15 @@ pub enum Assumption {
         /// What it was taken to be.
         entity: EntityId,
     },
+    /// A name that was nearly right.
+    Reading {
+        /// The step, from 0; none for `object_name`.
+        step: Option<usize>,
+        /// What is written.
+        written: String,
+        /// What it was taken for.
+        meant: String,
+    },
 }
 
 /// Fills in which step took each missing fact away.
@@ -136,6 +152,7 @@ impl Violation {
             Self::UnknownEntity { .. } => "unknown_entity",
             Self::WrongArguments { .. } => "wrong_arguments",
             Self::WrongType { .. } => "wrong_type",
+            Self::LengthMismatch { .. } => "length_mismatch",
             Self::Precondition { .. } => "precondition",
             Self::Rule { .. } => "rule",
             Self::Goal { .. } => "goal",
@@ -154,7 +171,7 @@ impl Violation {
             | Self::NoEffect { step }
             | Self::Precondition { step, .. } => Some(*step),
             Self::UnknownEntity { step, .. } | Self::Rule { step, .. } => *step,
-            Self::Goal { .. } | Self::Claim { .. } | Self::Unasked { .. } => None,
+            Self::LengthMismatch { .. } | Self::Goal { .. } | Self::Claim { .. } | Self::Unasked { .. } => None,
         }
     }
 
@@ -200,6 +217,9 @@ impl Violation {
             }
             Self::WrongType { step, name, expected } => {
                 format!("step {}: `{name}` is no {expected}", step + 1)
+            }
+            Self::LengthMismatch { calls, explanations } => {
+                format!("`task_sequence` has {calls} entries and `step_instructions` has {explanations}")
             }
             Self::Precondition { step, missing } => {
                 let texts = self.missing(domain, world);
@@ -266,6 +286,10 @@ impl Assumption {
             } => {
                 let name = world.entity(*entity).with_article();
                 format!("step {}: the {parameter} is {name} (the plan leaves it open)", step + 1)
+            }
+            Self::Reading { step, written, meant } => {
+                let place = step.map_or("`object_name`".to_owned(), |step| format!("step {}", step + 1));
+                format!("{place}: `{written}` was taken for `{meant}`")
             }
         }
     }

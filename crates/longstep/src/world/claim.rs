@@ -76,6 +76,15 @@ impl Claim {
         }
     }
 
+    /// The claim without some of its facts.
+    #[must_use]
+    pub fn without(mut self, facts: &[Fact], world: &World) -> Self {
+        for fact in facts {
+            self.state.set(*fact, world.state.holds(*fact));
+        }
+        self
+    }
+
     /// Whether the claim says anything of the entity.
     pub fn speaks_of(&self, entity: EntityId) -> bool {
         self.spoken_of.contains(&entity)
@@ -111,7 +120,7 @@ fn said(domain: &Domain, state: &State) -> Vec<Fact> {
 }
 
 /// The entity in whose entry a fact is written.
-fn subject_of(domain: &Domain, fact: Fact) -> EntityId {
+pub(crate) fn subject_of(domain: &Domain, fact: Fact) -> EntityId {
     let word = domain
         .states
         .iter()

@@ -1,0 +1,296 @@
+//! A draft as a task for search: how far it has been read is a fact like any other.
+
+use rustc_hash::FxHashSet;
+
+use super::target::Meant;
+use crate::domain::{ActionId, Domain};
+use crate::goal::wanted_fact;
+use crate::plan::{DraftStep, Resolved};
+use crate::search::GroundAction;
+use crate::search::formula::{Formula, Literal};
+use crate::search::task::{GroundEffect, Grounder, Operator, Task};
+use crate::verify::{Candidate, Purpose, can_apply, candidates, claimed_places};
+use crate::world::{EntityId, Fact, World};
+
+/// What an operator does with the draft. Steps of the draft count from 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Move {
+    /// Does a step as the draft has it.
+    Keep(usize, GroundAction),
+    /// Does something between the steps.
+    Insert(GroundAction),
+    /// Does the same things with another verb.
+    Replace(usize, GroundAction),
+    /// Leaves a step out.
+    Drop(usize, Reason),
+    /// Lays a step aside.
+    Postpone(usize),
+    /// Does the step that was laid aside.
+    Resume(usize, GroundAction),
+    /// At the end, does without something that the draft says.
+    Forgo(Fact),
+}
+
+/// Why a step is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reason {
+    /// Its words mean nothing here.
+    Unknown,
+    /// It can never be done in this world.
+    Impossible,
+    /// It would change nothing.
+    Idle,
+    /// It cannot be had together with the rest.
+    Unwanted,
+}
+
+/// The task, but for what it is to reach.
+pub(super) struct Compiled<'a> {
+    grounder: Grounder<'a>,
+    operators: Vec<Operator>,
+    moves: Vec<Move>,
+    always: Formula,
+    /// The whole draft has been read, and nothing is laid aside.
+    arrived: Formula,
+}
+
+impl Compiled<'_> {
+    /// The task of going through the draft and ending as is meant.
+    pub(super) fn task(mut self, domain: &Domain, meant: &Meant) -> (Task, Vec<Move>) {
+        let costs = domain.repair;
+        let mut goals = vec![self.arrived.clone(), self.grounder.goal(&meant.required)];
+        for promise in &meant.promises {
+            let fulfilled = self.fact(domain, promise.fact);
+            let nearly: Vec<Formula> = promise.related.iter().map(|fact| self.fact(domain, *fact)).collect();
+            let other = self.forgone(promise.fact, costs.other_relation);
+            let forgone = self.forgone(promise.fact, costs.forgo);
+            goals.push(Formula::or([
+                fulfilled,
+                Formula::and([Formula::or(nearly), other]),
+                forgone,
+            ]));
+        }
+        for fact in &meant.kept {
+            let kept = self.fact(domain, *fact);
+            let forgone = self.forgone(*fact, costs.unsettle);
+            goals.push(Formula::or([kept, forgone]));
+        }
+        let task = Task {
+            initial: self.grounder.initial,
+            operators: self.operators,
+            goal: Formula::and(goals),
+            always: self.always,
+        };
+        (task, self.moves)
+    }
+
+    fn fact(&mut self, domain: &Domain, fact: Fact) -> Formula {
+        let wanted = wanted_fact(domain, fact);
+        self.grounder.formula(&wanted.condition, &mut wanted.bindings.clone())
+    }
+
+    /// That something has been done without, which can be decided only at the end.
+    fn forgone(&mut self, fact: Fact, cost: u32) -> Formula {
+        let forgone = self.grounder.extra(false);
+        self.operators.push(Operator {
+            step: nothing(),
+            cost,
+            tag: self.moves.len() as u32,
+            precondition: self.arrived.clone(),
+            effects: vec![effect(forgone, true)],
+        });
+        self.moves.push(Move::Forgo(fact));
+        literal(forgone, true)
+    }
+}
+
+/// Writes the draft as a task.
+pub(super) fn compile<'a>(domain: &'a Domain, world: &'a World, draft: &Resolved, purpose: &Purpose) -> Compiled<'a> {
+    let mut grounder = Grounder::new(domain, world);
+    let always = grounder.always();
+    let in_draft = draft
+        .steps
+        .iter()
+        .flatten()
+        .flat_map(|step| step.arguments.iter().flatten());
+    let places = claimed_places(domain, world, purpose.claim.as_ref(), &draft.objects);
+    let spoken_of: FxHashSet<EntityId> = in_draft.chain(&draft.objects).chain(&places).copied().collect();
+    let inserted = grounder.operators(&spoken_of);
+    let length = draft.steps.len();
+    let reached: Vec<u32> = (0..=length).map(|index| grounder.extra(index == 0)).collect();
+    let free_handed = grounder.extra(true);
+    let mut writer = Writer {
+        domain,
+        world,
+        grounder,
+        inserted: &inserted,
+        reached,
+        free_handed,
+        operators: Vec::new(),
+        moves: Vec::new(),
+    };
+    for (index, step) in draft.steps.iter().enumerate() {
+        match step {
+            Some(step) => {
+                let choices = candidates(domain, world, step, &draft.objects, &places);
+                writer.step(index, step, &choices);
+            }
+            None => writer.drop(index, Reason::Unknown, Formula::TRUE, domain.repair.drop_impossible),
+        }
+    }
+    for operator in &inserted {
+        let step = operator.step.clone();
+        writer.push(operator.clone(), domain.repair.insert, Move::Insert(step));
+    }
+    let Writer {
+        grounder,
+        operators,
+        moves,
+        reached,
+        ..
+    } = writer;
+    let arrived = [reached[length], free_handed].map(|fact| literal(fact, true));
+    Compiled {
+        grounder,
+        operators,
+        moves,
+        always,
+        arrived: Formula::and(arrived),
+    }
+}
+
+fn literal(fact: u32, holds: bool) -> Formula {
+    Formula::Literal(Literal { fact, holds })
+}
+
+/// What an operator does that does nothing in the world.
+fn nothing() -> GroundAction {
+    GroundAction {
+        action: ActionId::new(0),
+        arguments: Vec::new(),
+    }
+}
+
+fn effect(fact: u32, holds: bool) -> GroundEffect {
+    GroundEffect {
+        condition: Formula::TRUE,
+        literal: Literal { fact, holds },
+    }
+}
+
+struct Writer<'a, 'b> {
+    domain: &'a Domain,
+    world: &'a World,
+    grounder: Grounder<'a>,
+    inserted: &'b [Operator],
+    /// For each step, that the draft has been read up to it.
+    reached: Vec<u32>,
+    /// Nothing is laid aside.
+    free_handed: u32,
+    operators: Vec<Operator>,
+    moves: Vec<Move>,
+}
+
+impl Writer<'_, '_> {
+    fn push(&mut self, mut operator: Operator, cost: u32, meaning: Move) {
+        operator.cost = cost;
+        operator.tag = self.moves.len() as u32;
+        operator.effects.sort();
+        self.moves.push(meaning);
+        self.operators.push(operator);
+    }
+
+    /// The operator, done at a step of the draft and going on to the next.
+    fn reading(&self, index: usize, mut operator: Operator) -> Operator {
+        operator.precondition = Formula::and([literal(self.reached[index], true), operator.precondition]);
+        operator.effects.push(effect(self.reached[index], false));
+        operator.effects.push(effect(self.reached[index + 1], true));
+        operator
+    }
+
+    /// An operator that does nothing in the world.
+    fn pass(&self, index: usize, condition: Formula) -> Operator {
+        let nothing = Operator {
+            step: nothing(),
+            cost: 0,
+            tag: 0,
+            precondition: condition,
+            effects: Vec::new(),
+        };
+        self.reading(index, nothing)
+    }
+
+    fn drop(&mut self, index: usize, reason: Reason, condition: Formula, cost: u32) {
+        let operator = self.pass(index, condition);
+        self.push(operator, cost, Move::Drop(index, reason));
+    }
+
+    fn step(&mut self, index: usize, step: &DraftStep, choices: &[Candidate]) {
+        let costs = self.domain.repair;
+        let mut kept: Vec<(Operator, u32)> = Vec::new();
+        let mut brings: FxHashSet<Literal> = FxHashSet::default();
+        let mut handles: FxHashSet<EntityId> = FxHashSet::default();
+        let mut idle: Vec<Formula> = Vec::new();
+        for choice in choices {
+            let ground = GroundAction {
+                action: step.action,
+                arguments: choice.arguments.clone(),
+            };
+            let operator = self.grounder.operator(ground);
+            let always: Vec<Literal> = operator
+                .effects
+                .iter()
+                .filter(|effect| effect.condition.is_true())
+                .map(|effect| effect.literal)
+                .collect();
+            if !choice.unspoken {
+                brings.extend(&always);
+                handles.extend(&choice.arguments);
+                if !always.is_empty() {
+                    idle.push(Formula::and(always.into_iter().map(Formula::Literal)));
+                }
+            }
+            if can_apply(self.domain, self.world, step.action, &choice.arguments) {
+                let cost = if choice.unspoken { costs.rebind } else { 0 };
+                kept.push((operator, cost));
+            }
+        }
+        let possible = !kept.is_empty();
+        let before = self.operators.len();
+        for (operator, cost) in &kept {
+            let meaning = Move::Keep(index, operator.step.clone());
+            self.push(self.reading(index, operator.clone()), *cost, meaning);
+        }
+        for operator in self.inserted {
+            let same_things = operator.step.arguments.iter().all(|entity| handles.contains(entity));
+            let alike = |effect: &GroundEffect| effect.condition.is_true() && brings.contains(&effect.literal);
+            if operator.step.action != step.action && same_things && operator.effects.iter().any(alike) {
+                let meaning = Move::Replace(index, operator.step.clone());
+                self.push(self.reading(index, operator.clone()), costs.replace, meaning);
+            }
+        }
+        if self.operators.len() == before {
+            self.drop(index, Reason::Impossible, Formula::TRUE, costs.drop_impossible);
+            return;
+        }
+        self.drop(index, Reason::Idle, Formula::or(idle), costs.drop_idle);
+        self.drop(index, Reason::Unwanted, Formula::TRUE, costs.drop);
+        if possible && self.reached.len() > 2 {
+            self.postpone(index, kept);
+        }
+    }
+
+    fn postpone(&mut self, index: usize, kept: Vec<(Operator, u32)>) {
+        let laid_aside = self.grounder.extra(false);
+        let free = self.free_handed;
+        let mut operator = self.pass(index, literal(free, true));
+        operator.effects.extend([effect(free, false), effect(laid_aside, true)]);
+        self.push(operator, self.domain.repair.postpone, Move::Postpone(index));
+        for (mut operator, cost) in kept {
+            operator.precondition = Formula::and([literal(laid_aside, true), operator.precondition]);
+            operator.effects.extend([effect(free, true), effect(laid_aside, false)]);
+            let meaning = Move::Resume(index, operator.step.clone());
+            self.push(operator, cost, meaning);
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! What was changed, and why.
+
+use super::compile::{Move, Reason};
+use super::target::Meant;
+use crate::domain::{Domain, RuleTime};
+use crate::plan::{Plan, Resolved, Step};
+use crate::search::GroundAction;
+use crate::verify::{Change, Purpose, Report, Violation, apply, broken_bindings, unmet};
+use crate::world::{Fact, Moment, State, World, fact_text, holds};
+
+/// What kind of change an [`Edit`] is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum EditKind {
+    /// A step more.
+    Insert,
+    /// A step less.
+    Drop,
+    /// Another step in its place.
+    Replace,
+    /// The same step later.
+    Move,
+}
+
+/// One change to a draft.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Edit {
+    /// What kind of change.
+    pub kind: EditKind,
+    /// Where it shows in the repaired plan, counted from 0: the new place of a step, or the place where a dropped one
+    /// would stand.
+    pub at: usize,
+    /// The call before.
+    pub before: Option<String>,
+    /// The call after.
+    pub after: Option<String>,
+    /// Why, for a person.
+    pub why: String,
+}
+
+/// A change whose reason is still to be found.
+enum Origin {
+    Kept,
+    Inserted,
+    Replaced(usize),
+    Moved(usize),
+}
+
+/// The repaired plan with what each of its steps comes from, and what was left out before which step.
+pub(super) struct Script {
+    steps: Vec<(Step, Origin)>,
+    dropped: Vec<(usize, usize, Reason)>,
+}
+
+impl Script {
+    /// Follows the moves of a search.
+    pub(super) fn of(domain: &Domain, world: &World, draft: &Resolved, moves: &[Move]) -> Self {
+        let mut script = Self {
+            steps: Vec::new(),
+            dropped: Vec::new(),
+        };
+        let own = |index: usize, ground: &GroundAction| {
+            let mut step = Step::explained(domain, world, ground.action, ground.arguments.clone());
+            if let Some(written) = draft.steps[index].as_ref().filter(|step| !step.explanation.is_empty()) {
+                step.explanation.clone_from(&written.explanation);
+            }
+            step
+        };
+        let new = |ground: &GroundAction| Step::explained(domain, world, ground.action, ground.arguments.clone());
+        for next in moves {
+            match next {
+                Move::Keep(index, ground) => script.steps.push((own(*index, ground), Origin::Kept)),
+                Move::Resume(index, ground) => script.steps.push((own(*index, ground), Origin::Moved(*index))),
+                Move::Insert(ground) => script.steps.push((new(ground), Origin::Inserted)),
+                Move::Replace(index, ground) => script.steps.push((new(ground), Origin::Replaced(*index))),
+                Move::Drop(index, reason) => script.dropped.push((script.steps.len(), *index, *reason)),
+                Move::Postpone(_) | Move::Forgo(_) => {}
+            }
+        }
+        script
+    }
+
+    /// The repaired plan.
+    pub(super) fn plan(&self) -> Plan {
+        self.steps.iter().map(|(step, _)| step.clone()).collect()
+    }
+
+    /// The edits, in the order of the plan.
+    pub(super) fn edits(
+        &self,
+        domain: &Domain,
+        world: &World,
+        draft: &Resolved,
+        purpose: &Purpose,
+        meant: &Meant,
+        report: &Report,
+    ) -> Vec<Edit> {
+        let reasons = Reasons {
+            domain,
+            world,
+            purpose,
+            meant,
+            report,
+            before: states(domain, world, report.plan.steps()),
+        };
+        let mut edits = Vec::new();
+        let mut dropped = self.dropped.iter().peekable();
+        for at in 0..=self.steps.len() {
+            while let Some((_, index, reason)) = dropped.next_if(|(place, ..)| *place == at) {
+                edits.push(Edit {
+                    kind: EditKind::Drop,
+                    at,
+                    before: Some(draft.written[*index].clone()),
+                    after: None,
+                    why: reasons.for_dropping(draft, *index, at, *reason),
+                });
+            }
+            let Some((step, origin)) = self.steps.get(at) else {
+                break;
+            };
+            let after = Some(step.call(domain, world).to_string());
+            let (kind, before, why) = match origin {
+                Origin::Kept => continue,
+                Origin::Inserted => (EditKind::Insert, None, reasons.for_having(at)),
+                Origin::Replaced(index) => {
+                    let why = reasons.for_replacing(draft, *index, at);
+                    (EditKind::Replace, Some(draft.written[*index].clone()), why)
+                }
+                Origin::Moved(index) => {
+                    let why = format!("moved from step {}: {}", index + 1, reasons.for_having(at));
+                    (EditKind::Move, Some(draft.written[*index].clone()), why)
+                }
+            };
+            edits.push(Edit {
+                kind,
+                at,
+                before,
+                after,
+                why,
+            });
+        }
+        edits
+    }
+}
+
+/// The state before each step, and after the last.
+fn states(domain: &Domain, world: &World, steps: &[Step]) -> Vec<State> {
+    let mut state = world.state.clone();
+    let mut states = vec![state.clone()];
+    for step in steps {
+        apply(world, &mut state, domain.action(step.action), &step.arguments);
+        states.push(state.clone());
+    }
+    states
+}
+
+struct Reasons<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    purpose: &'a Purpose,
+    meant: &'a Meant,
+    report: &'a Report,
+    before: Vec<State>,
+}
+
+impl Reasons<'_> {
+    /// What would fail without the step: the first later step that could not be done, or what would not hold at the
+    /// end.
+    fn for_having(&self, at: usize) -> String {
+        let steps = self.report.plan.steps();
+        let changes: Vec<Change> = self
+            .report
+            .trace
+            .steps()
+            .nth(at)
+            .map_or_else(Vec::new, |(_, changes)| changes.to_vec());
+        let without = |state: &State| {
+            let mut without = state.clone();
+            for change in changes.iter().filter(|change| state.holds(change.fact) == change.holds) {
+                without.set(change.fact, !change.holds);
+            }
+            without
+        };
+        for later in at + 1..steps.len() {
+            let state = without(&self.before[later]);
+            let missing = self.lacking(&steps[later], &state);
+            if !missing.is_empty() {
+                let call = steps[later].call(self.domain, self.world);
+                return format!("{call} needs that {}", missing.join(", and that "));
+            }
+        }
+        let end = without(&self.before[steps.len()]);
+        self.at_end(&end).unwrap_or_else(|| "the plan needs it".to_owned())
+    }
+
+    /// What is wrong with a last state.
+    fn at_end(&self, state: &State) -> Option<String> {
+        let (domain, world) = (self.domain, self.world);
+        for (number, rule) in domain.rules.iter().enumerate() {
+            let binds = rule.time == RuleTime::End || (rule.time == RuleTime::Tidy && self.purpose.from_goal);
+            let broken = if binds {
+                broken_bindings(rule, world, state)
+            } else {
+                Vec::new()
+            };
+            let waived = |bindings: &Vec<_>| {
+                self.purpose
+                    .waivers
+                    .iter()
+                    .any(|waiver| waiver.covers(number, bindings))
+            };
+            if let Some(bindings) = broken.into_iter().find(|bindings| !waived(bindings)) {
+                return Some(rule.says.fill(|slot| world.entity(bindings[slot]).with_article()));
+            }
+        }
+        // What holds after the repair and would not without the step.
+        let failing = |fact: &&Fact| self.report.after.holds(**fact) && !state.holds(**fact);
+        let promised = self.meant.promises.iter();
+        let promised = promised.flat_map(|promise| [&promise.fact].into_iter().chain(&promise.related));
+        if let Some(fact) = promised.into_iter().find(failing) {
+            let text = fact_text(domain, world, *fact, true);
+            return Some(format!("the plan is to end so that {text}"));
+        }
+        if let Some(fact) = self.meant.kept.iter().find(failing) {
+            return Some(format!(
+                "it is to be as before: {}",
+                fact_text(domain, world, *fact, true)
+            ));
+        }
+        let moment = Moment { world, state };
+        let unreached =
+            |wanted: &&crate::search::Wanted| !holds(moment, &wanted.condition, &mut wanted.bindings.clone());
+        let asked = self.purpose.wanted.iter().any(|wanted| unreached(&wanted));
+        asked.then(|| "the goal asks for it".to_owned())
+    }
+
+    fn lacking(&self, step: &Step, state: &State) -> Vec<String> {
+        let condition = &self.domain.action(step.action).precondition;
+        unmet(self.world, state, condition, &mut step.arguments.clone())
+            .iter()
+            .map(|missing| match missing.fact {
+                Some(fact) => fact_text(self.domain, self.world, fact, missing.holds),
+                None => "the impossible".to_owned(),
+            })
+            .collect()
+    }
+
+    /// What a step of the draft lacks at a place of the repaired plan.
+    fn draft_lacks(&self, draft: &Resolved, index: usize, at: usize) -> Vec<String> {
+        let Some(step) = &draft.steps[index] else {
+            return Vec::new();
+        };
+        let complete: Option<Vec<_>> = step.arguments.iter().copied().collect();
+        let Some(arguments) = complete else {
+            return Vec::new();
+        };
+        let step = Step::explained(self.domain, self.world, step.action, arguments);
+        self.lacking(&step, &self.before[at])
+    }
+
+    fn for_replacing(&self, draft: &Resolved, index: usize, at: usize) -> String {
+        let missing = self.draft_lacks(draft, index, at);
+        if missing.is_empty() {
+            self.for_having(at)
+        } else {
+            format!("{} needs that {}", draft.written[index], missing.join(", and that "))
+        }
+    }
+
+    fn for_dropping(&self, draft: &Resolved, index: usize, at: usize, reason: Reason) -> String {
+        let missing = self.draft_lacks(draft, index, at);
+        let needs = match missing.is_empty() {
+            true => String::new(),
+            false => format!(": it needs that {}", missing.join(", and that ")),
+        };
+        match reason {
+            Reason::Unknown => {
+                let about = |issue: &&Violation| issue.step() == Some(index);
+                let issue = draft.issues.iter().find(about);
+                let told = issue.map(|issue| issue.message(self.domain, self.world, &[], None));
+                told.unwrap_or_else(|| "its words mean nothing here".to_owned())
+            }
+            Reason::Impossible => format!("it can never be done here{needs}"),
+            Reason::Idle => "it would change nothing here".to_owned(),
+            Reason::Unwanted => format!("it cannot be had together with the rest{needs}"),
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The cheapest change that makes a plan valid.
+//!
+//! A draft that fails mostly fails by a word: the wrong verb, a door that nobody opened. Its picture of the world
+//! afterwards is usually right, so [`repair`] looks for the cheapest way through the draft that ends there: a
+//! shortest path over how far the draft has been read and what the world is (`compile`), found by the same search
+//! that plans from goals. Keeping a step that can be done is free; what else is allowed, and at what cost, is in the
+//! domain ([`crate::domain::RepairCosts`]). The result is verified like any other plan, and every edit says why.
+
+mod compile;
+mod edit;
+mod target;
+#[cfg(test)]
+mod tests;
+
+pub use edit::{Edit, EditKind};
+
+use compile::Move;
+use edit::Script;
+
+use crate::domain::Domain;
+use crate::plan::Resolved;
+use crate::search::{Found, cheapest, reduce};
+use crate::verify::{Purpose, VerifiedPlan, bind, check};
+use crate::world::{Fact, World};
+
+/// How far repair looks, in states looked at, so that the answer never depends on the speed of the machine.
+pub const LIMIT: usize = 2_000;
+
+/// What came of a repair.
+#[derive(Debug, Clone)]
+pub enum Outcome {
+    /// The draft is a good plan as it is.
+    Valid(VerifiedPlan),
+    /// A good plan, and how it was made.
+    Repaired(Box<Repaired>),
+    /// No plan keeps the rules and reaches what is wanted, whatever is changed.
+    ProvenUnsolvable {
+        /// States expanded.
+        expanded: usize,
+    },
+    /// There may be a repair, and it was not found within the limits.
+    GaveUp {
+        /// Which limit.
+        why: String,
+        /// States expanded.
+        expanded: usize,
+    },
+}
+
+/// A plan that was made valid.
+#[derive(Debug, Clone)]
+pub struct Repaired {
+    /// The plan.
+    pub plan: VerifiedPlan,
+    /// What was changed, in the order of the plan.
+    pub edits: Vec<Edit>,
+    /// What the edits cost together.
+    pub cost: u32,
+    /// What the draft claims and no repair could reach, in order.
+    pub given_up: Vec<Fact>,
+    /// States expanded.
+    pub expanded: usize,
+}
+
+/// Makes a resolved draft valid at the least cost, or tells that it is valid already.
+///
+/// Of `purpose`, what is wanted and the rules bind. The claim is soft: what of it no action can bring about here, and
+/// what costs more than it is worth, is given up and listed. Where nothing is claimed, what the draft would do if
+/// every step worked takes its place.
+///
+/// The answer is a function of the arguments: of equally cheap repairs it is always the same one.
+///
+/// ```
+/// use longstep::plan::{TaskCohesion, resolve};
+/// use longstep::repair::{Outcome, repair};
+/// use longstep::{domain, json, verify, world};
+/// let domain = domain::shipped("virtualhome").unwrap().unwrap();
+/// let text = r#"{"assets": ["<desk_1>", "<fridge_2>"], "objects": ["<milk_3>"],
+///     "object_states": {"<milk_3>": "ON(<desk_1>)"}, "asset_properties": {"<fridge_2>": ["IS_OPENABLE"]}}"#;
+/// let environment = world::Environment::from_json(text).unwrap();
+/// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let calls = ["Walktowards(<desk_1>)", "Grab(<milk_3>)", "Walktowards(<fridge_2>)", "PutIn(<milk_3>, <fridge_2>)"];
+/// let draft = TaskCohesion {
+///     task_sequence: calls.map(str::to_owned).to_vec(),
+///     ..TaskCohesion::default()
+/// };
+/// let outcome = repair(&domain, &world, &resolve(&domain, &world, &draft), &verify::Purpose::default());
+/// let Outcome::Repaired(repaired) = outcome else { panic!("{outcome:?}") };
+/// let edits: Vec<_> = repaired.edits.iter().filter_map(|edit| edit.after.clone()).collect();
+/// assert_eq!(edits, ["Open(<fridge_2>)", "Close(<fridge_2>)"]);
+/// ```
+pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
+    let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
+    let (plan, _) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
+    // What the draft would come to if every step worked.
+    let as_if = match check(domain, world, plan, purpose).into_verified() {
+        Ok(plan) if draft.issues.is_empty() => return Outcome::Valid(plan),
+        Ok(plan) => plan.after().clone(),
+        Err(report) => report.after,
+    };
+    let meant = target::meant(domain, world, purpose, &as_if);
+    let (task, moves) = compile::compile(domain, world, draft, purpose).task(domain, &meant);
+    let task = reduce(task);
+    let (found, expanded) = cheapest(&task, LIMIT);
+    let gave_up = |why: String| Outcome::GaveUp { why, expanded };
+    let path = match found {
+        Found::Path(path) => path,
+        Found::Nothing => return Outcome::ProvenUnsolvable { expanded },
+        Found::Limit => return gave_up(format!("no repair found in {LIMIT} states")),
+    };
+    let operators = || path.iter().map(|number| &task.operators[*number as usize]);
+    let cost = operators().map(|operator| operator.cost).sum();
+    let moves: Vec<Move> = operators()
+        .map(|operator| moves[operator.tag as usize].clone())
+        .collect();
+    let mut given_up = meant.impossible.clone();
+    given_up.extend(moves.iter().filter_map(|next| match next {
+        Move::Forgo(fact) => Some(*fact),
+        _ => None,
+    }));
+    given_up.sort_unstable();
+    let script = Script::of(domain, world, draft, &moves);
+    let mut purpose = purpose.clone();
+    purpose.claim = purpose.claim.map(|claim| claim.without(&given_up, world));
+    let report = check(domain, world, script.plan(), &purpose);
+    let edits = script.edits(domain, world, draft, &purpose, &meant, &report);
+    match report.into_verified() {
+        Ok(plan) => Outcome::Repaired(Box::new(Repaired {
+            plan,
+            edits,
+            cost,
+            given_up,
+            expanded,
+        })),
+        // Search and verification have one meaning of a step; should they ever differ, the verifier is right.
+        Err(_) => gave_up("the repair that was found does not verify".to_owned()),
+    }
+}

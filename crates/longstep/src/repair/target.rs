@@ -1,0 +1,105 @@
+//! What a repaired plan must come to.
+
+use rustc_hash::FxHashSet;
+
+use crate::domain::Domain;
+use crate::search::Wanted;
+use crate::verify::{Purpose, can_be_brought_about, wanted_at_end};
+use crate::world::{EntityId, Fact, State, World, differences, subject_of};
+
+/// What must hold at the end, and what should.
+pub(super) struct Meant {
+    /// What is wanted and what the rules ask: must.
+    pub(super) required: Vec<Wanted>,
+    /// What the draft says will have come about, in order: should.
+    pub(super) promises: Vec<Promise>,
+    /// What the draft says will be as before, in order: should, with less weight.
+    pub(super) kept: Vec<Fact>,
+    /// What it says will have come about, and nothing here can come near.
+    pub(super) impossible: Vec<Fact>,
+}
+
+/// A fact that a draft says will have come about.
+pub(super) struct Promise {
+    pub(super) fact: Fact,
+    /// Other relations between the same things: what is said to be in the sink may lie on it.
+    pub(super) related: Vec<Fact>,
+}
+
+/// Takes for what is meant what the draft claims, and what it would do if every step worked where the claim is silent.
+///
+/// A claim that the draft's own steps contradict is stale and counts for nothing. What is said to stay as it was
+/// counts only of things that are not said to change in that respect: where they are (a relation), or how they are (a
+/// property).
+pub(super) fn meant(domain: &Domain, world: &World, purpose: &Purpose, as_if: &State) -> Meant {
+    let done: Vec<Fact> = differences(domain, &world.state, as_if)
+        .into_iter()
+        .filter(|difference| difference.now_holds)
+        .map(|difference| difference.fact)
+        .collect();
+    let (claimed, stays) = match &purpose.claim {
+        Some(claim) => (claim.promises(domain, world), claim.kept(domain, world)),
+        None => {
+            let before = differences(domain, &State::default(), &world.state);
+            (
+                done.clone(),
+                before.into_iter().map(|difference| difference.fact).collect(),
+            )
+        }
+    };
+    // What is said of a thing in one respect.
+    let respect = |fact: &Fact| {
+        let relation = domain.predicate(fact.predicate()).parameters.len() > 1;
+        (subject_of(domain, *fact), relation)
+    };
+    let mut spoken_of: FxHashSet<(EntityId, bool)> = claimed.iter().map(respect).collect();
+    spoken_of.extend(stays.iter().filter(|fact| !as_if.holds(**fact)).map(respect));
+    let unclaimed = done.iter().filter(|fact| !spoken_of.contains(&respect(fact)));
+    let possible = |fact: &Fact| can_be_brought_about(domain, world, *fact);
+    let mut promises = Vec::new();
+    let mut impossible = Vec::new();
+    for fact in claimed.iter().chain(unclaimed).copied() {
+        let near = others(domain, world, fact);
+        // A relation that nothing can bring about is meant as another one only if the draft relates the two at all.
+        if possible(&fact) || as_if.holds(fact) || near.iter().any(|other| as_if.holds(*other)) {
+            let related = near.into_iter().filter(possible).collect();
+            promises.push(Promise { fact, related });
+        } else {
+            impossible.push(fact);
+        }
+    }
+    let changed: FxHashSet<(EntityId, bool)> = promises.iter().map(|promise| respect(&promise.fact)).collect();
+    let kept = stays
+        .into_iter()
+        .filter(|fact| as_if.holds(*fact) && !changed.contains(&respect(fact)))
+        .collect();
+    let mut required = purpose.wanted.clone();
+    required.extend(wanted_at_end(domain, world, &purpose.waivers, purpose.from_goal));
+    Meant {
+        required,
+        promises,
+        kept,
+        impossible,
+    }
+}
+
+/// The other relations that an environment can tell between the things of a fact.
+fn others(domain: &Domain, world: &World, fact: Fact) -> Vec<Fact> {
+    let arity = domain.predicate(fact.predicate()).parameters.len();
+    let arguments: Vec<EntityId> = (0..arity).map(|place| fact.argument(place)).collect();
+    let mut others: Vec<Fact> = Vec::new();
+    for word in domain.states.iter().filter(|_| arity > 1) {
+        let predicate = word.atom.predicate;
+        let parameters = &domain.predicate(predicate).parameters;
+        let fits = parameters.len() == arity
+            && parameters
+                .iter()
+                .zip(&arguments)
+                .all(|(parameter, entity)| world.is_of_kind(*entity, parameter.kind));
+        let other = Fact::new(predicate, arguments.iter().copied());
+        if fits && other != fact && !others.contains(&other) {
+            others.push(other);
+        }
+    }
+    others
+}
