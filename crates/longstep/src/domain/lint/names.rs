@@ -31,7 +31,7 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
             place: places.call(&action.name),
         })
         .collect();
-    report(reach, &calls, "the actions", &mut findings, |left, right| {
+    report(reach, &calls, ("the actions", ""), &mut findings, |left, right| {
         let action = |name: &str| domain.actions.iter().find(|action| action.call == name);
         tell_apart(domain, action(left), action(right))
     });
@@ -48,7 +48,7 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
             }
         })
         .collect();
-    report(reach, &states, "the states", &mut findings, |_, _| None);
+    report(reach, &states, ("the states", ""), &mut findings, |_, _| None);
     let goals: Vec<Named<'_>> = domain
         .goal_words
         .iter()
@@ -59,7 +59,7 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
             place: places.word(&entry.form),
         })
         .collect();
-    report(reach, &goals, "the goals", &mut findings, |_, _| None);
+    report(reach, &goals, ("the goals", ""), &mut findings, |_, _| None);
     for (word, entry) in domain.goal_words.iter().zip(&places.words.goal) {
         let parameters: Vec<Named<'_>> = word
             .parameters
@@ -70,8 +70,8 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
                 place: places.word(&entry.parameters),
             })
             .collect();
-        let what = format!("the parameters of the goal `{}`", entry.form.get_ref());
-        report(reach, &parameters, &what, &mut findings, |_, _| None);
+        let of = format!(" of the goal `{}`", entry.form.get_ref());
+        report(reach, &parameters, ("the parameters", &of), &mut findings, |_, _| None);
     }
     findings
 }
@@ -79,7 +79,7 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
 fn report(
     reach: &Reach<'_>,
     names: &[Named<'_>],
-    what: &str,
+    (what, of): (&str, &str),
     findings: &mut Vec<Finding>,
     tell_apart: impl Fn(&str, &str) -> Option<String>,
 ) {
@@ -100,7 +100,7 @@ fn report(
                 Lint::ConfusableNames,
                 &[left, right],
                 later.place,
-                format!("{what} `{left}` and `{right}` take the same things, and a model will confuse their names"),
+                format!("{what} `{left}` and `{right}`{of} take the same things, and a model will confuse their names"),
                 hint,
             ));
         }

@@ -88,7 +88,7 @@ impl Family<'_> {
             } else if let Some(obstacle) = self.reach.obstacle(&word.condition, &kinds) {
                 (obstacle, &entry.condition, "be reached")
             } else {
-                if !can_change(&word.condition, self.reach) {
+                if !can_change(&word.condition, self.domain) {
                     self.findings.push(Finding::new(
                         Lint::UnreachableGoal,
                         &[form],
@@ -149,7 +149,7 @@ impl Family<'_> {
     fn one_way(&mut self) {
         for (index, predicate) in self.domain.predicates.iter().enumerate() {
             let id = PredicateId::new(index);
-            if self.domain.words(id).event || !self.reach.changes(id, true) || self.reach.changes(id, false) {
+            if self.domain.words(id).event || !changes(self.domain, id, true) || changes(self.domain, id, false) {
                 continue;
             }
             let mut needing = self.domain.actions.iter().filter(|a| needs_none(&a.precondition, id));
@@ -186,11 +186,10 @@ impl Family<'_> {
                 } else if adding.is_empty() {
                     (format!("needs `{name}`, and nothing makes that true"), source_of(name))
                 } else {
-                    let why = format!(
-                        "needs `{name}`, and {}, which would make that true, never can",
-                        quoted(&adding)
-                    );
-                    (why, format!("begin with {}: this follows from it", quoted(&adding)))
+                    let adding = quoted(&adding);
+                    let why = format!("needs `{name}`, which only {adding} would make true, and that never happens");
+                    let hint = format!("see to {adding}, or let an environment say `{name}` or another action do it");
+                    (why, hint)
                 }
             }
             Obstacle::Contradiction { atom, forall: false } => (
@@ -279,12 +278,18 @@ fn source_of(name: &str) -> String {
     )
 }
 
+/// Whether some action makes the predicate true (`adds`) or false. That the action can never apply is told of it.
+fn changes(domain: &Domain, predicate: PredicateId, adds: bool) -> bool {
+    let mut effects = domain.actions.iter().flat_map(|action| &action.effects);
+    effects.any(|effect| effect.atom.predicate == predicate && effect.adds == adds)
+}
+
 /// Whether some action changes something towards the condition.
-fn can_change(condition: &Condition, reach: &Reach<'_>) -> bool {
+fn can_change(condition: &Condition, domain: &Domain) -> bool {
     match condition {
-        Condition::And(parts) | Condition::Or(parts) => parts.iter().any(|part| can_change(part, reach)),
-        Condition::Forall(_, _, inner) | Condition::Exists(_, _, inner) => can_change(inner, reach),
-        Condition::Atom { atom, holds, initially } => !initially && reach.changes(atom.predicate, *holds),
+        Condition::And(parts) | Condition::Or(parts) => parts.iter().any(|part| can_change(part, domain)),
+        Condition::Forall(_, _, inner) | Condition::Exists(_, _, inner) => can_change(inner, domain),
+        Condition::Atom { atom, holds, initially } => !initially && changes(domain, atom.predicate, *holds),
         Condition::Equal { .. } => false,
     }
 }

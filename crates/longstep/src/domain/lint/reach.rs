@@ -139,14 +139,6 @@ impl<'a> Reach<'a> {
         self.reached[predicate.index()]
     }
 
-    /// Whether some action that can apply changes the predicate so: makes it true (`adds`) or false.
-    pub(super) fn changes(&self, predicate: PredicateId, adds: bool) -> bool {
-        let able = self.domain.actions.iter().zip(&self.obstacles);
-        able.filter(|(_, obstacle)| obstacle.is_none())
-            .flat_map(|(action, _)| &action.effects)
-            .any(|effect| effect.atom.predicate == predicate && effect.adds == adds)
-    }
-
     /// Whether an entity can have the type.
     pub(super) fn inhabited(&self, kind: TypeId) -> bool {
         self.overlap(kind, kind)
