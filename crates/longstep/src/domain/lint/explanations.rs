@@ -1,9 +1,12 @@
 //! What a model and a person are told: explanations, sentences and worked examples.
 
+use toml::Spanned;
+
 use super::names::words_of;
 use super::places::{Place, Places};
 use super::reach::Reach;
 use super::{Finding, Lint, quoted};
+use crate::domain::condition::Atom;
 use crate::domain::{Domain, GoalWord, Parameter, Template, plain_words};
 use crate::goal::{QUESTION, read_form};
 
@@ -26,14 +29,27 @@ struct Told<'a> {
     place: Place<'a>,
     /// `means`, for what has one.
     means: Option<&'a str>,
-    /// Sentences, each with the key and the place of it.
-    says: Vec<(&'static str, &'a Template, Place<'a>)>,
+    says: Vec<Sentence<'a>>,
     parameters: &'a [Parameter],
-    /// The parameters that a sentence has to name.
+    /// What a state's word stands for: two words for one fact may be told alike.
+    fact: Option<&'a Atom>,
+}
+
+struct Sentence<'a> {
+    key: &'static str,
+    template: &'a Template,
+    place: Place<'a>,
+    /// The parameters that it has to name.
     named: Vec<usize>,
 }
 
 fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
+    let sentence = |key, template: &'a Template, text: &Spanned<String>, named: Vec<usize>| Sentence {
+        key,
+        template,
+        place: places.word(text),
+        named,
+    };
     let mut told = Vec::new();
     for (predicate, words) in domain.predicates.iter().zip(&domain.predicate_words) {
         let Some(entry) = places
@@ -44,17 +60,23 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
         else {
             continue;
         };
+        let all: Vec<usize> = (0..predicate.parameters.len()).collect();
+        let mut says = vec![
+            sentence("says", &words.says, &entry.says, all.clone()),
+            sentence("denies", &words.denies, &entry.denies, all.clone()),
+        ];
+        if let (Some(short), Some(text)) = (&words.short, &entry.short) {
+            // It stands in the entry of the first argument.
+            says.push(sentence("short", short, text, all[all.len().min(1)..].to_vec()));
+        }
         told.push(Told {
             what: "predicate",
             name: &predicate.name,
             place: places.word(&entry.name),
             means: None,
-            says: vec![
-                ("says", &words.says, places.word(&entry.says)),
-                ("denies", &words.denies, places.word(&entry.denies)),
-            ],
+            says,
             parameters: &predicate.parameters,
-            named: (0..predicate.parameters.len()).collect(),
+            fact: None,
         });
     }
     for (state, entry) in domain.states.iter().zip(&places.words.state) {
@@ -65,33 +87,35 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
             means: Some(&state.means),
             says: Vec::new(),
             parameters: &domain.predicate(state.atom.predicate).parameters,
-            named: Vec::new(),
+            fact: Some(&state.atom),
         });
     }
     for action in &domain.actions {
         let Some(entry) = places.words.action.iter().find(|e| *e.name.get_ref() == action.name) else {
             continue;
         };
+        // What the verifier finds by itself may go unsaid.
+        let named = action.explicit.iter().copied().chain(action.object).collect();
         told.push(Told {
             what: "action",
             name: &action.call,
             place: places.word(&entry.name),
             means: Some(&action.means),
-            says: vec![("says", &action.says, places.word(&entry.says))],
+            says: vec![sentence("says", &action.says, &entry.says, named)],
             parameters: &action.parameters,
-            // What the verifier finds by itself may go unsaid.
-            named: action.explicit.iter().copied().chain(action.object).collect(),
+            fact: None,
         });
     }
     for (word, entry) in domain.goal_words.iter().zip(&places.words.goal) {
+        let named = (0..word.parameters.len()).collect();
         told.push(Told {
             what: "goal",
             name: entry.form.get_ref(),
             place: places.word(&entry.form),
             means: Some(&word.means),
-            says: vec![("says", &word.says, places.word(&entry.says))],
+            says: vec![sentence("says", &word.says, &entry.says, named)],
             parameters: &word.parameters,
-            named: (0..word.parameters.len()).collect(),
+            fact: None,
         });
     }
     told
@@ -99,7 +123,7 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
 
 fn missing(thing: &Told<'_>, findings: &mut Vec<Finding>) {
     let Told { what, name, .. } = thing;
-    for (key, _, place) in thing.says.iter().filter(|(_, template, _)| template.is_blank()) {
+    for Sentence { key, place, .. } in thing.says.iter().filter(|sentence| sentence.template.is_blank()) {
         findings.push(Finding::new(
             Lint::MissingExplanation,
             &[name],
@@ -128,8 +152,11 @@ fn missing(thing: &Told<'_>, findings: &mut Vec<Finding>) {
 }
 
 fn unnamed(thing: &Told<'_>, findings: &mut Vec<Finding>) {
-    for (key, template, place) in thing.says.iter().filter(|(_, template, _)| !template.is_blank()) {
-        for index in thing.named.iter().filter(|index| !template.mentions(**index)) {
+    for sentence in thing.says.iter().filter(|sentence| !sentence.template.is_blank()) {
+        let Sentence {
+            key, template, place, ..
+        } = sentence;
+        for index in sentence.named.iter().filter(|index| !template.mentions(**index)) {
             let parameter = thing.parameters[*index].name.as_str();
             findings.push(Finding::new(
                 Lint::UnnamedParameter,
@@ -153,14 +180,13 @@ fn same(reach: &Reach<'_>, told: &[Told<'_>], findings: &mut Vec<Finding>) {
             let same_kinds = later.parameters.len() == earlier.parameters.len()
                 && later.parameters.iter().zip(earlier.parameters).all(alike);
             let means = |thing: &Told<'_>| thing.means.map(plain_words).filter(|words| !words.is_empty());
-            let sentence = later
-                .says
-                .iter()
-                .zip(&earlier.says)
-                .find(|((_, own, _), (_, other, _))| same_kinds && own == other && !own.is_blank());
-            let (key, place) = if let Some(((key, _, place), _)) = sentence {
-                (*key, *place)
-            } else if means(later).is_some() && means(later) == means(earlier) {
+            let same_fact = later.fact.is_some() && later.fact == earlier.fact;
+            let mut sentences = later.says.iter().zip(&earlier.says);
+            let sentence =
+                sentences.find(|(own, other)| same_kinds && own.template == other.template && !own.template.is_blank());
+            let (key, place) = if let Some((sentence, _)) = sentence {
+                (sentence.key, sentence.place)
+            } else if !same_fact && means(later).is_some() && means(later) == means(earlier) {
                 ("means", later.place)
             } else {
                 continue;
@@ -174,14 +200,14 @@ fn same(reach: &Reach<'_>, told: &[Told<'_>], findings: &mut Vec<Finding>) {
                 "say what tells them apart, or keep only one of them",
             ));
         }
-        if let [(_, says, _), (_, denies, place)] = &later.says[..]
-            && says == denies
-            && !says.is_blank()
+        if let [says, denies, ..] = &later.says[..]
+            && says.template == denies.template
+            && !says.template.is_blank()
         {
             findings.push(Finding::new(
                 Lint::SameExplanation,
                 &[later.name],
-                *place,
+                denies.place,
                 format!("`says` and `denies` of the predicate `{}` are the same", later.name),
                 "say in `denies` that it does not hold",
             ));

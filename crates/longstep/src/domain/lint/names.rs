@@ -6,13 +6,15 @@
 use super::places::{Place, Places};
 use super::reach::{Reach, conjuncts};
 use super::{Finding, Lint};
-use crate::domain::condition::Condition;
+use crate::domain::condition::{Atom, Condition};
 use crate::domain::{Action, Domain, Parameter, TypeId};
 
 /// A name in its family, with the types of what a model writes behind it.
 struct Named<'a> {
     name: &'a str,
     kinds: Vec<TypeId>,
+    /// What a state's word stands for: two words for one fact may be alike.
+    fact: Option<&'a Atom>,
     place: Place<'a>,
 }
 
@@ -28,6 +30,7 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
         .map(|action| Named {
             name: &action.call,
             kinds: written(action),
+            fact: None,
             place: places.call(&action.name),
         })
         .collect();
@@ -44,6 +47,7 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
             Named {
                 name: &state.word,
                 kinds: parameters.iter().map(|parameter| parameter.kind).collect(),
+                fact: Some(&state.atom),
                 place: places.word(&entry.word),
             }
         })
@@ -56,6 +60,7 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
         .map(|(word, entry)| Named {
             name: &word.word,
             kinds: word.parameters.iter().map(|parameter| parameter.kind).collect(),
+            fact: None,
             place: places.word(&entry.form),
         })
         .collect();
@@ -67,6 +72,7 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
             .map(|parameter| Named {
                 name: &parameter.name,
                 kinds: vec![parameter.kind],
+                fact: None,
                 place: places.word(&entry.parameters),
             })
             .collect();
@@ -88,7 +94,8 @@ fn report(
             let alike = |(left, right): (&TypeId, &TypeId)| reach.overlap(*left, *right);
             let same_kinds =
                 later.kinds.len() == earlier.kinds.len() && later.kinds.iter().zip(&earlier.kinds).all(alike);
-            if !same_kinds || !are_confusable(earlier.name, later.name) {
+            let same_fact = later.fact.is_some() && later.fact == earlier.fact;
+            if !same_kinds || same_fact || !are_confusable(earlier.name, later.name) {
                 continue;
             }
             let (left, right) = (earlier.name, later.name);

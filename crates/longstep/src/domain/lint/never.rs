@@ -170,27 +170,29 @@ impl Family<'_> {
     fn explain(&mut self, obstacle: &Obstacle, parameters: &[Parameter]) -> (String, String) {
         let domain = self.domain;
         match obstacle {
-            Obstacle::NeverTrue { atom, initially } => {
-                self.cited.push(atom.predicate);
-                let name = domain.predicate(atom.predicate).name.as_str();
+            Obstacle::NeverTrue(predicate) => {
+                self.cited.push(*predicate);
+                let name = domain.predicate(*predicate).name.as_str();
                 let adds = |action: &&Action| {
                     let mut effects = action.effects.iter();
-                    effects.any(|effect| effect.adds && effect.atom.predicate == atom.predicate)
+                    effects.any(|effect| effect.adds && effect.atom.predicate == *predicate)
                 };
                 let adding: Vec<&str> = domain.actions.iter().filter(adds).map(|a| a.name.as_str()).collect();
-                if *initially {
-                    let why = format!("needs `{name}` at the start, and no environment can say that");
-                    let hint = "give it a `[[state]]`, `[[property]]`, `[[derive]]` or `[[default]]`, or ask for \
-                                something that an environment says";
-                    (why, hint.to_owned())
-                } else if adding.is_empty() {
-                    (format!("needs `{name}`, and nothing makes that true"), source_of(name))
-                } else {
-                    let adding = quoted(&adding);
-                    let why = format!("needs `{name}`, which only {adding} would make true, and that never happens");
-                    let hint = format!("see to {adding}, or let an environment say `{name}` or another action do it");
-                    (why, hint)
+                if adding.is_empty() {
+                    return (format!("needs `{name}`, and nothing makes that true"), source_of(name));
                 }
+                let adding = quoted(&adding);
+                (
+                    format!("needs `{name}`, which only {adding} would make true, and that never happens"),
+                    format!("see to {adding}, or let an environment say `{name}` or another action do it"),
+                )
+            }
+            Obstacle::NotYet(predicate) => {
+                let name = domain.predicate(*predicate).name.as_str();
+                (
+                    format!("needs `{name}` at the start, where no event has happened yet"),
+                    "ask for the event without `initially`, or for what lasts of it".to_owned(),
+                )
             }
             Obstacle::Contradiction { atom, forall: false } => (
                 format!("needs `{}` and its opposite", self.shown(atom, parameters)),
@@ -242,7 +244,10 @@ impl Family<'_> {
     /// The word of the file that the obstacle is about.
     fn keyword(&self, obstacle: &Obstacle) -> String {
         match obstacle {
-            Obstacle::NeverTrue { atom, .. } | Obstacle::Contradiction { atom, .. } | Obstacle::Mismatch(atom) => {
+            Obstacle::NeverTrue(predicate) | Obstacle::NotYet(predicate) => {
+                self.domain.predicate(*predicate).name.clone()
+            }
+            Obstacle::Contradiction { atom, .. } | Obstacle::Mismatch(atom) => {
                 self.domain.predicate(atom.predicate).name.clone()
             }
             Obstacle::Equality { .. } => "=".to_owned(),

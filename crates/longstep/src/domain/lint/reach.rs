@@ -10,8 +10,10 @@ use crate::domain::{Action, Domain, Parameter, PredicateId, TypeId, Unknown};
 /// Why a condition can never hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Obstacle {
-    /// Nothing makes the atom true, or (`initially`) no environment says it.
-    NeverTrue { atom: Atom, initially: bool },
+    /// Nothing makes the predicate true.
+    NeverTrue(PredicateId),
+    /// The predicate is an event, and is asked of the state in which the instruction was given.
+    NotYet(PredicateId),
     /// The condition asks for the atom and for its opposite; with `forall`, one of the two is asked of everything.
     Contradiction { atom: Atom, forall: bool },
     /// Two terms that cannot be the same, or one term that cannot differ from itself.
@@ -27,9 +29,7 @@ pub(super) enum Obstacle {
 /// What can be, in a domain.
 pub(super) struct Reach<'a> {
     domain: &'a Domain,
-    /// By predicate: whether it can be true where an instruction begins.
-    given: Vec<bool>,
-    /// By predicate: whether it can be true at any time.
+    /// By predicate: whether it can ever be true.
     reached: Vec<bool>,
     /// By action: why it can never apply, if it cannot.
     obstacles: Vec<Option<Obstacle>>,
@@ -40,25 +40,14 @@ impl<'a> Reach<'a> {
     pub(super) fn of(domain: &'a Domain) -> Self {
         let mut reach = Self {
             domain,
-            given: vec![false; domain.predicates.len()],
             reached: vec![false; domain.predicates.len()],
             obstacles: vec![None; domain.actions.len()],
         };
         loop {
-            let before = reach.given.clone();
-            reach.give();
-            reach.reached.clone_from(&reach.given);
-            if reach.given == before {
-                break;
-            }
-        }
-        loop {
+            let more: Vec<PredicateId> = reach.said().into_iter().chain(reach.done()).collect();
             let before = reach.reached.clone();
-            for action in &domain.actions {
-                for atom in reach.added(action) {
-                    reach.reached[atom.predicate.index()] = true;
-                }
-            }
+            more.iter()
+                .for_each(|predicate| reach.reached[predicate.index()] = true);
             if reach.reached == before {
                 break;
             }
@@ -67,44 +56,47 @@ impl<'a> Reach<'a> {
         reach
     }
 
-    fn give(&mut self) {
+    /// What an environment can say, and what can follow from it.
+    fn said(&self) -> Vec<PredicateId> {
         let domain = self.domain;
         let any = [TypeId::OBJECT, TypeId::OBJECT];
-        let mut give = |predicate: PredicateId| self.given[predicate.index()] = true;
-        domain.states.iter().for_each(|state| give(state.atom.predicate));
-        let told = domain.properties.iter().flat_map(|property| &property.literals);
-        told.filter(|literal| literal.holds)
-            .for_each(|literal| give(literal.atom.predicate));
-        for (index, words) in domain.predicate_words.iter().enumerate() {
-            if words.unknown == Unknown::Assume {
-                give(PredicateId::new(index));
-            }
-        }
-        for derivation in &domain.derivations {
-            if self.obstacle(&derivation.when, &any).is_none() {
-                for literal in derivation.literals.iter().filter(|literal| literal.holds) {
-                    self.given[literal.atom.predicate.index()] = true;
-                }
-            }
-        }
-        for default in &domain.defaults {
-            if self.obstacle(&default.when, &any).is_none() {
-                self.given[default.atom.predicate.index()] = true;
-            }
-        }
+        let mut said: Vec<PredicateId> = domain.states.iter().map(|state| state.atom.predicate).collect();
+        let properties = domain.properties.iter().map(|property| &property.literals);
+        let derivations = domain.derivations.iter();
+        let derivations = derivations.filter(|derivation| self.obstacle(&derivation.when, &any).is_none());
+        let literals = properties
+            .chain(derivations.map(|derivation| &derivation.literals))
+            .flatten();
+        said.extend(
+            literals
+                .filter(|literal| literal.holds)
+                .map(|literal| literal.atom.predicate),
+        );
+        let defaults = domain.defaults.iter();
+        let defaults = defaults.filter(|default| self.obstacle(&default.when, &any).is_none());
+        said.extend(defaults.map(|default| default.atom.predicate));
+        let assumed = |index: &usize| domain.predicate_words[*index].unknown == Unknown::Assume;
+        said.extend((0..domain.predicates.len()).filter(assumed).map(PredicateId::new));
+        said
     }
 
-    /// The atoms that an action can make true.
-    fn added(&self, action: &'a Action) -> Vec<&'a Atom> {
-        if self.to_action(action).is_some() {
-            return Vec::new();
-        }
-        let happens = |index: &usize| self.to_effect(action, *index).is_none();
-        let adding = (0..action.effects.len()).filter(|index| action.effects[*index].adds);
-        adding
-            .filter(happens)
-            .map(|index| &action.effects[index].atom)
-            .collect()
+    /// What actions can make true.
+    fn done(&self) -> Vec<PredicateId> {
+        let able = self
+            .domain
+            .actions
+            .iter()
+            .filter(|action| self.to_action(action).is_none());
+        able.flat_map(|action| {
+            action
+                .effects
+                .iter()
+                .enumerate()
+                .map(move |(index, effect)| (action, index, effect))
+        })
+        .filter(|(action, index, effect)| effect.adds && self.to_effect(action, *index).is_none())
+        .map(|(_, _, effect)| effect.atom.predicate)
+        .collect()
     }
 
     fn to_action(&self, action: &Action) -> Option<Obstacle> {
@@ -260,15 +252,11 @@ impl<'a> Reach<'a> {
                 holds: true,
                 initially,
             } => {
-                let (initially, index) = (*initially, atom.predicate.index());
-                let possible = if initially {
-                    self.given[index]
-                } else {
-                    self.reached[index]
-                };
-                if !possible {
-                    let atom = atom.clone();
-                    return Some(Obstacle::NeverTrue { atom, initially });
+                if !self.can_be_true(atom.predicate) {
+                    return Some(Obstacle::NeverTrue(atom.predicate));
+                }
+                if *initially && self.domain.words(atom.predicate).event {
+                    return Some(Obstacle::NotYet(atom.predicate));
                 }
                 let parameters = &self.domain.predicate(atom.predicate).parameters;
                 let mut pairs = atom.terms.iter().zip(parameters);
@@ -323,7 +311,20 @@ fn parts_of(literal: &Condition) -> Option<(&Atom, bool, bool)> {
 }
 
 fn opposite(literal: &Condition, other: &Condition) -> bool {
-    *literal == other.clone().negated()
+    if let (Some((atom, holds, initially)), Some((same, opposite, then))) = (parts_of(literal), parts_of(other)) {
+        return atom == same && holds != opposite && initially == then;
+    }
+    match (literal, other) {
+        (
+            Condition::Equal { left, right, holds },
+            Condition::Equal {
+                left: first,
+                right: second,
+                holds: opposite,
+            },
+        ) => holds != opposite && ((left, right) == (first, second) || (left, right) == (second, first)),
+        _ => false,
+    }
 }
 
 fn contradiction(literal: &Condition, forall: bool) -> Option<Obstacle> {

@@ -104,6 +104,14 @@ fn our_own_domains_are_clean() {
 }
 
 #[test]
+fn every_lint_is_in_the_documentation() {
+    let documentation = include_str!("../../../../../docs/domains.md");
+    for lint in Lint::ALL {
+        assert!(documentation.contains(&format!("`{}`", lint.name())), "{lint:?}");
+    }
+}
+
+#[test]
 fn actions_that_can_never_apply() {
     let fly = |rest: &str| format!("(:action fly :parameters (?to - station) {rest})\n(:action drive");
     let nothing = fly(":precondition (winged) :effect (robot-at ?to)");
