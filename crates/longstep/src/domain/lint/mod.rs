@@ -154,7 +154,7 @@ fn without_accepted(mut findings: Vec<Finding>, places: &Places<'_>) -> Vec<Find
             };
             report(places.word(&entry.lint), format!("there is no finding `{name}`"), hint);
         } else if findings.len() == before {
-            let message = format!("nothing is found as `{name}` of {}", quoted(&of));
+            let message = format!("accepting `{name}` of {} accepts nothing", quoted(&of));
             let hint = "take the acceptance out, or write the names of the finding that it is for in `of`";
             report(places.word(&entry.lint), message, hint.to_owned());
         } else if entry.why.get_ref().trim().is_empty() {
@@ -175,6 +175,7 @@ fn same_names(left: &[String], right: &[String]) -> bool {
 fn quoted(names: &[&str]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     match &quoted[..] {
+        [] => "no names".to_owned(),
         [start @ .., last] if !start.is_empty() => format!("{} and {last}", start.join(", ")),
         _ => quoted.concat(),
     }

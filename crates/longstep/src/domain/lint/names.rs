@@ -122,8 +122,10 @@ fn tell_apart(domain: &Domain, left: Option<&Action>, right: Option<&Action>) ->
         .iter()
         .zip(&right.parameters)
         .find(|(l, r)| l.name != r.name);
-    if let Some((of_left, of_right)) = differing {
-        let start = common_start(&left.call, &right.call);
+    let start = common_start(&left.call, &right.call);
+    if let Some((of_left, of_right)) = differing
+        && !start.is_empty()
+    {
         let named = |parameter: &Parameter| format!("`{}`", joined(&left.call, &start, &parameter.name));
         return Some(format!("as in {} and {}", named(of_left), named(of_right)));
     }

@@ -93,7 +93,8 @@ impl<'a> Places<'a> {
     /// Where the `part` of an action (`:parameters`, `:precondition`, `:effect`) first writes `word`, else where the
     /// action is declared.
     pub(super) fn within_action(&self, action: &str, part: &str, word: &str) -> Place<'_> {
-        let fields = self.of(":action").find(|items| items[0].word() == Some(action));
+        let named = |items: &&[Expression]| items.first().is_some_and(|name| name.word() == Some(action));
+        let fields = self.of(":action").find(named);
         let part = fields.and_then(|fields| fields.iter().skip_while(|field| field.word() != Some(part)).nth(1));
         match part.and_then(|part| first(part, word)) {
             Some(position) => self.pddl(Some(position)),

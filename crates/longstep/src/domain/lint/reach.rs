@@ -5,7 +5,7 @@
 //! not.
 
 use crate::domain::condition::{Atom, Condition, Term};
-use crate::domain::{Action, Domain, Parameter, PredicateId, TypeId, Unknown};
+use crate::domain::{Action, Domain, Literal, Parameter, PredicateId, TypeId, Unknown};
 
 /// Why a condition can never hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,43 +60,47 @@ impl<'a> Reach<'a> {
     fn said(&self) -> Vec<PredicateId> {
         let domain = self.domain;
         let any = [TypeId::OBJECT, TypeId::OBJECT];
+        let can_hold = |when: &Condition| self.obstacle(when, &any).is_none();
         let mut said: Vec<PredicateId> = domain.states.iter().map(|state| state.atom.predicate).collect();
-        let properties = domain.properties.iter().map(|property| &property.literals);
-        let derivations = domain.derivations.iter();
-        let derivations = derivations.filter(|derivation| self.obstacle(&derivation.when, &any).is_none());
-        let literals = properties
-            .chain(derivations.map(|derivation| &derivation.literals))
-            .flatten();
-        said.extend(
-            literals
-                .filter(|literal| literal.holds)
-                .map(|literal| literal.atom.predicate),
-        );
-        let defaults = domain.defaults.iter();
-        let defaults = defaults.filter(|default| self.obstacle(&default.when, &any).is_none());
-        said.extend(defaults.map(|default| default.atom.predicate));
-        let assumed = |index: &usize| domain.predicate_words[*index].unknown == Unknown::Assume;
-        said.extend((0..domain.predicates.len()).filter(assumed).map(PredicateId::new));
+        let mut say = |literals: &[Literal]| {
+            let holding = literals.iter().filter(|literal| literal.holds);
+            said.extend(holding.map(|literal| literal.atom.predicate));
+        };
+        domain.properties.iter().for_each(|property| say(&property.literals));
+        for derivation in domain
+            .derivations
+            .iter()
+            .filter(|derivation| can_hold(&derivation.when))
+        {
+            say(&derivation.literals);
+        }
+        for default in domain.defaults.iter().filter(|default| can_hold(&default.when)) {
+            said.push(default.atom.predicate);
+        }
+        for (index, words) in domain.predicate_words.iter().enumerate() {
+            if words.unknown == Unknown::Assume {
+                said.push(PredicateId::new(index));
+            }
+        }
         said
     }
 
     /// What actions can make true.
     fn done(&self) -> Vec<PredicateId> {
-        let able = self
+        let mut done = Vec::new();
+        for action in self
             .domain
             .actions
             .iter()
-            .filter(|action| self.to_action(action).is_none());
-        able.flat_map(|action| {
-            action
-                .effects
-                .iter()
-                .enumerate()
-                .map(move |(index, effect)| (action, index, effect))
-        })
-        .filter(|(action, index, effect)| effect.adds && self.to_effect(action, *index).is_none())
-        .map(|(_, _, effect)| effect.atom.predicate)
-        .collect()
+            .filter(|action| self.to_action(action).is_none())
+        {
+            for (index, effect) in action.effects.iter().enumerate() {
+                if effect.adds && self.to_effect(action, index).is_none() {
+                    done.push(effect.atom.predicate);
+                }
+            }
+        }
+        done
     }
 
     fn to_action(&self, action: &Action) -> Option<Obstacle> {

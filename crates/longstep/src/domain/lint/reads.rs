@@ -2,7 +2,7 @@
 
 use super::places::Places;
 use super::{Finding, Lint, quoted};
-use crate::domain::condition::{Atom, Condition};
+use crate::domain::condition::Condition;
 use crate::domain::{Action, Domain, Effect, Parameter, PredicateId, TypeId, Unknown};
 
 /// Which predicates are read, by predicate.
@@ -54,8 +54,9 @@ pub(super) fn findings(domain: &Domain, reads: &Reads, places: &Places<'_>) -> V
     for action in &domain.actions {
         effects(domain, reads, places, action, &mut findings);
     }
-    for index in 0..domain.predicates.len() {
-        predicate(domain, reads, places, PredicateId::new(index), &mut findings);
+    for (index, words) in domain.predicate_words.iter().enumerate() {
+        let tell = if words.fluent { changed } else { unchanged };
+        tell(domain, reads, places, PredicateId::new(index), &mut findings);
     }
     types(domain, places, &mut findings);
     findings
@@ -84,7 +85,7 @@ fn effects(domain: &Domain, reads: &Reads, places: &Places<'_>, action: &Action,
                     "the action `{name}` only changes {}, which nothing reads",
                     quoted(&changed)
                 ),
-                format!("{} {}", how_to_read(changed[0]), "or take the action out"),
+                let_it_be_read(changed[0], "take the action out"),
             )
         };
         findings.push(Finding::new(
@@ -120,70 +121,71 @@ fn is_useless(reads: &Reads, action: &Action) -> bool {
         .all(|effect| reads.nothing_reads(effect.atom.predicate))
 }
 
-fn how_to_read(name: &str) -> String {
-    format!("let a precondition, a goal, a rule or a `[[state]]` speak of `{name}`,")
+fn let_it_be_read(name: &str, otherwise: &str) -> String {
+    format!("let a precondition, a goal, a rule or a `[[state]]` speak of `{name}`, or {otherwise}")
 }
 
-fn predicate(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateId, findings: &mut Vec<Finding>) {
-    let (name, words) = (domain.predicate(id).name.as_str(), domain.words(id));
-    let mut report = |lint, place, message: String, hint: String| {
-        findings.push(Finding::new(lint, &[name], place, message, hint));
-    };
-    if words.fluent {
-        let changing: Vec<&Action> = domain
-            .actions
-            .iter()
-            .filter(|action| action.effects.iter().any(|effect| effect.atom.predicate == id))
-            .collect();
-        // Where the actions are useless themselves, that says it already.
-        if reads.nothing_reads(id) && !changing.iter().all(|action| is_useless(reads, action)) {
-            let names: Vec<&str> = changing.iter().map(|action| action.name.as_str()).collect();
-            report(
-                Lint::UnreadEffect,
-                places.within_action(names[0], ":effect", name),
-                format!("nothing reads `{name}`, which {} changes", quoted(&names)),
-                format!("{} {}", how_to_read(name), "or take it out of the effects"),
-            );
-        }
+/// A predicate that actions change.
+fn changed(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateId, findings: &mut Vec<Finding>) {
+    let changes = |action: &&Action| action.effects.iter().any(|effect| effect.atom.predicate == id);
+    let changing: Vec<&Action> = domain.actions.iter().filter(changes).collect();
+    // Where the actions are useless themselves, that says it already.
+    if !reads.nothing_reads(id) || changing.iter().all(|action| is_useless(reads, action)) {
         return;
     }
-    // `short` is no reason to ask for a fact, but it is one to give it.
-    if reads.asked[id.index()] || words.short.is_some() {
+    let name = domain.predicate(id).name.as_str();
+    let actions: Vec<&str> = changing.iter().map(|action| action.name.as_str()).collect();
+    findings.push(Finding::new(
+        Lint::UnreadEffect,
+        &[name],
+        places.within_action(actions[0], ":effect", name),
+        format!("nothing reads `{name}`, which {} changes", quoted(&actions)),
+        let_it_be_read(name, "take it out of the effects"),
+    ));
+}
+
+/// A predicate that no action changes.
+fn unchanged(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateId, findings: &mut Vec<Finding>) {
+    // That environments have a word for it is no reason to give it; that a model sees it is one.
+    if reads.asked[id.index()] || domain.words(id).short.is_some() {
         return;
     }
+    let name = domain.predicate(id).name.as_str();
     let states = domain.states.iter().zip(&places.words.state);
-    let properties = domain.properties.iter().zip(&places.words.property);
     let state = states
         .filter(|(word, _)| word.atom.predicate == id)
         .map(|(_, entry)| &entry.word);
+    let properties = domain.properties.iter().zip(&places.words.property);
     let property = properties
         .filter(|(word, _)| word.literals.iter().any(|literal| literal.atom.predicate == id))
         .map(|(_, entry)| &entry.word);
     let place = state.chain(property).next().map(|word| places.word(word));
     let follows = domain.derivations.iter().flat_map(|derivation| &derivation.literals);
-    let given = words.unknown == Unknown::Assume
-        || follows
-            .map(|literal| &literal.atom)
-            .chain(domain.defaults.iter().map(|default| &default.atom))
-            .any(|atom: &Atom| atom.predicate == id);
-    if place.is_some() || given {
-        report(
+    let follows = follows.map(|literal| literal.atom.predicate);
+    let usual = domain.defaults.iter().map(|default| default.atom.predicate);
+    let given = place.is_some()
+        || domain.words(id).unknown == Unknown::Assume
+        || follows.chain(usual).any(|predicate| predicate == id);
+    findings.push(if given {
+        Finding::new(
             Lint::DeadState,
+            &[name],
             place.unwrap_or_else(|| places.predicate(name)),
             format!("environments say `{name}`, and no action changes it and nothing reads it"),
             format!(
                 "let a precondition, a goal or a rule speak of `{name}`, give it a `short` so that a model sees it, \
                  or leave it out"
             ),
-        );
+        )
     } else {
-        report(
+        Finding::new(
             Lint::UnusedPredicate,
+            &[name],
             places.predicate(name),
             format!("nothing uses the predicate `{name}`"),
-            "use it in a condition or an effect, or take it out of both files".to_owned(),
-        );
-    }
+            "use it in a condition or an effect, or take it out of both files",
+        )
+    });
 }
 
 /// Types that stand nowhere and have no type below them that does.
