@@ -102,10 +102,16 @@ pub(crate) enum DomainCommand {
         /// A shipped domain's name or a folder
         domain: String,
     },
-    /// Report everything that is wrong with a domain's folder
+    /// Report everything that is wrong with a domain's folder, and what probably is
     Check {
         /// The folder (or a shipped domain's name)
         domain: String,
+        /// Exit with 10 when there are warnings
+        #[arg(long)]
+        strict: bool,
+        /// Write the warnings as one JSON array for programs
+        #[arg(long)]
+        json: bool,
     },
     /// Write a commented folder to start from
     New {

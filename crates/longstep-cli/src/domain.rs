@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::domain::{self, Domain};
+use longstep::domain::{self, Domain, Finding};
 use owo_colors::OwoColorize;
 
 use crate::arguments::DomainCommand;
-use crate::failure::Failure;
+use crate::failure::{Failure, NOT_VALID};
 use crate::{inputs, show};
 
 pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
@@ -19,18 +19,54 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
             }
         }
         DomainCommand::Show { domain } => describe(&inputs::domain(domain)?),
-        DomainCommand::Check { domain } => {
-            let loaded = inputs::domain(domain)?;
-            anstream::println!(
-                "{domain}: nothing is wrong (actions: {}, goals: {}, examples: {})",
-                loaded.actions.len(),
-                loaded.goal_words.len(),
-                loaded.examples.len()
-            );
-        }
+        DomainCommand::Check { domain, strict, json } => return check(domain, *strict, *json),
         DomainCommand::New { folder } => create(folder)?,
     }
     Ok(0)
+}
+
+/// Warnings are what the command is for, so they go to stdout; what keeps a domain from loading is an error.
+fn check(name: &str, strict: bool, json: bool) -> Result<u8> {
+    let files = inputs::domain_files(name)?;
+    let domain = domain::load(&files)?;
+    let findings = domain::lint(&domain, &files);
+    if json {
+        let entries: Vec<_> = findings.iter().map(entry).collect();
+        anstream::println!("{}", serde_json::to_string_pretty(&entries)?);
+    } else {
+        for finding in &findings {
+            anstream::println!(
+                "{} {}",
+                "warning:".yellow().bold(),
+                finding.to_string().replace("  hint:", "hint:")
+            );
+        }
+        let verdict = match findings.len() {
+            0 => "nothing is wrong".to_owned(),
+            1 => "1 warning".to_owned(),
+            count => format!("{count} warnings"),
+        };
+        anstream::println!(
+            "{name}: {verdict} (actions: {}, goals: {}, examples: {})",
+            domain.actions.len(),
+            domain.goal_words.len(),
+            domain.examples.len()
+        );
+    }
+    Ok(if strict && !findings.is_empty() { NOT_VALID } else { 0 })
+}
+
+fn entry(finding: &Finding) -> serde_json::Value {
+    let diagnostic = &finding.diagnostic;
+    serde_json::json!({
+        "lint": finding.lint.name(),
+        "of": finding.of,
+        "file": diagnostic.file,
+        "line": diagnostic.position.map(|position| position.line),
+        "column": diagnostic.position.map(|position| position.column),
+        "message": diagnostic.message,
+        "hint": diagnostic.hint,
+    })
 }
 
 fn describe(domain: &Domain) {

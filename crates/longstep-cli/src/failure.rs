@@ -6,6 +6,8 @@ use longstep::prompt::DialogueError;
 use longstep_llm::{ModelError, UnderstandError};
 use owo_colors::OwoColorize;
 
+/// What was checked is not as it should be.
+pub(crate) const NOT_VALID: u8 = 10;
 /// Input that cannot be read.
 pub(crate) const UNREADABLE: u8 = 30;
 /// A limit was reached.

@@ -44,8 +44,13 @@ pub(crate) fn plain(error: &std::io::Error) -> String {
 
 /// Loads a shipped domain by name, or any domain by folder.
 pub(crate) fn domain(name: &str) -> Result<Domain> {
-    if let Some(shipped) = domain::shipped(name) {
-        return Ok(shipped?);
+    Ok(domain::load(&domain_files(name)?)?)
+}
+
+/// The files of a shipped domain by name, or of any domain by folder.
+pub(crate) fn domain_files(name: &str) -> Result<Files> {
+    if let Some(shipped) = domain::shipped_files(name) {
+        return Ok(shipped);
     }
     let folder = Path::new(name);
     if !folder.is_dir() {
@@ -62,14 +67,13 @@ pub(crate) fn domain(name: &str) -> Result<Domain> {
             .into());
     }
     let prefix = format!("{}/", name.trim_end_matches('/'));
-    let files = Files {
+    Ok(Files {
         pddl: text(&folder.join("domain.pddl"))?,
         words: text(&folder.join("domain.toml"))?,
         goal_prompt: text(&folder.join("prompt/goal.md"))?,
         examples: text(&folder.join("prompt/examples.toml"))?,
         folder: prefix,
-    };
-    Ok(domain::load(&files)?)
+    })
 }
 
 /// Reads an environment file as a world of the domain.

@@ -263,6 +263,24 @@ fn a_new_domain_passes_its_check() {
 }
 
 #[test]
+fn a_doubtful_domain_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("porter");
+    let porter = path.to_str().unwrap();
+    assert_eq!(longstep(&["domain", "new", porter]).0, 0);
+    let file = path.join("domain.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let doubtful = text
+        .replace("call = \"pick(", "call = \"drop_off(")
+        .replace("\"Drive to another station.\"", "\"Drive.\"");
+    std::fs::write(&file, doubtful).unwrap();
+    snapshot!("domain_check_warnings", &["domain", "check", porter]);
+    snapshot!("domain_check_json", &["domain", "check", porter, "--json"]);
+    assert_eq!(longstep(&["domain", "check", porter, "--strict"]).0, 10);
+    assert_eq!(longstep(&["domain", "check", "virtualhome", "--strict"]).0, 0);
+}
+
+#[test]
 fn a_broken_domain_tells_everything_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("porter");

@@ -100,7 +100,7 @@ fn read_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str, findings: &
 }
 
 /// Where the content of a TOML string begins: behind its quotes.
-fn content_position<T>(text: &str, value: &Spanned<T>) -> Position {
+pub(super) fn content_position<T>(text: &str, value: &Spanned<T>) -> Position {
     let start = value.span().start;
     let raw = &text[start..];
     let quotes = if raw.starts_with("\"\"\"") || raw.starts_with("'''") {

@@ -5,6 +5,7 @@
 
 mod condition;
 mod lexicon;
+mod lint;
 mod load;
 mod pddl;
 mod sexpr;
@@ -15,8 +16,9 @@ mod words;
 
 pub use condition::{Atom, Condition, Effect, Slot, Term};
 pub use lexicon::{Lexicon, base_name, head, plain_words, singular};
+pub use lint::{Finding, Lint, lint};
 pub use load::{Files, load};
-pub use shipped::{shipped, shipped_names};
+pub use shipped::{shipped, shipped_files, shipped_names};
 pub use starter::starter;
 pub use template::{Template, with_article};
 

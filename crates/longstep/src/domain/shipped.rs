@@ -20,6 +20,11 @@ pub fn shipped_names() -> Vec<&'static str> {
 ///
 /// None for the domains as they are shipped; the tests load each of them.
 pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
+    Some(load(&shipped_files(name)?))
+}
+
+/// The files of the shipped domain of that name, or none if there is no such domain.
+pub fn shipped_files(name: &str) -> Option<Files> {
     let folder = SHIPPED
         .get_dir(name)
         .filter(|dir| dir.path().components().count() == 1)?;
@@ -31,13 +36,13 @@ pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
             .unwrap_or_default()
             .to_owned()
     };
-    Some(load(&Files {
+    Some(Files {
         folder: format!("domains/{name}/"),
         pddl: text("domain.pddl"),
         words: text("domain.toml"),
         goal_prompt: text("prompt/goal.md"),
         examples: text("prompt/examples.toml"),
-    }))
+    })
 }
 
 #[cfg(test)]

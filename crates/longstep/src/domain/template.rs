@@ -49,6 +49,17 @@ impl Template {
             })
             .collect()
     }
+
+    /// Whether there is a hole for the parameter at `index`.
+    pub(crate) fn mentions(&self, index: usize) -> bool {
+        self.pieces.contains(&Piece::Hole(index))
+    }
+
+    /// Whether it says nothing.
+    pub(crate) fn is_blank(&self) -> bool {
+        let blank = |piece: &Piece| matches!(piece, Piece::Text(text) if text.trim().is_empty());
+        self.pieces.iter().all(blank)
+    }
 }
 
 /// A name with its article: "the juice", but "plate 2".

@@ -28,6 +28,9 @@ pub(super) struct DomainFile {
     pub(super) rule: Vec<RuleEntry>,
     #[serde(default)]
     pub(super) goal: Vec<GoalEntry>,
+    /// Only [`super::lint()`] looks at these.
+    #[serde(default)]
+    pub(super) accept: Vec<AcceptEntry>,
     #[serde(default)]
     pub(super) repair: RepairEntry,
     #[serde(default)]
@@ -164,6 +167,14 @@ pub(super) struct GoalEntry {
     pub(super) disturbs: Vec<Text>,
     pub(super) says: Text,
     pub(super) means: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AcceptEntry {
+    pub(super) lint: Text,
+    pub(super) of: Vec<String>,
+    pub(super) why: Text,
 }
 
 #[derive(Debug, Deserialize)]
