@@ -22,7 +22,7 @@ pub(crate) use offer::{already, is_plain};
 use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, RuleTime, Term};
 use crate::search::Wanted;
 use crate::verify::{Purpose, Waiver, wanted_at_end};
-use crate::world::{EntityId, Fact, World, fact_text};
+use crate::world::{EntityId, Fact, Voice, World};
 
 /// One thing that is wanted.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -78,12 +78,17 @@ impl GoalFact {
 
     /// As a sentence for a person.
     pub fn sentence(&self, domain: &Domain, world: &World) -> String {
+        self.sentence_in(Voice::Person, domain, world)
+    }
+
+    /// As a sentence in either voice.
+    pub fn sentence_in(&self, voice: Voice, domain: &Domain, world: &World) -> String {
         match self {
             Self::Word { word, arguments } => {
-                let name = |parameter: usize| world.entity(arguments[parameter]).with_article();
+                let name = |parameter: usize| voice.name(world, arguments[parameter]);
                 domain.goal_word(*word).says.fill(name)
             }
-            Self::Plain(fact) => fact_text(domain, world, *fact, true),
+            Self::Plain(fact) => voice.fact(domain, world, *fact, true),
         }
     }
 

@@ -29,6 +29,9 @@ pub struct Edit {
     /// Where it shows in the repaired plan, counted from 0: the new place of a step, or the place where a dropped one
     /// would stand.
     pub at: usize,
+    /// The step of the draft, from 0, that it changes, or before which something is inserted; the number of steps for
+    /// the end.
+    pub step: usize,
     /// The call before.
     pub before: Option<String>,
     /// The call after.
@@ -37,10 +40,38 @@ pub struct Edit {
     pub why: String,
 }
 
+impl EditKind {
+    /// The kind, as `--json` names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Insert => "insert",
+            Self::Drop => "drop",
+            Self::Replace => "replace",
+            Self::Move => "move",
+        }
+    }
+}
+
+impl Edit {
+    /// The change in a few words, with its place in a draft of `length` steps; steps are counted from 1.
+    pub fn told(&self, length: usize) -> String {
+        let (before, after) = (self.before.as_deref().unwrap_or(""), self.after.as_deref().unwrap_or(""));
+        let number = self.step + 1;
+        match self.kind {
+            EditKind::Insert if self.step >= length => format!("add {after} at the end"),
+            EditKind::Insert => format!("insert {after} before step {number}"),
+            EditKind::Drop => format!("leave out step {number}, {before}"),
+            EditKind::Replace => format!("in step {number}, {after} instead of {before}"),
+            EditKind::Move => format!("do step {number}, {before}, later, as step {}", self.at + 1),
+        }
+    }
+}
+
 /// A change whose reason is still to be found.
 enum Origin {
     Kept,
-    Inserted,
+    /// Before this step of the draft.
+    Inserted(usize),
     Replaced(usize),
     Moved(usize),
 }
@@ -66,11 +97,18 @@ impl Script {
             step
         };
         let new = |ground: &GroundAction| Step::explained(domain, world, ground.action, ground.arguments.clone());
+        let mut read = 0;
         for next in moves {
+            match next {
+                Move::Keep(index, _) | Move::Replace(index, _) | Move::Drop(index, _) | Move::Postpone(index) => {
+                    read = index + 1;
+                }
+                Move::Insert(_) | Move::Resume(..) | Move::Forgo(_) => {}
+            }
             match next {
                 Move::Keep(index, ground) => script.steps.push((own(*index, ground), Origin::Kept)),
                 Move::Resume(index, ground) => script.steps.push((own(*index, ground), Origin::Moved(*index))),
-                Move::Insert(ground) => script.steps.push((new(ground), Origin::Inserted)),
+                Move::Insert(ground) => script.steps.push((new(ground), Origin::Inserted(read))),
                 Move::Replace(index, ground) => script.steps.push((new(ground), Origin::Replaced(*index))),
                 Move::Drop(index, reason) => script.dropped.push((script.steps.len(), *index, *reason)),
                 Move::Postpone(_) | Move::Forgo(_) => {}
@@ -109,6 +147,7 @@ impl Script {
                 edits.push(Edit {
                     kind: EditKind::Drop,
                     at,
+                    step: *index,
                     before: Some(draft.written[*index].clone()),
                     after: None,
                     why: reasons.for_dropping(draft, *index, at, *reason),
@@ -118,21 +157,17 @@ impl Script {
                 break;
             };
             let after = Some(step.call(domain, world).to_string());
-            let (kind, before, why) = match origin {
+            let (kind, step, why) = match origin {
                 Origin::Kept => continue,
-                Origin::Inserted => (EditKind::Insert, None, reasons.for_having(at)),
-                Origin::Replaced(index) => {
-                    let why = reasons.for_replacing(draft, *index, at);
-                    (EditKind::Replace, Some(draft.written[*index].clone()), why)
-                }
-                Origin::Moved(index) => {
-                    let why = format!("moved from step {}: {}", index + 1, reasons.for_having(at));
-                    (EditKind::Move, Some(draft.written[*index].clone()), why)
-                }
+                Origin::Inserted(index) => (EditKind::Insert, *index, reasons.for_having(at)),
+                Origin::Replaced(index) => (EditKind::Replace, *index, reasons.for_replacing(draft, *index, at)),
+                Origin::Moved(index) => (EditKind::Move, *index, reasons.for_having(at)),
             };
+            let before = (kind != EditKind::Insert).then(|| draft.written[step].clone());
             edits.push(Edit {
                 kind,
                 at,
+                step,
                 before,
                 after,
                 why,

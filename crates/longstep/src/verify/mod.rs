@@ -4,6 +4,7 @@
 //! turns into a [`VerifiedPlan`], and there is no other way to make one.
 
 mod bind;
+mod explain;
 mod possible;
 mod rules;
 mod simulate;
@@ -14,6 +15,7 @@ mod violation;
 
 pub use bind::bind;
 pub(crate) use bind::{Candidate, candidates, claimed_places};
+pub use explain::feedback;
 pub(crate) use possible::{can_apply, can_be_brought_about};
 pub(crate) use rules::wanted_at_end;
 pub use rules::{Waiver, broken_bindings};

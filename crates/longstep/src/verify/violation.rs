@@ -4,7 +4,7 @@ use super::trace::Trace;
 use crate::domain::Domain;
 use crate::goal::Goal;
 use crate::plan::Step;
-use crate::world::{EntityId, Fact, Ground, World, fact_text};
+use crate::world::{EntityId, Fact, Ground, Voice, World, fact_text};
 
 /// A fact that a step needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -177,10 +177,14 @@ impl Violation {
 
     /// The facts that were missing, as sentences.
     pub fn missing(&self, domain: &Domain, world: &World) -> Vec<String> {
-        let text = |m: &Missing| m.fact.map(|fact| fact_text(domain, world, fact, m.holds));
+        self.missing_in(Voice::Person, domain, world)
+    }
+
+    fn missing_in(&self, voice: Voice, domain: &Domain, world: &World) -> Vec<String> {
+        let text = |m: &Missing| m.fact.map(|fact| voice.fact(domain, world, fact, m.holds));
         match self {
             Self::Precondition { missing, .. } => missing.iter().filter_map(text).collect(),
-            Self::Claim { fact } => vec![fact_text(domain, world, *fact, true)],
+            Self::Claim { fact } => vec![voice.fact(domain, world, *fact, true)],
             _ => Vec::new(),
         }
     }
@@ -195,6 +199,18 @@ impl Violation {
 
     /// One sentence for a person; steps are counted from 1 in it.
     pub fn message(&self, domain: &Domain, world: &World, steps: &[Step], goal: Option<&Goal>) -> String {
+        self.message_in(Voice::Person, domain, world, steps, goal)
+    }
+
+    /// The same in either voice.
+    pub fn message_in(
+        &self,
+        voice: Voice,
+        domain: &Domain,
+        world: &World,
+        steps: &[Step],
+        goal: Option<&Goal>,
+    ) -> String {
         let near = |near: &Option<String>| {
             near.as_ref()
                 .map_or(String::new(), |n| format!("; did you mean `{n}`?"))
@@ -222,7 +238,7 @@ impl Violation {
                 format!("`task_sequence` has {calls} entries and `step_instructions` has {explanations}")
             }
             Self::Precondition { step, missing } => {
-                let texts = self.missing(domain, world);
+                let texts = self.missing_in(voice, domain, world);
                 let call = steps[*step].call(domain, world);
                 let mut message = if texts.is_empty() {
                     format!("step {}: {call} can never be done like this", step + 1)
@@ -231,7 +247,7 @@ impl Violation {
                 };
                 for missing in missing {
                     if let (Some(fact), Some(culprit)) = (missing.fact, missing.undone_by) {
-                        let now = fact_text(domain, world, fact, !missing.holds);
+                        let now = voice.fact(domain, world, fact, !missing.holds);
                         let call = steps[culprit].call(domain, world);
                         message.push_str(&format!("; since step {} ({call}), {now}", culprit + 1));
                     }
@@ -239,20 +255,18 @@ impl Violation {
                 message
             }
             Self::Rule { step, rule, bindings } => {
-                let says = domain.rules[*rule]
-                    .says
-                    .fill(|slot| world.entity(bindings[slot]).with_article());
+                let says = domain.rules[*rule].says.fill(|slot| voice.name(world, bindings[slot]));
                 match step {
                     Some(step) => format!("after step {}: {says}", step + 1),
                     None => format!("at the end: {says}"),
                 }
             }
             Self::Goal { index } => match goal.and_then(|goal| goal.facts.get(*index)) {
-                Some(fact) => format!("at the end, this is not reached: {}", fact.sentence(domain, world)),
+                Some(fact) => format!("at the end, this is not reached: {}", fact.sentence_in(voice, domain, world)),
                 None => "at the end, the goal is not reached".to_owned(),
             },
             Self::Claim { fact } => {
-                let text = fact_text(domain, world, *fact, true);
+                let text = voice.fact(domain, world, *fact, true);
                 format!("at the end, this is claimed and not so: {text}")
             }
             Self::NoEffect { step } => {
@@ -260,7 +274,7 @@ impl Violation {
                 format!("step {}: {call} changes nothing", step + 1)
             }
             Self::Unasked { entity } => {
-                let name = world.entity(*entity).with_article();
+                let name = voice.name(world, *entity);
                 format!("{name} ends elsewhere, and nobody asked for that")
             }
         }

@@ -18,7 +18,7 @@ pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};
 pub(crate) use evaluate::{for_candidates, for_matching, ground, grounded_term};
 pub use fact::{EntityId, Fact, FactSet, State};
-pub use naming::fact_text;
+pub use naming::{Voice, fact_text};
 pub use read::read;
 pub(crate) use write::word_for;
 pub use write::write;

@@ -2,7 +2,7 @@
 
 use indexmap::IndexMap;
 
-use super::{Entity, Fact, World};
+use super::{Entity, EntityId, Fact, World};
 use crate::domain::{Domain, base_name, head, plain_words, singular, with_article};
 
 /// The everyday name of every identifier, unique, with all the names that it may be called by.
@@ -55,11 +55,36 @@ pub(super) fn name_entities(
     unique.into_iter().zip(choices).collect()
 }
 
-/// A fact, or its opposite, as a sentence.
+/// How things are called, depending on who is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Voice {
+    /// For a person: "the fridge".
+    Person,
+    /// For a model, which reads and writes the environment's identifiers: `<fridge_306>`.
+    Model,
+}
+
+impl Voice {
+    /// The entity in this voice.
+    pub fn name(self, world: &World, entity: EntityId) -> String {
+        let entity = world.entity(entity);
+        match self {
+            Self::Person => with_article(&entity.name),
+            Self::Model => entity.identifier.clone(),
+        }
+    }
+
+    /// A fact, or its opposite, as a sentence.
+    pub fn fact(self, domain: &Domain, world: &World, fact: Fact, holds: bool) -> String {
+        let words = domain.words(fact.predicate());
+        let template = if holds { &words.says } else { &words.denies };
+        template.fill(|place| self.name(world, fact.argument(place)))
+    }
+}
+
+/// A fact, or its opposite, as a sentence for a person.
 pub fn fact_text(domain: &Domain, world: &World, fact: Fact, holds: bool) -> String {
-    let words = domain.words(fact.predicate());
-    let template = if holds { &words.says } else { &words.denies };
-    template.fill(|place| with_article(&world.entity(fact.argument(place)).name))
+    Voice::Person.fact(domain, world, fact, holds)
 }
 
 impl Entity {
