@@ -60,87 +60,106 @@ pub fn read(text: &str) -> Result<Draft, Unreadable> {
             limit: LARGEST,
         });
     }
+    let seen = survey(text)?;
     let position = |at| Position::of(text, at);
-    let mut notes = Notes::default();
-    let mut plan: Option<Found> = None;
-    let mut first_object = None;
-    // An object that could not be read, and is not known to be a plan.
-    let mut broken = None;
-    let mut read_to = 0;
-    for (start, object) in (Objects { text, at: 0 }) {
-        let literal = match object {
-            Ok(literal) => literal,
-            Err(fault) => {
-                if fault.of_plan || !matches!(fault.reason, Reason::Malformed(_)) {
-                    return Err(unreadable(text, start, fault));
-                }
-                broken.get_or_insert((start, fault));
-                continue;
-            }
-        };
-        around(text, read_to..start, &mut notes);
-        read_to = literal.end;
-        first_object.get_or_insert(start);
-        match shape::likeness(&literal.node) {
-            None => notes.add(LeniencyKind::OtherObject, start),
-            // It may be a part of the broken object: what that object says besides would be lost.
-            Some(Likeness::Part) if broken.is_some() => {}
-            Some(_) => {
-                let mut used = literal.notes;
-                let file = shape::plan(text, &literal.node, &mut used)?;
-                match &mut plan {
-                    None => {
-                        plan = Some(Found::new(file, start));
-                        notes.append(used);
-                    }
-                    Some(found) => {
-                        found.count += 1;
-                        if found.file == file {
-                            notes.add(LeniencyKind::RepeatedPlan, start);
-                        } else {
-                            found.other.get_or_insert(start);
-                        }
-                    }
-                }
-            }
-        }
-    }
-    around(text, read_to..text.len(), &mut notes);
-    match (plan, broken, first_object) {
-        (Some(found), _, _) => match found.other {
-            None => Ok(Draft {
-                file: found.file,
-                leniencies: notes.into_leniencies(text),
+    match (seen.plan, seen.broken, seen.object) {
+        (
+            Some(Found {
+                other: Some(other),
+                count,
+                start,
+                ..
             }),
-            Some(other) => Err(Unreadable::SeveralPlans {
-                count: found.count,
-                first: position(found.start),
-                other: position(other),
-            }),
-        },
+            ..,
+        ) => Err(Unreadable::SeveralPlans {
+            count,
+            first: position(start),
+            other: position(other),
+        }),
+        (Some(Found { file, .. }), ..) => Ok(Draft {
+            file,
+            leniencies: seen.notes.into_leniencies(text),
+        }),
         (None, Some((start, fault)), _) => Err(unreadable(text, start, fault)),
         (None, None, Some(first)) => Err(Unreadable::NoPlan { first: position(first) }),
-        (None, None, None) if notes.contain(LeniencyKind::Prose) => Err(Unreadable::Refusal { text: beginning(text) }),
+        (None, None, None) if seen.notes.contain(LeniencyKind::Prose) => {
+            Err(Unreadable::Refusal { text: beginning(text) })
+        }
         (None, None, None) => Err(Unreadable::Empty),
     }
 }
 
-/// The first plan of a reply, and how many more there are.
+/// What there is in a reply; places are bytes.
+#[derive(Default)]
+struct Survey {
+    plan: Option<Found>,
+    /// The first object that could not be read, where it begins and why; none that is known to be a plan.
+    broken: Option<(usize, Fault)>,
+    /// The first object that could be read.
+    object: Option<usize>,
+    notes: Notes,
+}
+
+/// The first plan of a reply.
 struct Found {
     file: PlanFile,
     start: usize,
+    /// How many plans there are.
     count: usize,
     /// The first plan that is another one.
     other: Option<usize>,
 }
 
-impl Found {
-    fn new(file: PlanFile, start: usize) -> Self {
-        Self {
-            file,
-            start,
-            count: 1,
-            other: None,
+/// Looks at every object of a reply. A plan that cannot be read is an error, whatever else there is.
+fn survey(text: &str) -> Result<Survey, Unreadable> {
+    let mut seen = Survey::default();
+    let mut read_to = 0;
+    for (start, object) in (Objects { text, at: 0 }) {
+        let literal = match object {
+            Ok(literal) => literal,
+            Err(fault) if fault.of_plan || !matches!(fault.reason, Reason::Malformed(_)) => {
+                return Err(unreadable(text, start, fault));
+            }
+            Err(fault) => {
+                seen.broken.get_or_insert((start, fault));
+                continue;
+            }
+        };
+        around(text, read_to..start, &mut seen.notes);
+        read_to = literal.end;
+        seen.object.get_or_insert(start);
+        match shape::likeness(&literal.node) {
+            None => seen.notes.add(LeniencyKind::OtherObject, start),
+            // It may be a part of the broken object: what that object says besides would be lost.
+            Some(Likeness::Part) if seen.broken.is_some() => {}
+            Some(_) => {
+                let mut used = literal.notes;
+                let file = shape::plan(text, &literal.node, &mut used)?;
+                seen.add(file, start, used);
+            }
+        }
+    }
+    around(text, read_to..text.len(), &mut seen.notes);
+    Ok(seen)
+}
+
+impl Survey {
+    fn add(&mut self, file: PlanFile, start: usize, used: Notes) {
+        let Some(found) = &mut self.plan else {
+            self.notes.append(used);
+            self.plan = Some(Found {
+                file,
+                start,
+                count: 1,
+                other: None,
+            });
+            return;
+        };
+        found.count += 1;
+        if found.file == file {
+            self.notes.add(LeniencyKind::RepeatedPlan, start);
+        } else {
+            found.other.get_or_insert(start);
         }
     }
 }

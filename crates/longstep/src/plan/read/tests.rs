@@ -306,6 +306,7 @@ fn a_broken_object_is_not_read_in_part() {
 
 #[test]
 fn hostile_texts_are_refused_in_time() {
+    // A single quadratic scan among these would take minutes.
     check(
         &" ".repeat((1 << 20) + 1),
         "the reply has 1048577 bytes; at most 1048576 are read",
@@ -335,7 +336,7 @@ fn hostile_texts_are_refused_in_time() {
         "{a:'' ",
         "{a:[],",
     ] {
-        let times = (1 << 20) / part.len();
+        let times = (1 << 18) / part.len();
         for end in ["", " @", "}", "'", "' @"] {
             let text = format!("{}{end}", part.repeat(times - 2));
             assert!(read(&text).is_err());
