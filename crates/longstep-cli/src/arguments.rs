@@ -22,6 +22,8 @@ pub(crate) enum Command {
     Plan(PlanArguments),
     /// Check a plan step by step
     Verify(VerifyArguments),
+    /// Make a plan valid with the least change
+    Repair(RepairArguments),
     /// Find a shortest plan for a goal, without a language model
     Solve(SolveArguments),
     /// Look at domains, check one, begin a new one
@@ -64,7 +66,7 @@ pub(crate) struct PlanArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArguments {
-    /// The plan, in the paper's JSON
+    /// The plan, in the paper's JSON, or a model's reply that holds one
     #[arg(value_name = "PLAN.json")]
     pub(crate) plan: PathBuf,
     /// The world before the plan [default: the plan's own `environment_before`]
@@ -73,6 +75,28 @@ pub(crate) struct VerifyArguments {
     /// What the robot can do: a shipped domain's name or a folder
     #[arg(long, value_name = "DOMAIN", default_value = "household")]
     pub(crate) domain: String,
+    /// Write what a model would be told about the plan, if it is not valid
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) feedback: bool,
+    /// Write one JSON object for programs
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RepairArguments {
+    /// The plan, in the paper's JSON, or a model's reply that holds one
+    #[arg(value_name = "PLAN.json")]
+    pub(crate) plan: PathBuf,
+    /// The world before the plan [default: the plan's own `environment_before`]
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: Option<PathBuf>,
+    /// What the robot can do: a shipped domain's name or a folder
+    #[arg(long, value_name = "DOMAIN", default_value = "household")]
+    pub(crate) domain: String,
+    /// Also write the repaired plan to a file, in the paper's JSON
+    #[arg(long, value_name = "PLAN.json")]
+    pub(crate) save: Option<PathBuf>,
     /// Write one JSON object for programs
     #[arg(long)]
     pub(crate) json: bool,

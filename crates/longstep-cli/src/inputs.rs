@@ -7,7 +7,7 @@ use anyhow::Result;
 use longstep::diagnostic::nearest;
 use longstep::domain::{self, Domain, Files};
 use longstep::json;
-use longstep::plan::PlanFile;
+use longstep::plan::{self, PlanFile};
 use longstep::world::{self, Environment, World};
 
 use crate::failure::Failure;
@@ -126,14 +126,13 @@ pub(crate) fn read_world(
     })
 }
 
-/// Reads a plan file; also returns its text, for places in errors.
-pub(crate) fn plan(path: &Path) -> Result<(PlanFile, String)> {
+/// Reads a plan, or the reply of a model that holds one; also returns the text, for places in errors.
+pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
     let text = text(path)?;
-    let plan = serde_json::from_str(&text).map_err(|error| {
-        Failure::unreadable(format!("{}: {error}", path.display()))
-            .hint("a plan is the paper's JSON, with `task_cohesion` and its `task_sequence`")
+    let draft = plan::read(&text).map_err(|error| {
+        Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint())
     })?;
-    Ok((plan, text))
+    Ok((draft, text))
 }
 
 /// Writes a file whole or not at all.

@@ -5,11 +5,13 @@
 
 mod arguments;
 mod domain;
+mod draft;
 mod failure;
 mod inputs;
 mod model;
 mod plan;
 mod progress;
+mod repair;
 mod show;
 mod solve;
 mod verify;
@@ -25,6 +27,7 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Repair(arguments) => repair::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Domain(command) => domain::run(&command),
         Command::Model(command) => model::run(&command),

@@ -15,6 +15,7 @@ pub(crate) fn answer(answer: &Answer, notes: &[String]) {
         return;
     }
     steps(answer);
+    edits(answer);
     if let (Some(before), Some(after)) = (&answer.plan.environment_before, &answer.plan.environment_after) {
         let changed = changes(before, after);
         if !changed.is_empty() {
@@ -57,7 +58,8 @@ pub(crate) fn answer(answer: &Answer, notes: &[String]) {
         })
         .collect();
     list("The plan claims something else than was simulated", &differing);
-    list("Notes", notes);
+    let notes: Vec<String> = answer.notes.iter().chain(notes).cloned().collect();
+    list("Notes", &notes);
     let violations: Vec<String> = answer
         .violations
         .iter()
@@ -66,6 +68,30 @@ pub(crate) fn answer(answer: &Answer, notes: &[String]) {
     list("What is wrong", &violations);
     anstream::println!();
     verdict(answer);
+}
+
+/// Prints advice.
+pub(crate) fn hint(text: &str) {
+    anstream::println!("{} {text}", "hint:".cyan().bold());
+}
+
+fn edits(answer: &Answer) {
+    if answer.edits.is_empty() {
+        return;
+    }
+    anstream::println!();
+    heading("What was changed");
+    for edit in &answer.edits {
+        let number = edit.at + 1;
+        let (before, after) = (edit.before.as_deref().unwrap_or(""), edit.after.as_deref().unwrap_or(""));
+        match edit.kind {
+            "drop" => anstream::println!("  {} {before}", "-".red()),
+            "replace" => anstream::println!("  {} {number}. {after} instead of {before}", "~".yellow()),
+            "move" => anstream::println!("  {} {number}. {after}, later than in the plan", "~".yellow()),
+            _ => anstream::println!("  {} {number}. {after}", "+".green()),
+        }
+        anstream::println!("    {}", edit.why.dimmed());
+    }
 }
 
 fn nothing(text: &str) -> &str {
@@ -120,7 +146,14 @@ fn verdict(answer: &Answer) {
     parts.push(format!("verification {}", milliseconds(times.verify)));
     let time = parts.join(", ");
     match answer.status {
-        Status::Verified => anstream::println!("{} {count} ({time})", "Verified:".green().bold()),
+        Status::Verified => {
+            let changed = match answer.edits.len() {
+                0 => String::new(),
+                1 => ", 1 change".to_owned(),
+                many => format!(", {many} changes"),
+            };
+            anstream::println!("{} {count}{changed} ({time})", "Verified:".green().bold());
+        }
         Status::Invalid => {
             let found = answer.violations.len();
             let found = if found == 1 {

@@ -1,4 +1,4 @@
-//! The one JSON object that `plan`, `verify` and `solve` answer with, for programs.
+//! The one JSON object that `plan`, `verify`, `repair` and `solve` answer with, for programs.
 //!
 //! A wire format of its own: the other types of the library are free to change.
 
@@ -8,6 +8,7 @@ use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
 use crate::plan::{PlanFile, Step, TaskCohesion};
 use crate::prompt::Usage;
+use crate::repair::Edit;
 use crate::verify::{Report, Violation};
 use crate::world::{self, Claim, Environment, State, World};
 
@@ -51,8 +52,8 @@ pub struct Answer {
     pub steps: Vec<StepAnswer>,
     /// The goal that was planned for, with the environment's identifiers.
     pub goal: Vec<String>,
-    /// What repair changed; nothing repairs plans yet, so it is always empty.
-    pub edits: Vec<serde_json::Value>,
+    /// What repair changed, in the order of the plan.
+    pub edits: Vec<EditAnswer>,
     /// What is wrong with the plan.
     pub violations: Vec<ViolationAnswer>,
     /// How the environment that the plan claims compares with the simulated one.
@@ -63,6 +64,35 @@ pub struct Answer {
     pub usage: UsageAnswer,
     /// How long things took.
     pub timings_ms: Timings,
+    /// Remarks that change no verdict: what was read leniently, what is odd about the plan.
+    pub notes: Vec<String>,
+}
+
+/// A change of an [`Answer`].
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct EditAnswer {
+    /// `insert`, `drop`, `replace` or `move`.
+    pub kind: &'static str,
+    /// Where it shows in the plan, from 0: the place of the new step, or the place where a dropped one would stand.
+    pub at: usize,
+    /// The call before; none for an insertion.
+    pub before: Option<String>,
+    /// The call after; none for a dropped step.
+    pub after: Option<String>,
+    /// Why, in one sentence.
+    pub why: String,
+}
+
+impl From<&Edit> for EditAnswer {
+    fn from(edit: &Edit) -> Self {
+        Self {
+            kind: edit.kind.name(),
+            at: edit.at,
+            before: edit.before.clone(),
+            after: edit.after.clone(),
+            why: edit.why.clone(),
+        }
+    }
 }
 
 /// A step of an [`Answer`].
@@ -179,6 +209,7 @@ impl Answer {
             assumptions: Vec::new(),
             usage: UsageAnswer::default(),
             timings_ms: Timings::default(),
+            notes: Vec::new(),
         }
     }
 
@@ -202,6 +233,10 @@ impl Answer {
             .map(|v| ViolationAnswer::of(domain, world, v, calls, report.plan.steps(), goal))
             .collect();
         answer.assumptions = report.assumptions.iter().map(|a| a.message(domain, world)).collect();
+        let odd = report.warnings.iter();
+        answer.notes = odd
+            .map(|warning| warning.message(domain, world, report.plan.steps(), goal))
+            .collect();
         if let Some(goal) = goal {
             answer.goal = goal.facts.iter().map(|fact| fact.exact(domain, world)).collect();
         }

@@ -1,10 +1,12 @@
-//! Plans: the paper's JSON, and the same resolved against a domain and a world.
+//! Plans: a model's reply, the paper's JSON, and the same resolved against a domain and a world.
 
 mod near;
 mod paper;
+mod read;
 mod resolve;
 
 pub use paper::{PlanFile, TaskCohesion};
+pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
 
 use crate::call::Call;

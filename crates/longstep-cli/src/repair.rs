@@ -1,0 +1,68 @@
+//! `longstep repair`: the least change that makes a plan valid.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use longstep::answer::{Answer, EditAnswer, Status};
+use longstep::repair::Outcome;
+use longstep::world::Voice;
+
+use crate::arguments::RepairArguments;
+use crate::draft::Draft;
+use crate::solve::milliseconds;
+use crate::{inputs, show};
+
+pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
+    let started = Instant::now();
+    let draft = Draft::read(&arguments.plan, arguments.env.as_deref(), &arguments.domain)?;
+    let mut answer = match draft.question() {
+        Some(question) => question,
+        None => answer(&draft),
+    };
+    answer.timings_ms.total = milliseconds(started);
+    if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
+        inputs::save(path, &answer.plan)?;
+    }
+    if arguments.json {
+        show::json(&answer)?;
+    } else {
+        show::answer(&answer, &[]);
+        if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
+            anstream::eprintln!("saved to {}", path.display());
+        }
+    }
+    Ok(answer.status.exit_code())
+}
+
+fn answer(draft: &Draft) -> Answer {
+    let searching = Instant::now();
+    let outcome = draft.repair();
+    let search = milliseconds(searching);
+    let verifying = Instant::now();
+    let mut answer = match outcome {
+        Outcome::Valid(_) => draft.verdict(),
+        Outcome::Repaired(repaired) => {
+            let mut answer = draft.answer(repaired.plan.report(), &[]);
+            answer.edits = repaired.edits.iter().map(EditAnswer::from).collect();
+            for fact in &repaired.given_up {
+                let text = Voice::Person.fact(&draft.domain, &draft.world, *fact, true);
+                answer.notes.push(format!("claimed and given up: {text}"));
+            }
+            answer
+        }
+        Outcome::ProvenUnsolvable { .. } => {
+            let mut answer = draft.verdict();
+            answer.status = Status::Unsolvable;
+            answer
+        }
+        Outcome::GaveUp { why, .. } => {
+            let mut answer = draft.verdict();
+            answer.status = Status::GaveUp;
+            answer.notes.push(why);
+            answer
+        }
+    };
+    answer.timings_ms.verify = milliseconds(verifying);
+    answer.timings_ms.search = search;
+    answer
+}

@@ -1,0 +1,347 @@
+//! One object as a model writes it: JSON, a Python literal, or something between the two.
+//!
+//! No crate reads this. `jsonc-parser` and `json5` know comments and trailing commas but no Python (`#`, `None`,
+//! tuples, triple quotes, `'the robot's hand'`), do not tell which liberties a text took, and do not tell an
+//! object that was cut off from one that is wrong. All three are what the reader of a reply is for.
+//!
+//! Every byte is looked at a bounded number of times: nothing is ever read again after a failure.
+
+use super::leniency::{LeniencyKind as Kind, Notes};
+use super::quoted::is_quote;
+use super::unreadable::DEEPEST;
+
+/// A value and the byte at which it begins; two are the same when their values are.
+#[derive(Debug)]
+pub(super) struct Node {
+    pub(super) at: usize,
+    pub(super) value: Value,
+}
+
+impl PartialEq for Node {
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+
+/// A value. Nothing in a plan is a number, so a number stays the text that it is.
+#[derive(Debug, PartialEq)]
+pub(super) enum Value {
+    Null,
+    Bool(bool),
+    Number(String),
+    Text(String),
+    List(Vec<Node>),
+    Object(Vec<Entry>),
+}
+
+/// A key and its value.
+#[derive(Debug)]
+pub(super) struct Entry {
+    pub(super) at: usize,
+    pub(super) key: String,
+    pub(super) node: Node,
+}
+
+impl PartialEq for Entry {
+    fn eq(&self, other: &Self) -> bool {
+        self.key == other.key && self.node == other.node
+    }
+}
+
+/// An object that was read to its end.
+#[derive(Debug)]
+pub(super) struct Literal {
+    pub(super) node: Node,
+    /// The byte after the closing brace.
+    pub(super) end: usize,
+    pub(super) notes: Notes,
+}
+
+/// Why there is no object to read.
+#[derive(Debug)]
+pub(super) struct Fault {
+    /// The byte at which reading stopped.
+    pub(super) at: usize,
+    pub(super) reason: Reason,
+    /// Whether a key that only plans have came before.
+    pub(super) of_plan: bool,
+}
+
+#[derive(Debug)]
+pub(super) enum Reason {
+    /// The text, or the fence around it, ends before the object does.
+    CutOff,
+    TooDeep,
+    Malformed(String),
+}
+
+/// Reads the object whose opening brace is at the byte `start`.
+pub(super) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
+    let mut parser = Parser {
+        text,
+        at: start,
+        depth: 0,
+        of_plan: false,
+        notes: Notes::default(),
+    };
+    match parser.value() {
+        Ok(node) => Ok(Literal {
+            node,
+            end: parser.at,
+            notes: parser.notes,
+        }),
+        Err(reason) => Err(Fault {
+            at: parser.at,
+            reason,
+            of_plan: parser.of_plan,
+        }),
+    }
+}
+
+pub(super) const FENCE: &str = "```";
+
+/// Keys that tell a plan from everything else that a reply may hold.
+const PLAN_KEYS: [&str; 7] = [
+    "task_cohesion",
+    "task_sequence",
+    "step_instructions",
+    "environment_before",
+    "environment_after",
+    "instruction_summary",
+    "question",
+];
+
+pub(super) struct Parser<'t> {
+    text: &'t str,
+    pub(super) at: usize,
+    depth: usize,
+    of_plan: bool,
+    notes: Notes,
+}
+
+pub(super) type Parsed<T> = Result<T, Reason>;
+
+pub(super) fn malformed<T>(message: impl Into<String>) -> Parsed<T> {
+    Err(Reason::Malformed(message.into()))
+}
+
+impl<'t> Parser<'t> {
+    pub(super) fn rest(&self) -> &'t str {
+        &self.text[self.at..]
+    }
+
+    pub(super) fn note(&mut self, kind: Kind) {
+        self.notes.add(kind, self.at);
+    }
+
+    /// Skips space and comments and tells the character after them. Nothing may end inside an object, so the end
+    /// of the text is always a fault here, and so is the end of a code block.
+    pub(super) fn peek(&mut self) -> Parsed<char> {
+        loop {
+            let rest = self.rest();
+            let Some(next) = rest.chars().next() else {
+                return Err(Reason::CutOff);
+            };
+            if matches!(next, ' ' | '\t' | '\n' | '\r') {
+                self.at += 1;
+            } else if next.is_whitespace() || next == '\u{feff}' {
+                self.note(Kind::OddSpace);
+                self.at += next.len_utf8();
+            } else if next == '#' || rest.starts_with("//") {
+                self.note(Kind::Comment);
+                self.at += rest.find('\n').unwrap_or(rest.len());
+            } else if let Some(comment) = rest.strip_prefix("/*") {
+                self.note(Kind::Comment);
+                let Some(end) = comment.find("*/") else {
+                    self.at = self.text.len();
+                    return Err(Reason::CutOff);
+                };
+                self.at += 2 + end + 2;
+            } else if rest.starts_with(FENCE) {
+                return Err(Reason::CutOff);
+            } else {
+                return Ok(next);
+            }
+        }
+    }
+
+    fn value(&mut self) -> Parsed<Node> {
+        let next = self.peek()?;
+        let at = self.at;
+        let value = match next {
+            '{' => Value::Object(self.nested(Self::entries)?),
+            '[' => Value::List(self.nested(|parser| Ok(parser.items(']')?.0))?),
+            '(' => self.nested(Self::parenthesised)?,
+            '-' | '0'..='9' => Value::Number(self.number()?),
+            _ if is_quote(self.rest()) => Value::Text(self.texts()?),
+            _ => self.bare_word(next)?,
+        };
+        Ok(Node { at, value })
+    }
+
+    /// Reads what follows an opening bracket, no deeper than allowed.
+    fn nested<T>(&mut self, read: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
+        if self.depth == DEEPEST {
+            return Err(Reason::TooDeep);
+        }
+        self.at += 1;
+        self.depth += 1;
+        let inside = read(self)?;
+        self.depth -= 1;
+        Ok(inside)
+    }
+
+    fn entries(&mut self) -> Parsed<Vec<Entry>> {
+        let mut entries = Vec::new();
+        while !self.closed('}', !entries.is_empty())? {
+            let at = self.at;
+            let key = self.key()?;
+            self.of_plan |= PLAN_KEYS.contains(&key.as_str());
+            if self.peek()? != ':' {
+                return malformed("expected `:` after the key");
+            }
+            self.at += 1;
+            let node = self.value()?;
+            entries.push(Entry { at, key, node });
+            if !self.comma('}')? {
+                break;
+            }
+        }
+        Ok(entries)
+    }
+
+    /// The items up to the closing bracket, and whether there was a comma.
+    fn items(&mut self, close: char) -> Parsed<(Vec<Node>, bool)> {
+        let mut items = Vec::new();
+        let mut commas = false;
+        while !self.closed(close, commas && close != ')')? {
+            items.push(self.value()?);
+            if !self.comma(close)? {
+                break;
+            }
+            commas = true;
+        }
+        Ok((items, commas))
+    }
+
+    /// Takes the closing bracket, if it is next.
+    fn closed(&mut self, close: char, after_comma: bool) -> Parsed<bool> {
+        let closed = self.peek()? == close;
+        if closed {
+            if after_comma {
+                self.note(Kind::TrailingComma);
+            }
+            self.at += 1;
+        }
+        Ok(closed)
+    }
+
+    /// Takes the comma or the closing bracket after an item; tells whether it was the comma.
+    fn comma(&mut self, close: char) -> Parsed<bool> {
+        let next = self.peek()?;
+        if next != ',' && next != close {
+            return malformed(format!("expected `,` or `{close}`, found `{next}`"));
+        }
+        self.at += 1;
+        Ok(next == ',')
+    }
+
+    /// `(a, b)`, `(a,)` and `()` are tuples; `(a)` is `a`.
+    fn parenthesised(&mut self) -> Parsed<Value> {
+        let at = self.at - 1;
+        let (mut items, commas) = self.items(')')?;
+        match items.pop() {
+            Some(only) if items.is_empty() && !commas => {
+                self.notes.add(Kind::Parentheses, at);
+                Ok(only.value)
+            }
+            last => {
+                self.notes.add(Kind::Tuple, at);
+                items.extend(last);
+                Ok(Value::List(items))
+            }
+        }
+    }
+
+    fn key(&mut self) -> Parsed<String> {
+        if is_quote(self.rest()) {
+            // A line break in a key is refused: a stray brace in prose then spoils its own line at most.
+            return self.quoted(false);
+        }
+        let rest = self.rest();
+        let length = word_length(rest);
+        if length == 0 {
+            return malformed(format!("expected a key, found `{}`", self.peek()?));
+        }
+        self.note(Kind::UnquotedKey);
+        self.at += length;
+        Ok(rest[..length].to_owned())
+    }
+
+    fn number(&mut self) -> Parsed<String> {
+        let rest = self.rest();
+        let inside = |c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.' | '_');
+        let length = rest.find(|c| !inside(c)).ok_or(Reason::CutOff)?;
+        let number = &rest[..length];
+        if !is_json_number(number) {
+            return malformed(format!("`{}` is not a number", shorten(number)));
+        }
+        self.at += length;
+        Ok(number.to_owned())
+    }
+
+    fn bare_word(&mut self, next: char) -> Parsed<Value> {
+        let rest = self.rest();
+        let length = word_length(rest);
+        let word = &rest[..length];
+        if length == rest.len() {
+            return Err(Reason::CutOff);
+        }
+        let (value, python) = match word {
+            "null" => (Value::Null, false),
+            "true" => (Value::Bool(true), false),
+            "false" => (Value::Bool(false), false),
+            "None" => (Value::Null, true),
+            "True" => (Value::Bool(true), true),
+            "False" => (Value::Bool(false), true),
+            "" if rest.starts_with("...") => return malformed("`...` stands for something that was left out"),
+            "" => return malformed(format!("expected a value, found `{next}`")),
+            _ => return malformed(format!("`{}` is not in quotes", shorten(word))),
+        };
+        if python {
+            self.note(Kind::PythonWord);
+        }
+        self.at += length;
+        Ok(value)
+    }
+}
+
+/// The length of the word that `rest` begins with; a word does not begin with a digit.
+fn word_length(rest: &str) -> usize {
+    if rest.starts_with(|c: char| c.is_ascii_digit()) {
+        return 0;
+    }
+    let inside = |c: char| c.is_alphanumeric() || matches!(c, '_' | '$');
+    rest.find(|c| !inside(c)).unwrap_or(rest.len())
+}
+
+/// Whether JSON would take `text` for a number.
+fn is_json_number(text: &str) -> bool {
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let unsigned = text.strip_prefix('-').unwrap_or(text);
+    let (mantissa, exponent) = match unsigned.split_once(['e', 'E']) {
+        Some((mantissa, exponent)) => (mantissa, exponent.strip_prefix(['+', '-']).unwrap_or(exponent)),
+        None => (unsigned, "0"),
+    };
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, "0"));
+    digits(whole) && digits(fraction) && digits(exponent) && (whole == "0" || !whole.starts_with('0'))
+}
+
+/// A word of a hostile text must not fill the screen.
+pub(super) fn shorten(word: &str) -> String {
+    const SHOWN: usize = 60;
+    match word.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &word[..end]),
+        None => word.to_owned(),
+    }
+}

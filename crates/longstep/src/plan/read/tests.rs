@@ -1,0 +1,350 @@
+//! Replies, one line each: what is read from them and what is forgiven, or why they cannot be read.
+
+use super::*;
+
+/// The steps and explanations that were read and the kinds of leniencies, or the error.
+fn told(reply: &str) -> String {
+    match read(reply) {
+        Ok(Draft { file, leniencies }) => {
+            let cohesion = &file.task_cohesion;
+            let texts = [&cohesion.task_sequence[..], &cohesion.step_instructions].concat();
+            let kinds: Vec<String> = leniencies
+                .iter()
+                .map(|leniency| match &leniency.path {
+                    Some(path) => format!("{:?}({path})", leniency.kind),
+                    None if leniency.times > 1 => format!("{:?}*{}", leniency.kind, leniency.times),
+                    None => format!("{:?}", leniency.kind),
+                })
+                .collect();
+            let question = if file.question.is_empty() { "" } else { "? " };
+            format!("{question}{} [{}]", texts.join("; "), kinds.join(" "))
+        }
+        Err(unreadable) => unreadable.to_string(),
+    }
+}
+
+#[track_caller]
+fn check(reply: &str, expected: &str) {
+    assert_eq!(told(reply), expected, "{reply}");
+}
+
+/// A plan whose only explanation is written as given.
+#[track_caller]
+fn check_text(text: &str, expected: &str) {
+    let reply = format!(r#"{{"task_cohesion": {{"task_sequence": [], "step_instructions": [{text}]}}}}"#);
+    check(&reply, expected);
+}
+
+const PLAN: &str = r#"{"task_cohesion": {"task_sequence": ["a()", "b()"], "step_instructions": ["A", "B"]}}"#;
+const OTHER: &str = r#"{"task_cohesion": {"task_sequence": ["c()"], "step_instructions": ["C"]}}"#;
+
+#[test]
+fn strict_json_needs_no_leniency() {
+    check(PLAN, "a(); b(); A; B []");
+    check(&format!("\n {PLAN} \r\n"), "a(); b(); A; B []");
+    check_text(
+        r#""\" \\ \/ \b\f\n\r\t \u00e9 \ud83e\udd16 // # /* ' {""#,
+        "\" \\ / \u{8}\u{c}\n\r\t é 🤖 // # /* ' { []",
+    );
+}
+
+#[test]
+fn what_stands_around_the_plan_is_listed() {
+    check(&format!("```json\n{PLAN}\n```"), "a(); b(); A; B [CodeFence*2]");
+    check(&format!("```\n{PLAN}"), "a(); b(); A; B [CodeFence]");
+    check(
+        &format!("Sure, here's it:\n```python\n{PLAN}\n```\nEnjoy!"),
+        "a(); b(); A; B [Prose*2 CodeFence*2]",
+    );
+    check(&format!("plan = {PLAN}"), "a(); b(); A; B [Assignment]");
+    check(
+        &format!("```python\nimport json\nplan: dict = {PLAN}\n```"),
+        "a(); b(); A; B [CodeFence*2 Prose Assignment]",
+    );
+    check(&format!("\u{feff}{PLAN}"), "a(); b(); A; B [OddSpace]");
+    check(&format!("[{PLAN}]"), "a(); b(); A; B [Prose*2]");
+    check(
+        &format!("The {{object}} is {{}}. {PLAN}"),
+        "a(); b(); A; B [Prose*2 OtherObject]",
+    );
+    check(
+        &format!("f'{{x!r}}' {{'a', 'b'}} {{the robot's}}\n{PLAN}"),
+        "a(); b(); A; B [Prose]",
+    );
+    check(&format!("{{'s and\n{PLAN}"), "a(); b(); A; B [Prose]");
+    check(
+        &format!(r#"{{"environment": {{"assets": [], "objects": ["<question>"]}}}} {PLAN}"#),
+        "a(); b(); A; B [OtherObject]",
+    );
+    check(&format!("{PLAN}\n{PLAN}"), "a(); b(); A; B [RepeatedPlan]");
+    check(&format!(r#"{{"output": {PLAN}}}"#), "a(); b(); A; B [Wrapped(output)]");
+}
+
+#[test]
+fn python_is_read_as_python() {
+    check(
+        "{'task_cohesion': {'task_sequence': ('a()', 'b()',), 'step_instructions': ('A',), 'x': True}, 'question': None}",
+        "a(); b(); A [SingleQuotes*8 Tuple*2 ExtraKey(task_cohesion.x) PythonWord*2 Null(question)]",
+    );
+}
+
+#[test]
+fn texts_are_read_however_they_are_quoted() {
+    check_text("'say \"no\"'", "say \"no\" [SingleQuotes]");
+    check_text("'the robot's hand'", "the robot's hand [SingleQuotes Apostrophe]");
+    check_text(
+        "'both robots' hands', 'theirs', are'",
+        "line 1, column 95: `are` is not in quotes",
+    );
+    check_text(r"'the robot\'s hand'", "the robot's hand [SingleQuotes Escape]");
+    check_text("'', ''", ";  [SingleQuotes*2]");
+    check_text(
+        "'a' # it's }\n, 'b' // it's ]\n, /* ' */ 'c'",
+        "a; b; c [SingleQuotes*3 Comment*3]",
+    );
+    check_text("\"\"\"a\n\"b\" 'c'\"\"\"", "a\n\"b\" 'c' [TripleQuotes]");
+    check_text("'''a'b''c'''", "a'b''c [TripleQuotes]");
+    check_text("'a'\n\"b\" 'c'", "abc [SingleQuotes*2 JoinedTexts*2]");
+    check_text("(\"a\"\n\"b\")", "ab [Parentheses JoinedTexts]");
+    check_text(
+        "“a \"b\"”, ‘the robot’s’",
+        "a \"b\"; the robot’s [TypographicQuotes*2 Apostrophe]",
+    );
+    check_text("\"a\nb\tc\"", "a\nb\tc [RawControl*2]");
+    check_text(
+        r#""move\_hand \x41 \U0001F916 a\
+b""#,
+        "move_hand A 🤖 ab [Escape*4]",
+    );
+    check_text("\"a\",", "a [TrailingComma]");
+    check_text("\u{a0}\"a\"", "a [OddSpace]");
+}
+
+#[test]
+fn keys_are_read_by_their_names() {
+    check(
+        "{task_cohesion: {task_sequence: []}, }",
+        " [UnquotedKey*2 MissingKey(task_cohesion.step_instructions) TrailingComma]",
+    );
+    check(
+        r#"{"task_sequence": ["a()"], "step_instructions": [], "question": ""}"#,
+        "a() [Flattened]",
+    );
+    check(
+        r#"{"task_cohesion": {"task_sequence": [], "step_instructions": [], "why": {"a": [1, -0.5e+3]}}, "user_feedback": ""}"#,
+        " [ExtraKey(task_cohesion.why) ExtraKey(user_feedback)]",
+    );
+    check(r#"{"question": "Which cup?"}"#, "?  [MissingKey(task_cohesion)]");
+    check(
+        r#"{"task_cohesion": null, "environment_after": null, "question": "Which cup?"}"#,
+        "?  [Null(task_cohesion) Null(environment_after)]",
+    );
+    check(
+        &PLAN.replace(
+            "}}",
+            r#"}, "environment_after": {"environment": {"assets": [], "rooms": []}}}"#,
+        ),
+        "a(); b(); A; B [Wrapped(environment_after.environment) ExtraKey(environment_after.environment.rooms)]",
+    );
+    check(
+        &PLAN.replace("}}", r#"}, "question": "", "question": ""}"#),
+        "a(); b(); A; B [RepeatedKey(question)]",
+    );
+}
+
+#[test]
+fn wrong_shapes_are_told_with_path_and_place() {
+    let wrong = |text: &str| format!(r#"{{"task_cohesion": {{"task_sequence": {text}, "step_instructions": []}}}}"#);
+    check(
+        &wrong("[\"a()\",\n 3]"),
+        "line 2, column 2: `task_cohesion.task_sequence[1]` should be a text in quotes, but is a number",
+    );
+    check(
+        &wrong("\"a()\""),
+        "line 1, column 37: `task_cohesion.task_sequence` should be a list of texts, but is a text",
+    );
+    check(
+        &wrong("null"),
+        "line 1, column 37: `task_cohesion.task_sequence` should be a list of steps, but is null",
+    );
+    check(
+        r#"{"task_cohesion": {"step_instructions": []}}"#,
+        "line 1, column 19: `task_cohesion.task_sequence` should be a list of steps, but is missing",
+    );
+    check(
+        r#"{"task_cohesion": []}"#,
+        "line 1, column 19: `task_cohesion` should be an object, but is a list",
+    );
+    check(
+        &PLAN.replace("}}", r#", "object_name": ["<a>"]}}"#),
+        "line 1, column 101: `task_cohesion.object_name` should be a text in quotes, but is a list",
+    );
+    check(
+        &PLAN.replace("}}", r#"}, "environment_after": {"object_states": {"<a>": [true]}}}"#),
+        "line 1, column 135: `environment_after.object_states.<a>[0]` should be a text in quotes, but is true or false",
+    );
+    check(
+        &PLAN.replace(
+            "}}",
+            r#"}, "environment_after": {"object_states": {"<a>": "b", "<a>": ["b"]}}}"#,
+        ),
+        "line 1, column 139: `environment_after.object_states.<a>` is given again with another value than at line 1, column 127",
+    );
+    check(
+        &PLAN.replace("}}", r#"}, "question": "", "question": "Why?"}"#),
+        "line 1, column 103: `question` is given again with another value than at line 1, column 87",
+    );
+}
+
+#[test]
+fn what_is_cut_off_is_never_completed() {
+    let cut = |end: &str| format!("line {end}; the object that begins at line 1, column 1 does not end");
+    for text in [
+        "\"a",
+        "'a",
+        "'''a''",
+        "[1",
+        "{\"a\"",
+        "tru",
+        "-1",
+        "\"\\u00",
+        "/* a",
+        "// a",
+        "\"\\ud83e\\",
+        "(",
+        "...",
+    ] {
+        let reply = format!("{{\"task_cohesion\": {text}");
+        let told = told(&reply);
+        let expected = if text == "..." {
+            "`...` stands for something that was left out"
+        } else {
+            "breaks off"
+        };
+        assert!(told.contains(expected), "{reply}: {told}");
+    }
+    check(&PLAN[..40], &cut("1, column 41: the reply breaks off"));
+    check(
+        &format!("{}\n```\nSorry.", &PLAN[..39]),
+        &cut("1, column 40: the reply breaks off"),
+    );
+    check(
+        &format!("{}\n```\n\"Sorry.\"", &PLAN[..42]),
+        &cut("2, column 1: the reply breaks off"),
+    );
+    assert!(matches!(
+        read(&format!("{PLAN}\n{}", &OTHER[..50])),
+        Err(Unreadable::CutOff { .. })
+    ));
+}
+
+#[test]
+fn what_is_no_plan_is_told_apart() {
+    check("", "the reply is empty");
+    check(" \u{feff}\r\n", "the reply is empty");
+    check("```json\n```", "the reply is empty");
+    check(
+        "I can't do\n that.",
+        "the reply is prose, with no plan in it: \"I can't do that.\"",
+    );
+    check(
+        "Which {object}?",
+        "the reply is prose, with no plan in it: \"Which {object}?\"",
+    );
+    check("[1, 2]", "the reply is prose, with no plan in it: \"[1, 2]\"");
+    check(
+        r#"See {"python_script": "a()", "question": ""}"#,
+        "line 1, column 5: the reply holds an object but no plan",
+    );
+    check(
+        &format!("{PLAN} or {OTHER} or {PLAN}"),
+        "the reply holds 3 plans that are not the same, at line 1, column 1 and line 1, column 90",
+    );
+}
+
+#[test]
+fn a_broken_object_is_not_read_in_part() {
+    check(
+        r#"{"a" 1, "task_cohesion": {"task_sequence": [], "step_instructions": []}}"#,
+        "line 1, column 6: expected `:` after the key",
+    );
+    check(
+        r#"{ , "task_cohesion": {"task_sequence": [], "step_instructions": []}}"#,
+        "line 1, column 3: expected a key, found `,`",
+    );
+    check(
+        r#"{"task_cohesion" {"task_sequence": []}}"#,
+        "line 1, column 18: expected `:` after the key",
+    );
+    check(
+        &PLAN.replace("\"a()\"", "a()"),
+        "line 1, column 38: `a` is not in quotes",
+    );
+    check(
+        &PLAN.replace("\"a()\"", "\"say \"a\"\""),
+        "line 1, column 44: expected `,` or `]`, found `a`",
+    );
+    check(
+        &PLAN.replace("\"a()\",", "\"a()\",,"),
+        "line 1, column 44: expected a value, found `,`",
+    );
+    check(
+        &PLAN.replace("\"a()\"", "012"),
+        "line 1, column 38: `012` is not a number",
+    );
+    check(
+        &PLAN.replace("\"a()\"", "..."),
+        "line 1, column 38: `...` stands for something that was left out",
+    );
+    check_text(r#""\d""#, "line 1, column 64: `\\d` is no escape");
+    check_text(
+        r#""\ud83e""#,
+        "line 1, column 70: half a character: a second `\\u` must follow",
+    );
+    check_text(r#""\udc00""#, "line 1, column 70: `\\u` names no character");
+}
+
+#[test]
+fn hostile_texts_are_refused_in_time() {
+    // A single quadratic scan among these would take minutes.
+    check(
+        &" ".repeat((1 << 20) + 1),
+        "the reply has 1048577 bytes; at most 1048576 are read",
+    );
+    let nested = format!(r#"{{"task_cohesion": {}"#, "[".repeat(100));
+    check(&nested, "line 1, column 82: brackets are nested more than 64 deep");
+    for part in [
+        "{",
+        "'",
+        "{'",
+        "{\"",
+        "{a:",
+        "{a:'",
+        "{a:'b}",
+        "{a:'} ",
+        "{'''",
+        "{#",
+        "{a:1}",
+        "{\u{feff}",
+        "```",
+        "/*{",
+        "{a:\"\\",
+        "{}\n",
+        "{a ",
+        "x=",
+        "'\n",
+        "{a:'' ",
+        "{a:[],",
+    ] {
+        let times = (1 << 18) / part.len();
+        for end in ["", " @", "}", "'", "' @"] {
+            let text = format!("{}{end}", part.repeat(times - 2));
+            assert!(read(&text).is_err());
+            let inside = format!("{{\"task_cohesion\": \"{}{end}", part.repeat(times - 12));
+            assert!(read(&inside).is_err());
+        }
+    }
+    let extra: String = (0..60_000).map(|n| format!("\"{n}\": 0,")).collect();
+    let reply = PLAN.replacen('{', &format!("{{{extra}"), 1);
+    assert_eq!(read(&reply).unwrap().leniencies.len(), 60_000);
+}

@@ -1,0 +1,19 @@
+//! Any text is an environment of the household domain, or a finding.
+#![no_main]
+
+use std::sync::LazyLock;
+
+use libfuzzer_sys::fuzz_target;
+use longstep::domain::{self, Domain};
+use longstep::json::Path;
+use longstep::world::{self, Environment};
+
+static HOUSEHOLD: LazyLock<Domain> = LazyLock::new(|| domain::shipped("household").expect("shipped").expect("valid"));
+
+fuzz_target!(|text: &str| {
+    if let Ok(environment) = Environment::from_json(text)
+        && let Err(findings) = world::read(&HOUSEHOLD, &environment, "environment", text, &Path::default())
+    {
+        drop(findings.to_string());
+    }
+});
