@@ -94,8 +94,7 @@ impl Draft {
         match self.simulate() {
             Some((report, open)) => self.answer(&report, &open),
             None => {
-                let mut answer =
-                    Answer::of_unresolved(&self.domain, &self.world, &self.file, &self.resolved.issues);
+                let mut answer = Answer::of_unresolved(&self.domain, &self.world, &self.file, &self.resolved.issues);
                 self.remark(&mut answer);
                 answer
             }

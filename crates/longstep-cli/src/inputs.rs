@@ -129,9 +129,8 @@ pub(crate) fn read_world(
 /// Reads a plan, or the reply of a model that holds one; also returns the text, for places in errors.
 pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
     let text = text(path)?;
-    let draft = plan::read(&text).map_err(|error| {
-        Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint())
-    })?;
+    let draft = plan::read(&text)
+        .map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint()))?;
     Ok((draft, text))
 }
 

@@ -16,7 +16,13 @@ pub(crate) fn answer(answer: &Answer, notes: &[String]) {
     }
     steps(answer);
     edits(answer);
-    if let (Some(before), Some(after)) = (&answer.plan.environment_before, &answer.plan.environment_after) {
+    // Of a plan that cannot be carried out nobody knows what it would change.
+    let possible = answer.status != Status::Invalid;
+    if let (true, Some(before), Some(after)) = (
+        possible,
+        &answer.plan.environment_before,
+        &answer.plan.environment_after,
+    ) {
         let changed = changes(before, after);
         if !changed.is_empty() {
             anstream::println!();
@@ -83,7 +89,10 @@ fn edits(answer: &Answer) {
     heading("What was changed");
     for edit in &answer.edits {
         let number = edit.at + 1;
-        let (before, after) = (edit.before.as_deref().unwrap_or(""), edit.after.as_deref().unwrap_or(""));
+        let (before, after) = (
+            edit.before.as_deref().unwrap_or(""),
+            edit.after.as_deref().unwrap_or(""),
+        );
         match edit.kind {
             "drop" => anstream::println!("  {} {before}", "-".red()),
             "replace" => anstream::println!("  {} {number}. {after} instead of {before}", "~".yellow()),

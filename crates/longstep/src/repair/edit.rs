@@ -55,7 +55,10 @@ impl EditKind {
 impl Edit {
     /// The change in a few words, with its place in a draft of `length` steps; steps are counted from 1.
     pub fn told(&self, length: usize) -> String {
-        let (before, after) = (self.before.as_deref().unwrap_or(""), self.after.as_deref().unwrap_or(""));
+        let (before, after) = (
+            self.before.as_deref().unwrap_or(""),
+            self.after.as_deref().unwrap_or(""),
+        );
         let number = self.step + 1;
         match self.kind {
             EditKind::Insert if self.step >= length => format!("add {after} at the end"),

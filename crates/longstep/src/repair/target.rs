@@ -56,6 +56,7 @@ pub(super) fn meant(domain: &Domain, world: &World, purpose: &Purpose, as_if: &S
     spoken_of.extend(stays.iter().filter(|fact| !as_if.holds(**fact)).map(respect));
     let unclaimed = done.iter().filter(|fact| !spoken_of.contains(&respect(fact)));
     let possible = |fact: &Fact| can_be_brought_about(domain, world, *fact);
+    let unclaimed = unclaimed.filter(|fact| possible(fact));
     let mut promises = Vec::new();
     let mut impossible = Vec::new();
     for fact in claimed.iter().chain(unclaimed).copied() {

@@ -27,7 +27,7 @@ use crate::domain::{Domain, RuleTime};
 use crate::goal::Spoken;
 use crate::plan::{Node, Plan, Step, StepId};
 use crate::search::Wanted;
-use crate::world::{Bindings, Claim, EntityId, Fact, Moment, State, World, differences, holds};
+use crate::world::{Bindings, Claim, EntityId, Fact, Moment, State, World, differences, holds, subject_of};
 
 /// What a plan is for, as far as it is known.
 #[derive(Debug, Clone, Default)]
@@ -247,6 +247,15 @@ impl Walk<'_> {
     }
 
     fn end(&mut self, state: &State, purpose: &Purpose) {
+        let promises = purpose
+            .claim
+            .as_ref()
+            .map(|claim| claim.promises(self.domain, self.world));
+        let meant: Vec<EntityId> = promises
+            .iter()
+            .flatten()
+            .map(|fact| subject_of(self.domain, *fact))
+            .collect();
         let rules = self.domain.rules.iter().enumerate();
         for (number, rule) in rules.filter(|(_, rule)| matches!(rule.time, RuleTime::End | RuleTime::Tidy)) {
             for bindings in broken_bindings(rule, self.world, state) {
@@ -254,6 +263,10 @@ impl Walk<'_> {
                     continue;
                 }
                 let binds = rule.time == RuleTime::End || purpose.from_goal;
+                // What the plan says it changes is not untidy.
+                if !binds && bindings.iter().any(|entity| meant.contains(entity)) {
+                    continue;
+                }
                 let list = if binds {
                     &mut self.violations
                 } else {

@@ -262,7 +262,10 @@ impl Violation {
                 }
             }
             Self::Goal { index } => match goal.and_then(|goal| goal.facts.get(*index)) {
-                Some(fact) => format!("at the end, this is not reached: {}", fact.sentence_in(voice, domain, world)),
+                Some(fact) => format!(
+                    "at the end, this is not reached: {}",
+                    fact.sentence_in(voice, domain, world)
+                ),
                 None => "at the end, the goal is not reached".to_owned(),
             },
             Self::Claim { fact } => {
