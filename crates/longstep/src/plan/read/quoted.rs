@@ -52,8 +52,7 @@ impl Quote {
     /// The length of the closing mark that `rest` begins with.
     ///
     /// An apostrophe in `'the robots' hand'` is told from the closing mark by what follows: after a text comes a
-    /// comma, a colon, a bracket, a comment, a further text or the end, and after an apostrophe none of these. A
-    /// literal that Python can read is never read differently.
+    /// comma, a colon, a bracket, a comment, a further text or the end, and after an apostrophe none of these.
     fn closing(&self, rest: &str) -> Option<usize> {
         let length = self.close.iter().find(|close| rest.starts_with(**close))?.len();
         if self.apostrophe {

@@ -153,6 +153,20 @@ fn keys_are_read_by_their_names() {
 }
 
 #[test]
+fn leniencies_are_told_in_the_order_of_the_text() {
+    let draft = read("\n{'question': 'Why?',\n 'x': None,}").unwrap();
+    let messages: Vec<String> = draft.leniencies.iter().map(Leniency::message).collect();
+    let expected = [
+        "line 2, column 1: `task_cohesion` is missing and was taken as empty",
+        "line 2, column 2: a text stands in single quotes (3 times)",
+        "line 3, column 2: `x` is no key of a plan and was ignored",
+        "line 3, column 7: a value is written the Python way",
+        "line 3, column 12: a comma follows the last item",
+    ];
+    assert_eq!(messages, expected);
+}
+
+#[test]
 fn wrong_shapes_are_told_with_path_and_place() {
     let wrong = |text: &str| format!(r#"{{"task_cohesion": {{"task_sequence": {text}, "step_instructions": []}}}}"#);
     check(
