@@ -44,6 +44,10 @@ fn answer(draft: &Draft) -> Answer {
         Outcome::Repaired(repaired) => {
             let mut answer = draft.answer(repaired.plan.report(), &[]);
             answer.edits = repaired.edits.iter().map(EditAnswer::from).collect();
+            if !repaired.cheapest {
+                let note = "a smaller change may exist: the search for it was cut short";
+                answer.notes.push(note.to_owned());
+            }
             for fact in &repaired.given_up {
                 let text = Voice::Person.fact(&draft.domain, &draft.world, *fact, true);
                 answer.notes.push(format!("claimed and given up: {text}"));

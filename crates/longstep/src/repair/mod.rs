@@ -19,11 +19,12 @@ use edit::Script;
 
 use crate::domain::Domain;
 use crate::plan::Resolved;
-use crate::search::{Found, cheapest, reduce};
+use crate::search::{Found, cheapest, greedy, reduce};
 use crate::verify::{Purpose, VerifiedPlan, bind, check};
 use crate::world::{Fact, World};
 
-/// How far repair looks, in states looked at, so that the answer never depends on the speed of the machine.
+/// How far repair looks for the cheapest change, and as far again for any, in states looked at, so that the answer
+/// never depends on the speed of the machine.
 pub const LIMIT: usize = 2_000;
 
 /// What came of a repair.
@@ -56,6 +57,8 @@ pub struct Repaired {
     pub edits: Vec<Edit>,
     /// What the edits cost together.
     pub cost: u32,
+    /// Whether it is proven that no repair costs less.
+    pub cheapest: bool,
     /// What the draft claims and no repair could reach, in order.
     pub given_up: Vec<Fact>,
     /// States expanded.
@@ -90,6 +93,10 @@ pub struct Repaired {
 /// assert_eq!(edits, ["Open(<fridge_2>)", "Close(<fridge_2>)"]);
 /// ```
 pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
+    repair_within(LIMIT, domain, world, draft, purpose)
+}
+
+fn repair_within(limit: usize, domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
     let (plan, _) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
     // What the draft would come to if every step worked.
@@ -101,12 +108,17 @@ pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpos
     let meant = target::meant(domain, world, purpose, &as_if);
     let (task, moves) = compile::compile(domain, world, draft, purpose).task(domain, &meant);
     let task = reduce(task);
-    let (found, expanded) = cheapest(&task, LIMIT);
+    let (mut found, mut expanded) = cheapest(&task, limit);
+    let cheapest = found != Found::Limit;
+    if !cheapest {
+        let (any, more) = greedy(&task, limit);
+        (found, expanded) = (any, expanded + more);
+    }
     let gave_up = |why: String| Outcome::GaveUp { why, expanded };
     let path = match found {
         Found::Path(path) => path,
         Found::Nothing => return Outcome::ProvenUnsolvable { expanded },
-        Found::Limit => return gave_up(format!("no repair found in {LIMIT} states")),
+        Found::Limit => return gave_up(format!("no repair found in {} states", 2 * limit)),
     };
     let operators = || path.iter().map(|number| &task.operators[*number as usize]);
     let cost = operators().map(|operator| operator.cost).sum();
@@ -129,6 +141,7 @@ pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpos
             plan,
             edits,
             cost,
+            cheapest,
             given_up,
             expanded,
         })),

@@ -40,11 +40,11 @@ pub(super) fn meant(domain: &Domain, world: &World, purpose: &Purpose, as_if: &S
     let (claimed, stays) = match &purpose.claim {
         Some(claim) => (claim.promises(domain, world), claim.kept(domain, world)),
         None => {
-            let before = differences(domain, &State::default(), &world.state);
-            (
-                done.clone(),
-                before.into_iter().map(|difference| difference.fact).collect(),
-            )
+            // Nobody says that things stay where they are.
+            let property = |fact: &Fact| domain.predicate(fact.predicate()).parameters.len() == 1;
+            let before = differences(domain, &State::default(), &world.state).into_iter();
+            let properties = before.map(|difference| difference.fact).filter(property);
+            (done.clone(), properties.collect())
         }
     };
     // What is said of a thing in one respect.
@@ -52,9 +52,13 @@ pub(super) fn meant(domain: &Domain, world: &World, purpose: &Purpose, as_if: &S
         let relation = domain.predicate(fact.predicate()).parameters.len() > 1;
         (subject_of(domain, *fact), relation)
     };
-    let mut spoken_of: FxHashSet<(EntityId, bool)> = claimed.iter().map(respect).collect();
-    spoken_of.extend(stays.iter().filter(|fact| !as_if.holds(**fact)).map(respect));
-    let unclaimed = done.iter().filter(|fact| !spoken_of.contains(&respect(fact)));
+    // Where the claim says how a thing ends, or takes the opposite for granted, the draft's own steps say nothing more.
+    let mut spoken_of: FxHashSet<EntityId> = claimed.iter().map(|fact| subject_of(domain, *fact)).collect();
+    let contradicted = stays.iter().filter(|fact| !as_if.holds(**fact));
+    spoken_of.extend(contradicted.map(|fact| subject_of(domain, *fact)));
+    let unclaimed = done
+        .iter()
+        .filter(|fact| !spoken_of.contains(&subject_of(domain, **fact)));
     let possible = |fact: &Fact| can_be_brought_about(domain, world, *fact);
     let unclaimed = unclaimed.filter(|fact| possible(fact));
     let mut promises = Vec::new();
@@ -65,7 +69,7 @@ pub(super) fn meant(domain: &Domain, world: &World, purpose: &Purpose, as_if: &S
         if possible(&fact) || as_if.holds(fact) || near.iter().any(|other| as_if.holds(*other)) {
             let related = near.into_iter().filter(possible).collect();
             promises.push(Promise { fact, related });
-        } else {
+        } else if purpose.claim.is_some() {
             impossible.push(fact);
         }
     }

@@ -129,6 +129,11 @@ pub(crate) fn cheapest(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
     Search::new(task, &mut LandmarkCut::new(task), 1, limit).run()
 }
 
+/// Some way to the goal, rather soon than cheaply.
+pub(crate) fn greedy(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
+    Search::new(task, &mut LandmarkCut::new(task), GREED, limit).run()
+}
+
 /// What one search came to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Found<P> {

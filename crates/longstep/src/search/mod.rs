@@ -11,7 +11,7 @@ mod relevance;
 pub(crate) mod task;
 
 pub use forward::Limits;
-pub(crate) use forward::{Found, cheapest};
+pub(crate) use forward::{Found, cheapest, greedy};
 pub(crate) use relevance::reduce;
 
 use crate::domain::{ActionId, Condition, Domain};
