@@ -1,0 +1,125 @@
+//! How fast plans are verified and repaired.
+//!
+//! `cargo bench -p longstep --bench verification`. The recorded replies and their kitchen are used when
+//! `LONGSTEP_CORPUS` names the folder of the recorded plans.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, missing_docs)]
+
+use std::hint::black_box;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use longstep::domain::{self, Domain};
+use longstep::json::Path;
+use longstep::plan::{Plan, PlanFile, TaskCohesion, resolve};
+use longstep::repair::{Outcome, repair};
+use longstep::verify::{self, Purpose};
+use longstep::world::{self, Claim, Environment, World};
+
+fn world_of(domain: &Domain, text: &str) -> World {
+    let environment = Environment::from_json(text).unwrap();
+    world::read(domain, &environment, "environment", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Carries the item to and fro between two places, a thousand steps.
+fn carrying(domain: &Domain, world: &World, item: &str, places: [&str; 2]) -> Plan {
+    let mut calls = Vec::new();
+    for trip in 0..250 {
+        let (from, to) = (places[trip % 2], places[(trip + 1) % 2]);
+        calls.push(format!("Walktowards({from})"));
+        calls.push(format!("Grab({item})"));
+        calls.push(format!("Walktowards({to})"));
+        calls.push(format!("Put({item}, {to})"));
+    }
+    let written = TaskCohesion {
+        task_sequence: calls,
+        ..TaskCohesion::default()
+    };
+    let steps = resolve(domain, world, &written).complete().unwrap();
+    verify::bind(domain, world, &steps, &[], None).0
+}
+
+fn verification(criterion: &mut Criterion) {
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let flat = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/environments/flat.json");
+    let mut scenes = vec![(
+        "flat",
+        std::fs::read_to_string(flat).unwrap(),
+        "<magazine_11>",
+        ["<coffeetable_3>", "<sofa_2>"],
+    )];
+    if let Some(corpus) = std::env::var_os("LONGSTEP_CORPUS") {
+        let kitchen = PathBuf::from(corpus).join("virtualhome14/kitchen.json");
+        let text = std::fs::read_to_string(kitchen).unwrap();
+        scenes.push(("kitchen", text, "<book_269>", ["<kitchentable_231>", "<bookshelf_250>"]));
+    }
+    let mut group = criterion.benchmark_group("verify 1000 steps");
+    for (name, text, item, places) in scenes {
+        let world = world_of(&domain, &text);
+        let plan = carrying(&domain, &world, item, places);
+        let report = verify::check(&domain, &world, plan.clone(), &Purpose::default());
+        assert_eq!(report.violations, vec![], "{name}");
+        group.throughput(Throughput::Elements(plan.steps().len() as u64));
+        group.bench_function(name, |bencher| {
+            bencher.iter_batched(
+                || plan.clone(),
+                |plan| verify::check(&domain, &world, black_box(plan), &Purpose::default()),
+                criterion::BatchSize::SmallInput,
+            );
+        });
+    }
+    group.finish();
+}
+
+/// Every recorded reply on its own: the median and the worst of their medians.
+fn repairing(_: &mut Criterion) {
+    let Some(corpus) = std::env::var_os("LONGSTEP_CORPUS") else {
+        return;
+    };
+    let read = |file: &str| -> serde_json::Value {
+        let path = PathBuf::from(&corpus).join("virtualhome14").join(file);
+        serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+    };
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let scenarios = read("scenarios.json");
+    let mut times: Vec<(Duration, String)> = Vec::new();
+    for trial in read("recorded_trials.json").as_array().unwrap() {
+        let scenario = scenarios
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|s| s["id"] == trial["scenario"])
+            .unwrap();
+        let world = world_of(&domain, &scenario["environment"].to_string());
+        let file: PlanFile = serde_json::from_value(trial["reply"].clone()).unwrap();
+        let claim = file.environment_after.as_ref();
+        let purpose = Purpose {
+            claim: claim.map(|claimed| Claim::read(&domain, &world, claimed)),
+            ..Purpose::default()
+        };
+        let draft = resolve(&domain, &world, &file.task_cohesion);
+        let mut runs: Vec<Duration> = (0..21)
+            .map(|_| {
+                let started = Instant::now();
+                let outcome = repair(&domain, &world, black_box(&draft), &purpose);
+                let time = started.elapsed();
+                assert!(matches!(outcome, Outcome::Valid(_) | Outcome::Repaired(_)));
+                time
+            })
+            .collect();
+        runs.sort_unstable();
+        times.push((
+            runs[10],
+            format!("scenario {}, trial {}", trial["scenario"], trial["trial"]),
+        ));
+    }
+    times.sort();
+    let (median, (worst, which)) = (times[times.len() / 2].0, times.last().unwrap());
+    println!(
+        "repair of {} recorded replies: median {median:?}, worst {worst:?} ({which})",
+        times.len()
+    );
+}
+
+criterion_group!(benches, verification, repairing);
+criterion_main!(benches);
