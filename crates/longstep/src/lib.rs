@@ -41,6 +41,7 @@ pub mod diagnostic;
 pub mod domain;
 pub mod goal;
 pub mod json;
+pub mod pddl;
 pub mod plan;
 pub mod prompt;
 pub mod search;

@@ -2,14 +2,14 @@
 
 /// A literal: a fact's number in the task, and whether it holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Literal {
-    pub(super) fact: u32,
-    pub(super) holds: bool,
+pub(crate) struct Literal {
+    pub(crate) fact: u32,
+    pub(crate) holds: bool,
 }
 
 /// A ground condition in negation normal form.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) enum Formula {
+pub(crate) enum Formula {
     /// All of them; an empty one is true.
     And(Vec<Formula>),
     /// At least one of them; an empty one is false.
@@ -21,7 +21,7 @@ impl Formula {
     pub(super) const TRUE: Formula = Formula::And(Vec::new());
     pub(super) const FALSE: Formula = Formula::Or(Vec::new());
 
-    pub(super) fn is_true(&self) -> bool {
+    pub(crate) fn is_true(&self) -> bool {
         *self == Self::TRUE
     }
 

@@ -10,7 +10,9 @@ mod landmark_cut;
 mod relevance;
 mod task;
 
+pub(crate) use formula::{Formula, Literal};
 pub use forward::Limits;
+pub(crate) use task::{GroundCondition, ground_condition};
 
 use crate::domain::{ActionId, Condition, Domain};
 use crate::world::{EntityId, World};

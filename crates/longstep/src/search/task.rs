@@ -33,29 +33,46 @@ pub(super) struct Task {
     pub(super) always: Formula,
 }
 
+/// A condition about the things of one world.
+#[derive(Debug, Clone)]
+pub(crate) struct GroundCondition {
+    /// Without whatever is known from the start.
+    pub(crate) formula: Formula,
+    /// The facts that its literals number.
+    pub(crate) facts: Vec<Fact>,
+}
+
+/// The condition under `bindings`, with whatever never changes or is asked of the start left out.
+pub(crate) fn ground_condition(
+    domain: &Domain,
+    world: &World,
+    condition: &Condition,
+    bindings: &[EntityId],
+) -> GroundCondition {
+    let mut grounder = Grounder::new(domain, world);
+    let formula = grounder.formula(condition, &mut bindings.to_vec());
+    let mut facts: Vec<(u32, Fact)> = grounder
+        .numbers
+        .into_iter()
+        .map(|(fact, number)| (number, fact))
+        .collect();
+    facts.sort_unstable();
+    GroundCondition {
+        formula,
+        facts: facts.into_iter().map(|(_, fact)| fact).collect(),
+    }
+}
+
 /// Grounds everything that the precondition's unchanging parts allow.
 pub(super) fn ground(domain: &Domain, world: &World, wanted: &[Wanted]) -> Task {
-    let mut grounder = Grounder {
-        domain,
-        world,
-        numbers: FxHashMap::default(),
-        initial: Vec::new(),
-    };
+    let mut grounder = Grounder::new(domain, world);
     let goals: Vec<Formula> = wanted
         .iter()
         .map(|wanted| grounder.formula(&wanted.condition, &mut wanted.bindings.clone()))
         .collect();
     let mut always = Vec::new();
     for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
-        let kinds: Vec<_> = rule.variables.iter().map(|v| v.kind).collect();
-        let condition = kinds
-            .iter()
-            .enumerate()
-            .rev()
-            .fold(rule.condition.clone(), |inner, (slot, kind)| {
-                Condition::Forall(slot, *kind, Box::new(inner))
-            });
-        always.push(grounder.formula(&condition, &mut Vec::new()));
+        always.push(grounder.formula(&rule.everywhere(), &mut Vec::new()));
     }
     let mut operators: Vec<Operator> = Vec::new();
     for (id, action) in domain.action_ids() {
@@ -136,7 +153,16 @@ struct Grounder<'a> {
     initial: Vec<bool>,
 }
 
-impl Grounder<'_> {
+impl<'a> Grounder<'a> {
+    fn new(domain: &'a Domain, world: &'a World) -> Self {
+        Self {
+            domain,
+            world,
+            numbers: FxHashMap::default(),
+            initial: Vec::new(),
+        }
+    }
+
     fn number(&mut self, fact: Fact) -> u32 {
         *self.numbers.entry(fact).or_insert_with(|| {
             self.initial.push(self.world.state.holds(fact));
