@@ -3,7 +3,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::naming::name_entities;
-use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, State, Words, World, evaluate, holds};
+use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, Words, World, evaluate, holds};
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::domain::{Derivation, Domain, Literal, RuleTime, TypeId, Unknown, base_name};
