@@ -9,6 +9,7 @@ mod failure;
 mod inputs;
 mod model;
 mod plan;
+mod problem;
 mod progress;
 mod show;
 mod solve;

@@ -30,4 +30,4 @@ mod write;
 pub use names::object_names;
 pub use plan::{read_plan, write_plan};
 pub use problem::{Problem, read_problem};
-pub use write::{WriteError, write_problem};
+pub use write::{WriteError, write_goal, write_problem};

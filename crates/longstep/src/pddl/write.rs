@@ -55,6 +55,19 @@ pub fn write_problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &s
         let _ = write!(text, "\n    {}", atom(domain, &names, fact));
     }
     text.push_str("\n  )\n  (:goal (and");
+    for part in ground_goal(domain, world, &names, wanted) {
+        let _ = write!(text, "\n    {part}");
+    }
+    text.push_str("\n  ))\n)\n");
+    Ok(text)
+}
+
+/// The parts of the goal as [`write_problem`] writes them.
+pub fn write_goal(domain: &Domain, world: &World, wanted: &[Wanted]) -> Vec<String> {
+    ground_goal(domain, world, &object_names(domain, world), wanted)
+}
+
+fn ground_goal(domain: &Domain, world: &World, names: &[String], wanted: &[Wanted]) -> Vec<String> {
     let mut written: Vec<String> = Vec::new();
     for wanted in wanted {
         let ground = ground_condition(domain, world, &wanted.condition, &wanted.bindings);
@@ -63,17 +76,13 @@ pub fn write_problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &s
             other => std::slice::from_ref(other),
         };
         for part in parts {
-            let part = condition(domain, &names, &ground.facts, part);
+            let part = condition(domain, names, &ground.facts, part);
             if !written.contains(&part) {
                 written.push(part);
             }
         }
     }
-    for part in written {
-        let _ = write!(text, "\n    {part}");
-    }
-    text.push_str("\n  ))\n)\n");
-    Ok(text)
+    written
 }
 
 fn atom(domain: &Domain, names: &[String], fact: Fact) -> String {
