@@ -7,6 +7,7 @@
 mod formula;
 mod forward;
 mod landmark_cut;
+mod relaxed;
 mod relevance;
 mod task;
 
