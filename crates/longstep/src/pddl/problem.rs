@@ -92,6 +92,8 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
                 domain.pddl_name
             );
             reader.report(section.position, message);
+            // Hardly a name in it would be known.
+            return None;
         }
     }
     let mut names = Semantics {

@@ -280,16 +280,16 @@ impl<'a> Grounder<'a> {
             self.effect(effect, 0, &mut bindings, &mut effects);
         }
         // What is both made false and made true under the same condition ends up true.
-        let added: rustc_hash::FxHashSet<(u32, Formula)> = effects
-            .iter()
-            .filter(|e| e.literal.holds)
-            .map(|e| (e.literal.fact, e.condition.clone()))
-            .collect();
-        effects.retain(|e| {
-            e.literal.holds
-                || !(added.contains(&(e.literal.fact, Formula::TRUE))
-                    || added.contains(&(e.literal.fact, e.condition.clone())))
-        });
+        let adds = effects.iter().filter(|e| e.literal.holds);
+        let always = Formula::TRUE;
+        let added: FxHashSet<(u32, &Formula)> = adds.map(|e| (e.literal.fact, &e.condition)).collect();
+        let counts = |e: &GroundEffect| {
+            let by = |condition| added.contains(&(e.literal.fact, condition));
+            e.literal.holds || !(by(&always) || by(&e.condition))
+        };
+        let counting: Vec<bool> = effects.iter().map(counts).collect();
+        let mut counting = counting.into_iter();
+        effects.retain(|_| counting.next().unwrap_or(true));
         effects.sort();
         effects.dedup();
         effects
