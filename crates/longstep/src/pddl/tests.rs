@@ -88,13 +88,16 @@ fn mistakes_in_problems_are_told_with_their_place() {
     );
     assert_eq!(
         plan(
-            "(define (problem p) (:domain shelfs) (:objects cup cup - thang hand) (:init) (:goal (initially (dark))))"
+            "(define (problem p) (:domain shelves) (:objects cup cup - thang hand) (:init) (:goal (initially (dark))))"
         ),
-        "p.pddl:1:21: this problem is for the domain `shelfs`, not for `shelves`\n\
-         p.pddl:1:52: the object `cup` is declared twice\n\
-         p.pddl:1:58: unknown type `thang`\n  hint: did you mean `thing`?\n\
-         p.pddl:1:64: the object `hand` is declared twice\n\
-         p.pddl:1:86: unknown predicate `initially`"
+        "p.pddl:1:53: the object `cup` is declared twice\n\
+         p.pddl:1:59: unknown type `thang`\n  hint: did you mean `thing`?\n\
+         p.pddl:1:65: the object `hand` is declared twice\n\
+         p.pddl:1:87: unknown predicate `initially`"
+    );
+    assert_eq!(
+        plan("(define (problem p) (:domain shelfs) (:objects a - b) (:init) (:goal (c)))"),
+        "p.pddl:1:21: this problem is for the domain `shelfs`, not for `shelves`"
     );
     assert_eq!(plan("(problem p)"), "p.pddl:1:1: no `(define (problem NAME) ...)`");
     assert_eq!(

@@ -4,6 +4,8 @@
 //! and searches forward with an admissible heuristic (`landmark_cut`), so that the plan it finds first is a
 //! shortest one. When that takes too long it goes on greedily and says so.
 
+mod bits;
+mod dominance;
 mod formula;
 mod forward;
 mod landmark_cut;
