@@ -70,8 +70,7 @@ def download(wheel: Wheel, folder: Path) -> Path:
     if subprocess.run(command, check=False).returncode != 0:
         sys.exit(f"error: cannot fetch {wheel.package} {wheel.version}\nhint: check the network (and that this is Linux)")
     [file] = folder.glob("*.whl")
-    with file.open("rb") as stream:
-        found = hashlib.file_digest(stream, "sha256").hexdigest()
+    found = hashlib.sha256(file.read_bytes()).hexdigest()
     if found != wheel.sha256:
         sys.exit(f"error: {file.name} is not the file that was pinned: its SHA-256 is {found}")
     return file
