@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgGroup, Args, Parser, Subcommand};
 
 /// Say what you want; get a robot action plan that has been checked, step by step.
 #[derive(Debug, Parser)]
@@ -102,13 +102,25 @@ pub(crate) struct RepairArguments {
     pub(crate) json: bool,
 }
 
+/// Either a goal and an environment, or a PDDL problem.
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("task").required(true).args(["goal", "problem"])))]
 pub(crate) struct SolveArguments {
     /// What must hold at the end, for example "put(juice, shelf top) & closed(fridge)"
-    #[arg(long, value_name = "GOAL")]
-    pub(crate) goal: String,
-    #[command(flatten)]
-    pub(crate) world: WorldArguments,
+    #[arg(long, value_name = "GOAL", requires = "env")]
+    pub(crate) goal: Option<String>,
+    /// The world: an environment file in the paper's JSON
+    #[arg(long, value_name = "ENV.json", conflicts_with = "problem")]
+    pub(crate) env: Option<PathBuf>,
+    /// A PDDL problem instead of a goal and an environment; --domain is then a PDDL file
+    #[arg(long, value_name = "PROBLEM.pddl", requires = "domain")]
+    pub(crate) problem: Option<PathBuf>,
+    /// What the robot can do: a shipped domain's name or a folder [default: household]
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) domain: Option<String>,
+    /// Do not solve it: print it as a PDDL problem for the domain's domain.pddl
+    #[arg(long, conflicts_with_all = ["problem", "json", "save"])]
+    pub(crate) pddl: bool,
     /// Also write the plan to a file, in the paper's JSON
     #[arg(long, value_name = "PLAN.json")]
     pub(crate) save: Option<PathBuf>,

@@ -10,6 +10,7 @@ mod failure;
 mod inputs;
 mod model;
 mod plan;
+mod problem;
 mod progress;
 mod repair;
 mod show;

@@ -53,6 +53,34 @@ fn domains_are_listed_and_shown() {
 }
 
 #[test]
+fn tasks_are_exchanged_with_planners() {
+    let goal = "put(butter, shelf top)";
+    snapshot!("solve_as_pddl", &["solve", "--goal", goal, "--env", PANTRY, "--pddl"]);
+    let (_, problem, _) = longstep(&["solve", "--goal", goal, "--env", PANTRY, "--pddl"]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("problem.pddl");
+    std::fs::write(&path, problem).unwrap();
+    let path = path.to_str().unwrap();
+    let domain = "domains/household/domain.pddl";
+    snapshot!("solve_problem", &["solve", "--problem", path, "--domain", domain]);
+    let (code, stdout, _) = longstep(&["solve", "--problem", path, "--domain", domain, "--json"]);
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!((code, answer["status"].as_str()), (0, Some("verified")));
+    snapshot!(
+        "problem_of_another_domain",
+        &["solve", "--problem", path, "--domain", "examples/greenhouse"]
+    );
+    // A problem needs its domain, and is a goal and an environment already.
+    for extra in [
+        &[][..],
+        &["--domain", domain, "--env", PANTRY],
+        &["--domain", domain, "--goal", goal],
+    ] {
+        assert_eq!(longstep(&[&["solve", "--problem", path], extra].concat()).0, 2);
+    }
+}
+
+#[test]
 fn goals_are_solved() {
     snapshot!("solve", &["solve", "--goal", "put(butter, shelf top)", "--env", PANTRY]);
     snapshot!(

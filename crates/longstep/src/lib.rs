@@ -42,6 +42,7 @@ pub mod diagnostic;
 pub mod domain;
 pub mod goal;
 pub mod json;
+pub mod pddl;
 pub mod plan;
 pub mod prompt;
 pub mod repair;

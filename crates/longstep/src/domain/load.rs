@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::condition::{Condition, Effect};
-use super::pddl::{Reader, Scope, Semantics};
+use super::pddl::{Reader, Scope, Semantics, Written};
 use super::words::{self, DomainFile, ExamplesFile, TimeEntry, UnknownEntry};
 use super::{
     Action, DefaultFact, Derivation, Domain, EnvironmentTypes, FormPiece, GoalWord, Lexicon, Literal, Parameter,
@@ -37,7 +37,7 @@ pub struct Files {
 pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     let mut findings = Vec::new();
     let pddl_file = format!("{}domain.pddl", files.folder);
-    let semantics = pddl::read(&pddl_file, &files.pddl, &mut findings);
+    let semantics = pddl::read(&pddl_file, &files.pddl, Written::ForUs, &mut findings);
     let words_file = format!("{}domain.toml", files.folder);
     let parsed: Option<DomainFile> = read_toml(&words_file, &files.words, &mut findings);
     let domain = parsed.map(|parsed| {
@@ -161,6 +161,7 @@ impl Loader<'_> {
         let mut reader = Reader {
             file: self.file,
             base,
+            written: Written::ForUs,
             findings: self.findings,
         };
         read(&mut reader, expression)
@@ -252,6 +253,7 @@ impl Loader<'_> {
         let repair = self.repair_costs(&file.repair);
         Domain {
             name: file.name,
+            pddl_name: self.semantics.name.clone(),
             about: file.about,
             types: self.semantics.types.clone(),
             constants: self.semantics.constants.clone(),

@@ -2,18 +2,21 @@
 //!
 //! A domain is a folder: `domain.pddl` holds the semantics, `domain.toml` the words, `prompt/` what a
 //! model is told. [`load`] reads the three together and reports everything on which they disagree.
+//! [`from_pddl`] makes do with the PDDL alone.
 
+mod bare;
 mod condition;
 mod lexicon;
 mod lint;
 mod load;
-mod pddl;
-mod sexpr;
+pub(crate) mod pddl;
+pub(crate) mod sexpr;
 mod shipped;
 mod starter;
 mod template;
 mod words;
 
+pub use bare::from_pddl;
 pub use condition::{Atom, Condition, Effect, Slot, Term};
 pub use lexicon::{Lexicon, base_name, head, plain_words, singular};
 pub use lint::{Finding, Lint, lint};
@@ -304,6 +307,16 @@ pub struct Rule {
     pub unless: Vec<String>,
 }
 
+impl Rule {
+    /// The condition for all bindings at once.
+    pub(crate) fn everywhere(&self) -> Condition {
+        let variables = self.variables.iter().enumerate().rev();
+        variables.fold(self.condition.clone(), |inner, (slot, variable)| {
+            Condition::Forall(slot, variable.kind, Box::new(inner))
+        })
+    }
+}
+
 /// A piece of how a goal is written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FormPiece {
@@ -409,11 +422,13 @@ pub struct EnvironmentTypes {
     pub object: TypeId,
 }
 
-/// A robot's domain, ready for use. Make one with [`load`] or [`shipped`].
+/// A robot's domain, ready for use. Make one with [`load`], [`shipped`] or [`from_pddl`].
 #[derive(Debug, Clone)]
 pub struct Domain {
     /// The name.
     pub name: String,
+    /// The name that `domain.pddl` gives it, which problems refer to.
+    pub pddl_name: String,
     /// One sentence on what it is for.
     pub about: String,
     /// The types.

@@ -21,6 +21,17 @@ const REQUIREMENTS: [&str; 8] = [
     ":adl",
 ];
 
+/// For whom a file was written, and with it how much is let pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Written {
+    /// For this library: whatever looks like a slip is told.
+    ForUs,
+    /// For planners in general. They take arguments of any type and let `object` be declared; a fact about
+    /// something of the wrong type then simply holds, and no action ever asks for it. Conditions have no
+    /// `(initially ...)`, which is ours.
+    ForPlanners,
+}
+
 /// What `domain.pddl` says.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Semantics {
@@ -35,7 +46,7 @@ pub(crate) struct Semantics {
 }
 
 /// Reads a domain file; findings are added to `findings`, and what could be read is returned.
-pub(crate) fn read(file: &str, text: &str, findings: &mut Vec<Diagnostic>) -> Semantics {
+pub(crate) fn read(file: &str, text: &str, written: Written, findings: &mut Vec<Diagnostic>) -> Semantics {
     let mut semantics = Semantics::default();
     let expressions = match sexpr::read(file, text) {
         Ok(expressions) => expressions,
@@ -64,6 +75,7 @@ pub(crate) fn read(file: &str, text: &str, findings: &mut Vec<Diagnostic>) -> Se
     let mut reader = Reader {
         file,
         base: Position { line: 1, column: 1 },
+        written,
         findings,
     };
     match sections.first().and_then(|s| s.tail_of("domain")) {
@@ -125,6 +137,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) file: &'a str,
     /// Where the text that is read begins in the file: a condition may stand inside a TOML string.
     pub(crate) base: Position,
+    pub(crate) written: Written,
     pub(crate) findings: &'a mut Vec<Diagnostic>,
 }
 
@@ -182,6 +195,9 @@ impl Reader<'_> {
                     };
                     let parent = types.intern(parent);
                     for child in waiting.drain(..) {
+                        if child == TypeId::OBJECT && self.written == Written::ForPlanners {
+                            continue;
+                        }
                         if !types.set_parent(child, parent) {
                             let message = format!("the type `{}` would be its own ancestor", types.name(child));
                             self.report(item.position, message);
@@ -336,7 +352,7 @@ impl Reader<'_> {
                 self.condition(when, scope, names).negated(),
                 self.condition(then, scope, names),
             ]),
-            ("initially", [inner]) => initially(self.condition(inner, scope, names)),
+            ("initially", [inner]) if self.written == Written::ForUs => initially(self.condition(inner, scope, names)),
             ("forall" | "exists", [variables, inner]) => {
                 let outer = scope.len();
                 for variable in self.variables(variables.list().unwrap_or_default(), &names.types) {
@@ -362,7 +378,7 @@ impl Reader<'_> {
                 },
                 _ => Condition::TRUE,
             },
-            ("not" | "imply" | "forall" | "exists" | "=" | "initially", _) => {
+            ("not" | "imply" | "forall" | "exists" | "=", _) => {
                 let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
                 self.report(item.position, message);
                 Condition::TRUE
@@ -472,7 +488,8 @@ impl Reader<'_> {
         for (argument, parameter) in arguments.iter().zip(&predicate.parameters) {
             let (term, kind) = self.term(argument, scope, names)?;
             // A supertype is fine: the atom is then simply false for the other entities.
-            if !names.types.is_a(kind, parameter.kind) && !names.types.is_a(parameter.kind, kind) {
+            let fits = names.types.is_a(kind, parameter.kind) || names.types.is_a(parameter.kind, kind);
+            if !fits && self.written == Written::ForUs {
                 let message = format!(
                     "`{name}` takes a {} here, and this is a {}",
                     names.types.name(parameter.kind),
@@ -537,7 +554,7 @@ mod tests {
     #[track_caller]
     fn check(text: &str, expected: &[&str]) {
         let mut findings = Vec::new();
-        read("domain.pddl", text, &mut findings);
+        read("domain.pddl", text, Written::ForUs, &mut findings);
         let found: Vec<String> = findings.iter().map(ToString::to_string).collect();
         assert_eq!(found, expected);
     }

@@ -11,6 +11,8 @@ enum Piece {
     Text(String),
     /// The index of a parameter.
     Hole(usize),
+    /// The index of a parameter whose name stands there without an article.
+    Bare(usize),
 }
 
 impl Template {
@@ -39,6 +41,25 @@ impl Template {
         Ok(Self { pieces })
     }
 
+    /// A fact or a step as PDDL writes it, `(on cup table)`, with a hole for each argument.
+    pub(crate) fn pddl(name: &str, arguments: usize) -> Self {
+        let mut pieces = vec![Piece::Text(format!("({name}"))];
+        for index in 0..arguments {
+            pieces.push(Piece::Text(" ".to_owned()));
+            pieces.push(Piece::Bare(index));
+        }
+        pieces.push(Piece::Text(")".to_owned()));
+        Self { pieces }
+    }
+
+    /// The opposite of a fact as PDDL writes it.
+    pub(crate) fn pddl_not(name: &str, arguments: usize) -> Self {
+        let mut pieces = vec![Piece::Text("(not ".to_owned())];
+        pieces.extend(Self::pddl(name, arguments).pieces);
+        pieces.push(Piece::Text(")".to_owned()));
+        Self { pieces }
+    }
+
     /// The sentence with `name` called for each hole.
     pub fn fill(&self, mut name: impl FnMut(usize) -> String) -> String {
         self.pieces
@@ -46,6 +67,10 @@ impl Template {
             .map(|piece| match piece {
                 Piece::Text(text) => text.clone(),
                 Piece::Hole(index) => name(*index),
+                Piece::Bare(index) => {
+                    let name = name(*index);
+                    name.strip_prefix(ARTICLE).map(str::to_owned).unwrap_or(name)
+                }
             })
             .collect()
     }
@@ -62,6 +87,8 @@ impl Template {
     }
 }
 
+const ARTICLE: &str = "the ";
+
 /// A name with its article: "the juice", but "plate 2".
 ///
 /// ```
@@ -73,7 +100,7 @@ pub fn with_article(name: &str) -> String {
     if name.ends_with(|c: char| c.is_ascii_digit()) {
         name.to_owned()
     } else {
-        format!("the {name}")
+        format!("{ARTICLE}{name}")
     }
 }
 

@@ -6,9 +6,7 @@ use super::target::Meant;
 use crate::domain::{ActionId, Domain};
 use crate::goal::wanted_fact;
 use crate::plan::{DraftStep, Resolved};
-use crate::search::GroundAction;
-use crate::search::formula::{Formula, Literal};
-use crate::search::task::{GroundEffect, Grounder, Operator, Task};
+use crate::search::{Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Task};
 use crate::verify::{Candidate, Purpose, can_apply, candidates, claimed_places};
 use crate::world::{EntityId, Fact, World};
 

@@ -72,6 +72,13 @@ impl Formula {
         }
     }
 
+    pub(crate) fn for_each_mut(&mut self, visit: &mut impl FnMut(&mut Literal)) {
+        match self {
+            Self::And(parts) | Self::Or(parts) => parts.iter_mut().for_each(|part| part.for_each_mut(visit)),
+            Self::Literal(literal) => visit(literal),
+        }
+    }
+
     pub(crate) fn for_each(&self, visit: &mut impl FnMut(Literal)) {
         match self {
             Self::And(parts) | Self::Or(parts) => parts.iter().for_each(|part| part.for_each(visit)),

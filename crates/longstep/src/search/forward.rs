@@ -6,6 +6,8 @@ use std::collections::BinaryHeap;
 use rustc_hash::FxHashMap;
 
 use super::Outcome;
+use super::bits::Bits;
+use super::dominance::Dominance;
 use super::formula::Literal;
 use super::landmark_cut::LandmarkCut;
 use super::relevance;
@@ -28,8 +30,8 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            direct: 1_500,
-            proof: 200,
+            direct: 4_000,
+            proof: 400,
             shortest: 1_500,
             any: 10_000,
         }
@@ -38,30 +40,6 @@ impl Default for Limits {
 
 /// How much the greedy search prefers states that look close to the goal.
 const GREED: u32 = 5;
-
-/// A state: one bit for each fact of the task.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-struct Bits(Box<[u64]>);
-
-impl Bits {
-    fn holds(&self, fact: u32) -> bool {
-        self.0[fact as usize / 64] >> (fact % 64) & 1 == 1
-    }
-
-    fn is(&self, literal: Literal) -> bool {
-        self.holds(literal.fact) == literal.holds
-    }
-
-    fn set(&mut self, literal: Literal) {
-        let bit = 1 << (literal.fact % 64);
-        let word = &mut self.0[literal.fact as usize / 64];
-        if literal.holds {
-            *word |= bit;
-        } else {
-            *word &= !bit;
-        }
-    }
-}
 
 pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     let steps = |path: &[u32], task: &Task| -> Vec<super::GroundAction> {
@@ -88,6 +66,7 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
             // Now everything is allowed, but only plans with fewer steps count.
             let mut proof = Search::new(task, &mut heuristic, 1, limits.proof);
             proof.below = Some(direct.len() as u32);
+            proof.dominance = Some(Dominance::new(task));
             let (found, more) = proof.run();
             return Outcome::Solved {
                 shortest: !matches!(found, Found::Limit),
@@ -101,7 +80,9 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
         Found::Nothing => {}
     }
     for (weight, limit) in [(1, limits.shortest), (GREED, limits.any)] {
-        let (found, more) = Search::new(task, &mut heuristic, weight, limit).run();
+        let mut search = Search::new(task, &mut heuristic, weight, limit);
+        search.dominance = Some(Dominance::new(task));
+        let (found, more) = search.run();
         expanded += more;
         match found {
             Found::Path(path) => {
@@ -166,6 +147,8 @@ struct Search<'a> {
     limit: usize,
     /// Only plans that cost less than this are looked for.
     below: Option<u32>,
+    /// Leaves out states that are no better than others.
+    dominance: Option<Dominance>,
     nodes: Vec<Node>,
     known: FxHashMap<Bits, u32>,
     open: BinaryHeap<Entry>,
@@ -181,6 +164,7 @@ impl<'a> Search<'a> {
             weight,
             limit,
             below: None,
+            dominance: None,
             nodes: Vec::new(),
             known: FxHashMap::default(),
             open: BinaryHeap::new(),
@@ -189,7 +173,7 @@ impl<'a> Search<'a> {
     }
 
     fn run(mut self) -> (Found<Vec<u32>>, usize) {
-        let mut start = Bits(vec![0; self.task.initial.len().div_ceil(64)].into());
+        let mut start = Bits::none(self.task.initial.len());
         for (fact, holds) in self.task.initial.iter().enumerate() {
             start.set(Literal {
                 fact: fact as u32,
@@ -290,6 +274,11 @@ impl<'a> Search<'a> {
             return;
         }
         let number = self.nodes.len() as u32;
+        if let Some(dominance) = &mut self.dominance
+            && !dominance.admits(&state, depth)
+        {
+            return;
+        }
         self.known.insert(state.clone(), number);
         self.nodes.push(Node {
             state,

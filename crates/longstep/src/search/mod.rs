@@ -4,15 +4,20 @@
 //! and searches forward with an admissible heuristic (`landmark_cut`), so that the plan it finds first is a
 //! shortest one. When that takes too long it goes on greedily and says so.
 
-pub(crate) mod formula;
+mod bits;
+mod dominance;
+mod formula;
 mod forward;
 mod landmark_cut;
+mod relaxed;
 mod relevance;
-pub(crate) mod task;
+mod task;
 
+pub(crate) use formula::{Formula, Literal};
 pub use forward::Limits;
 pub(crate) use forward::{Found, cheapest, greedy};
 pub(crate) use relevance::reduce;
+pub(crate) use task::{GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition};
 
 use crate::domain::{ActionId, Condition, Domain};
 use crate::world::{EntityId, World};

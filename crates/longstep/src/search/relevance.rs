@@ -16,9 +16,9 @@ use super::task::{Operator, Task};
 
 /// The task without what no plan can need.
 pub(crate) fn reduce(mut task: Task) -> Task {
-    task.operators = reachable(&task);
+    keep_reachable(&mut task);
     simplify(&mut task);
-    task.operators = relevant(&task, false);
+    keep_relevant(&mut task, false);
     simplify(&mut task);
     renumber(task)
 }
@@ -31,8 +31,8 @@ pub(crate) fn reduce(mut task: Task) -> Task {
 /// shelf only because whoever walks to that shelf would then reach the plate.
 pub(super) fn focus(task: &Task) -> Task {
     let mut task = task.clone();
-    task.operators = relevant(&task, true);
-    task.operators = reachable(&task);
+    keep_relevant(&mut task, true);
+    keep_reachable(&mut task);
     simplify(&mut task);
     renumber(task)
 }
@@ -41,15 +41,8 @@ fn index(literal: Literal) -> usize {
     literal.fact as usize * 2 + usize::from(literal.holds)
 }
 
-/// The operators that can be applied when nothing is ever lost.
-fn reachable(task: &Task) -> Vec<Operator> {
-    let (_, applied) = relaxed(task);
-    let kept = task.operators.iter().zip(applied).filter(|(_, applied)| *applied);
-    kept.map(|(operator, _)| operator.clone()).collect()
-}
-
-/// The literals that can come to hold and the operators that can be applied when nothing is ever lost.
-fn relaxed(task: &Task) -> (Vec<bool>, Vec<bool>) {
+/// Keeps the operators that can be applied when nothing is ever lost.
+fn keep_reachable(task: &mut Task) {
     let mut reached: Vec<bool> = task.initial.iter().flat_map(|holds| [!holds, *holds]).collect();
     let mut applied = vec![false; task.operators.len()];
     loop {
@@ -69,9 +62,16 @@ fn relaxed(task: &Task) -> (Vec<bool>, Vec<bool>) {
             }
         }
         if !changed {
-            return (reached, applied);
+            break;
         }
     }
+    keep(&mut task.operators, &applied);
+}
+
+/// Keeps the operators that are marked.
+fn keep(operators: &mut Vec<Operator>, marked: &[bool]) {
+    let mut marks = marked.iter();
+    operators.retain(|_| marks.next().is_some_and(|mark| *mark));
 }
 
 /// Replaces facts that never change by what they are, and drops effects that do nothing.
@@ -93,7 +93,11 @@ fn simplify(task: &mut Task) {
         }
     };
     let take = |formula: &mut Formula| {
-        *formula = std::mem::replace(formula, Formula::TRUE).map(&literal);
+        let mut open = true;
+        formula.for_each(&mut |literal| open &= changes[literal.fact as usize]);
+        if !open {
+            *formula = std::mem::replace(formula, Formula::TRUE).map(&literal);
+        }
     };
     take(&mut task.goal);
     take(&mut task.always);
@@ -110,7 +114,7 @@ fn simplify(task: &mut Task) {
         .retain(|operator| !operator.precondition.is_false() && !operator.effects.is_empty());
 }
 
-fn relevant(task: &Task, focused: bool) -> Vec<Operator> {
+fn keep_relevant(task: &mut Task, focused: bool) {
     let mut search = Relevance::new(task, focused);
     task.goal.for_each(&mut |literal| search.ask(literal));
     task.always.for_each(&mut |literal| search.ask(literal));
@@ -122,7 +126,8 @@ fn relevant(task: &Task, focused: bool) -> Vec<Operator> {
         .chunks(2)
         .map(|literals| literals[0] || literals[1])
         .collect();
-    for (operator, _) in task.operators.iter().zip(&search.kept).filter(|(_, kept)| **kept) {
+    let kept = search.kept;
+    for (operator, _) in task.operators.iter().zip(&kept).filter(|(_, kept)| **kept) {
         for effect in &operator.effects {
             let matters = search.asked[index(effect.literal)] || search.asked[index(opposite(effect.literal))];
             if matters {
@@ -132,14 +137,11 @@ fn relevant(task: &Task, focused: bool) -> Vec<Operator> {
             }
         }
     }
-    let mut operators = Vec::new();
-    for (operator, _) in task.operators.iter().zip(&search.kept).filter(|(_, kept)| **kept) {
-        let mut operator = operator.clone();
+    keep(&mut task.operators, &kept);
+    for operator in &mut task.operators {
         // Facts that nobody asks about need no bookkeeping.
         operator.effects.retain(|effect| tracked[effect.literal.fact as usize]);
-        operators.push(operator);
     }
-    operators
 }
 
 struct Relevance<'a> {
@@ -270,14 +272,14 @@ fn renumber(mut task: Task) -> Task {
         fact: numbers[literal.fact as usize].unwrap_or_default(),
         holds: literal.holds,
     };
-    let formula = |formula: Formula| formula.map(&|literal| Formula::Literal(again(literal)));
-    task.goal = formula(task.goal);
-    task.always = formula(task.always);
+    let renumber = &mut |literal: &mut Literal| *literal = again(*literal);
+    task.goal.for_each_mut(renumber);
+    task.always.for_each_mut(renumber);
     for operator in &mut task.operators {
-        operator.precondition = formula(std::mem::replace(&mut operator.precondition, Formula::TRUE));
+        operator.precondition.for_each_mut(renumber);
         for effect in &mut operator.effects {
-            effect.condition = formula(std::mem::replace(&mut effect.condition, Formula::TRUE));
-            effect.literal = again(effect.literal);
+            effect.condition.for_each_mut(renumber);
+            renumber(&mut effect.literal);
         }
     }
     task.initial = initial;

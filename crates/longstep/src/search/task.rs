@@ -37,6 +37,36 @@ pub(crate) struct Task {
     pub(crate) always: Formula,
 }
 
+/// A condition about the things of one world.
+#[derive(Debug, Clone)]
+pub(crate) struct GroundCondition {
+    /// Without whatever is known from the start.
+    pub(crate) formula: Formula,
+    /// The facts that its literals number.
+    pub(crate) facts: Vec<Fact>,
+}
+
+/// The condition under `bindings`, with whatever never changes or is asked of the start left out.
+pub(crate) fn ground_condition(
+    domain: &Domain,
+    world: &World,
+    condition: &Condition,
+    bindings: &[EntityId],
+) -> GroundCondition {
+    let mut grounder = Grounder::new(domain, world);
+    let formula = grounder.formula(condition, &mut bindings.to_vec());
+    let mut facts: Vec<(u32, Fact)> = grounder
+        .numbers
+        .into_iter()
+        .map(|(fact, number)| (number, fact))
+        .collect();
+    facts.sort_unstable();
+    GroundCondition {
+        formula,
+        facts: facts.into_iter().map(|(_, fact)| fact).collect(),
+    }
+}
+
 /// Grounds everything that the precondition's unchanging parts allow.
 pub(super) fn ground(domain: &Domain, world: &World, wanted: &[Wanted]) -> Task {
     let mut grounder = Grounder::new(domain, world);
@@ -117,15 +147,9 @@ impl<'a> Grounder<'a> {
     /// The rules that hold in every state, as one condition.
     pub(crate) fn always(&mut self) -> Formula {
         let rules = self.domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
-        let whole: Vec<Condition> = rules
-            .map(|rule| {
-                let variables = rule.variables.iter().enumerate().rev();
-                variables.fold(rule.condition.clone(), |inner, (slot, variable)| {
-                    Condition::Forall(slot, variable.kind, Box::new(inner))
-                })
-            })
+        let parts: Vec<Formula> = rules
+            .map(|rule| self.formula(&rule.everywhere(), &mut Vec::new()))
             .collect();
-        let parts: Vec<Formula> = whole.iter().map(|rule| self.formula(rule, &mut Vec::new())).collect();
         Formula::and(parts)
     }
 
@@ -298,16 +322,16 @@ impl<'a> Grounder<'a> {
             self.effect(effect, 0, &mut bindings, &mut effects);
         }
         // What is both made false and made true under the same condition ends up true.
-        let added: rustc_hash::FxHashSet<(u32, Formula)> = effects
-            .iter()
-            .filter(|e| e.literal.holds)
-            .map(|e| (e.literal.fact, e.condition.clone()))
-            .collect();
-        effects.retain(|e| {
-            e.literal.holds
-                || !(added.contains(&(e.literal.fact, Formula::TRUE))
-                    || added.contains(&(e.literal.fact, e.condition.clone())))
-        });
+        let adds = effects.iter().filter(|e| e.literal.holds);
+        let always = Formula::TRUE;
+        let added: FxHashSet<(u32, &Formula)> = adds.map(|e| (e.literal.fact, &e.condition)).collect();
+        let counts = |e: &GroundEffect| {
+            let by = |condition| added.contains(&(e.literal.fact, condition));
+            e.literal.holds || !(by(&always) || by(&e.condition))
+        };
+        let counting: Vec<bool> = effects.iter().map(counts).collect();
+        let mut counting = counting.into_iter();
+        effects.retain(|_| counting.next().unwrap_or(true));
         effects.sort();
         effects.dedup();
         effects

@@ -19,13 +19,14 @@ pub use evaluate::{Bindings, Moment, holds};
 pub(crate) use evaluate::{for_candidates, for_matching, ground, grounded_term};
 pub use fact::{EntityId, Fact, FactSet, State};
 pub use naming::{Voice, fact_text};
+pub(crate) use read::ENTITY_LIMIT;
 pub use read::read;
 pub(crate) use write::word_for;
 pub use write::write;
 
 use indexmap::IndexMap;
 
-use crate::domain::TypeId;
+use crate::domain::{TypeId, Types};
 
 /// An entity of a world.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -66,6 +67,29 @@ pub struct World {
 }
 
 impl World {
+    /// A world in which nothing holds yet. Identifiers must be unique; constants of the domain come first.
+    pub(crate) fn new(types: &Types, entities: Vec<Entity>, environment: Environment) -> Self {
+        let identified = entities.iter().enumerate();
+        let by_identifier = identified
+            .map(|(index, entity)| (entity.identifier.clone(), EntityId::new(index)))
+            .collect();
+        let of_kind = |kind: usize| {
+            let members = entities.iter().enumerate();
+            members
+                .filter(|(_, entity)| types.is_a(entity.kind, TypeId::new(kind)))
+                .map(|(index, _)| EntityId::new(index))
+                .collect()
+        };
+        Self {
+            by_kind: (0..types.len()).map(of_kind).collect(),
+            entities,
+            by_identifier,
+            state: State::default(),
+            assumed: rustc_hash::FxHashMap::default(),
+            environment,
+        }
+    }
+
     /// Every entity with its id: constants of the domain, assets, objects.
     pub fn entities(&self) -> impl Iterator<Item = (EntityId, &Entity)> {
         self.entities

@@ -3,14 +3,14 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::naming::name_entities;
-use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, State, Words, World, evaluate, holds};
+use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, Words, World, evaluate, holds};
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::domain::{Derivation, Domain, Literal, RuleTime, TypeId, Unknown, base_name};
 use crate::json::{self, Path};
 
 /// More entities than this do not fit into a fact.
-const ENTITY_LIMIT: usize = 60_000;
+pub(crate) const ENTITY_LIMIT: usize = 60_000;
 
 /// Reads an environment as a world of the domain.
 ///
@@ -122,26 +122,7 @@ impl EnvironmentReader<'_> {
                 names,
             })
             .collect();
-        let mut by_kind: Vec<Vec<EntityId>> = Vec::new();
-        for index in 0.. {
-            let kind = TypeId::new(index);
-            if index >= domain.types.len() {
-                break;
-            }
-            let members = entities
-                .iter()
-                .enumerate()
-                .filter(|(_, e)| domain.types.is_a(e.kind, kind));
-            by_kind.push(members.map(|(i, _)| EntityId::new(i)).collect());
-        }
-        let mut world = World {
-            entities,
-            by_identifier,
-            by_kind,
-            state: State::default(),
-            assumed: FxHashMap::default(),
-            environment: environment.clone(),
-        };
+        let mut world = World::new(&domain.types, entities, environment.clone());
         self.states(&mut world, "asset_states", &environment.asset_states);
         self.states(&mut world, "object_states", &environment.object_states);
         let mut denied: FxHashSet<Fact> = FxHashSet::default();

@@ -1,0 +1,67 @@
+//! `longstep solve --problem`: a planning task that somebody else wrote, and its plan as planners write it.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Result;
+use longstep::answer::{Answer, Status};
+use longstep::domain;
+use longstep::pddl;
+use longstep::verify::Purpose;
+
+use crate::arguments::SolveArguments;
+use crate::solve::{milliseconds, plan_for};
+use crate::{inputs, show};
+
+pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8> {
+    let started = Instant::now();
+    let named = Path::new(arguments.domain.as_deref().unwrap_or("domain.pddl"));
+    let domain_file = if named.is_dir() {
+        named.join("domain.pddl")
+    } else {
+        named.to_owned()
+    };
+    let domain = domain::from_pddl(&domain_file.display().to_string(), &inputs::text(&domain_file)?)?;
+    let shown = problem_file.display().to_string();
+    let problem = pddl::read_problem(&domain, &shown, &inputs::text(problem_file)?)?;
+    let purpose = Purpose {
+        wanted: problem.wanted.clone(),
+        ..Purpose::default()
+    };
+    let (mut answer, notes) = plan_for(&domain, &problem.world, &problem.wanted, &purpose, None, &problem.name);
+    answer.goal = pddl::write_goal(&domain, &problem.world, &problem.wanted);
+    answer.timings_ms.total = milliseconds(started);
+    if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
+        inputs::save(path, &answer.plan)?;
+    }
+    if arguments.json {
+        show::json(&answer)?;
+    } else {
+        print(&answer, &notes);
+    }
+    Ok(answer.status.exit_code())
+}
+
+/// The plan, one step to a line; everything else is a comment, so that other programs read it as a plan.
+fn print(answer: &Answer, notes: &[String]) {
+    for step in &answer.steps {
+        let words: Vec<&str> = std::iter::once(step.action.as_str())
+            .chain(step.arguments.iter().map(String::as_str))
+            .collect();
+        anstream::println!("({})", words.join(" "));
+    }
+    for note in notes
+        .iter()
+        .chain(answer.violations.iter().map(|violation| &violation.message))
+    {
+        anstream::println!("; {note}");
+    }
+    let said = match answer.status {
+        Status::Verified => format!("verified, {} step(s)", answer.steps.len()),
+        Status::Unsolvable => "unsolvable: no plan can reach this goal".to_owned(),
+        Status::GaveUp => "gave up: no plan found within the limits".to_owned(),
+        Status::Invalid | Status::Question => "not valid".to_owned(),
+    };
+    let (search, verify) = (answer.timings_ms.search, answer.timings_ms.verify);
+    anstream::println!("; {said} (search {search:.2} ms, verification {verify:.2} ms)");
+}

@@ -1,0 +1,276 @@
+//! Our side of the comparison with other planners; `scripts/peers/compare.py` runs it.
+//!
+//! - `peers export FOLDER`: writes goals of every shipped domain and example as PDDL tasks, one folder each.
+//! - `peers solve DOMAIN.pddl PROBLEM.pddl...`: plans for PDDL problems.
+//! - `peers check`: checks other planners' plans; a line of the input is `DOMAIN.pddl PROBLEM.pddl PLAN`, with tabs
+//!   between.
+//!
+//! What is found is written as one JSON object to a line.
+#![allow(clippy::print_stdout)]
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use longstep::domain::{self, Domain, Files};
+use longstep::goal::{self, Goal, GoalFact, Spoken};
+use longstep::json;
+use longstep::pddl::{self, Problem};
+use longstep::plan::{Plan, Step};
+use longstep::search::{self, GroundAction, Limits, Outcome};
+use longstep::verify::{Purpose, check};
+use longstep::world::{self, Environment, World};
+use serde_json::json;
+
+type Anyhow<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Anyhow<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match &words[..] {
+        ["export", folder] => export(Path::new(folder)),
+        ["solve", domain, problems @ ..] if !problems.is_empty() => {
+            problems.iter().try_for_each(|problem| solve(domain, problem))
+        }
+        ["check"] => std::io::stdin().lines().try_for_each(|line| check_plan(&line?)),
+        _ => Err("usage: peers export FOLDER | peers solve DOMAIN.pddl PROBLEM.pddl... | peers check".into()),
+    }
+}
+
+/// Reads and solves a problem; the time is that from the texts in memory to the plan.
+fn solve(domain_file: &str, problem_file: &str) -> Anyhow<()> {
+    let texts = (
+        std::fs::read_to_string(domain_file)?,
+        std::fs::read_to_string(problem_file)?,
+    );
+    let started = Instant::now();
+    let domain = domain::from_pddl(domain_file, &texts.0)?;
+    let problem = pddl::read_problem(&domain, problem_file, &texts.1)?;
+    let outcome = search::solve(&domain, &problem.world, &problem.wanted, &Limits::default());
+    let microseconds = started.elapsed().as_micros();
+    let mut line = json!({"problem": problem_file, "outcome": name(&outcome), "microseconds": microseconds});
+    match outcome {
+        Outcome::Solved {
+            steps,
+            shortest,
+            expanded,
+        } => {
+            line["length"] = steps.len().into();
+            line["shortest"] = shortest.into();
+            line["expanded"] = expanded.into();
+            line["valid"] = is_valid(&domain, &problem, steps).into();
+        }
+        Outcome::ProvenUnsolvable { expanded } | Outcome::GaveUp { expanded, .. } => line["expanded"] = expanded.into(),
+    }
+    println!("{line}");
+    Ok(())
+}
+
+fn name(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome::Solved { .. } => "solved",
+        Outcome::ProvenUnsolvable { .. } => "unsolvable",
+        Outcome::GaveUp { .. } => "gave_up",
+    }
+}
+
+/// Whether the verifier, which shares nothing with the search, finds the plan good.
+fn is_valid(domain: &Domain, problem: &Problem, steps: Vec<GroundAction>) -> bool {
+    let explained = |s: GroundAction| Step::explained(domain, &problem.world, s.action, s.arguments);
+    let plan: Plan = steps.into_iter().map(explained).collect();
+    let purpose = Purpose {
+        wanted: problem.wanted.clone(),
+        ..Purpose::default()
+    };
+    check(domain, &problem.world, plan, &purpose).violations.is_empty()
+}
+
+fn check_plan(line: &str) -> Anyhow<()> {
+    let [domain_file, problem_file, plan_file] = line.split('\t').collect::<Vec<_>>()[..] else {
+        return Err(format!("not three files: {line}").into());
+    };
+    let domain = domain::from_pddl(domain_file, &std::fs::read_to_string(domain_file)?)?;
+    let problem = pddl::read_problem(&domain, problem_file, &std::fs::read_to_string(problem_file)?)?;
+    let text = std::fs::read_to_string(plan_file)?;
+    let steps = pddl::read_plan(&domain, &problem.world, plan_file, &text)?;
+    let length = steps.len();
+    let valid = is_valid(&domain, &problem, steps);
+    println!("{}", json!({"problem": problem_file, "length": length, "valid": valid}));
+    Ok(())
+}
+
+/// A robot and a place for it.
+struct Scene {
+    name: String,
+    domain: Domain,
+    pddl: String,
+    world: World,
+}
+
+fn export(folder: &Path) -> Anyhow<()> {
+    let mut number = 0;
+    for scene in scenes()? {
+        for goal in goals(&scene.domain, &scene.world) {
+            number += 1;
+            export_goal(
+                &folder.join(format!("{number:03}")),
+                &format!("task-{number:03}"),
+                &scene,
+                &goal,
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) -> Anyhow<()> {
+    let Scene { domain, world, .. } = scene;
+    let wanted = goal.wanted(domain, world);
+    let text = pddl::write_problem(domain, world, &wanted, name_of_task)?;
+    let domain_file = folder.join("domain.pddl");
+    let problem_file = folder.join("problem.pddl");
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(&domain_file, &scene.pddl)?;
+    std::fs::write(&problem_file, &text)?;
+    let outcome = search::solve(domain, world, &wanted, &Limits::default());
+    let mut line = json!({
+        "scene": scene.name,
+        "goal": goal.facts.iter().map(|fact| fact.exact(domain, world)).collect::<Vec<_>>().join(" & "),
+        "domain": domain_file,
+        "problem": problem_file,
+        "outcome": name(&outcome),
+    });
+    if let Outcome::Solved { steps, shortest, .. } = outcome {
+        line["length"] = steps.len().into();
+        line["shortest"] = shortest.into();
+    }
+    // What was written means the same to us when we read it back.
+    let bare = domain::from_pddl("domain.pddl", &scene.pddl)?;
+    let problem = pddl::read_problem(&bare, "problem.pddl", &text)?;
+    let again = search::solve(&bare, &problem.world, &problem.wanted, &Limits::default());
+    line["again"] = match again {
+        Outcome::Solved { steps, .. } => steps.len().into(),
+        other => name(&other).into(),
+    };
+    println!("{line}");
+    Ok(())
+}
+
+/// Every domain of the repository with every example environment that is one of its worlds.
+fn scenes() -> Anyhow<Vec<Scene>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut domains = Vec::new();
+    for name in domain::shipped_names() {
+        domains.push((name.to_owned(), folder_files(&root.join("domains").join(name))?));
+    }
+    domains.push((
+        "greenhouse".to_owned(),
+        folder_files(&root.join("examples/greenhouse"))?,
+    ));
+    let starter: indexmap::IndexMap<String, String> = domain::starter("starter").into_iter().collect();
+    let file = |path: &str| starter.get(path).cloned().unwrap_or_default();
+    let files = Files {
+        folder: "starter/".to_owned(),
+        pddl: file("domain.pddl"),
+        words: file("domain.toml"),
+        goal_prompt: file("prompt/goal.md"),
+        examples: file("prompt/examples.toml"),
+    };
+    domains.push(("starter".to_owned(), files));
+
+    let mut environments = vec![("starter".to_owned(), file("environment.json"))];
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(root.join("examples/environments"))?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<Result<_, _>>()?;
+    paths.push(root.join("examples/greenhouse/environment.json"));
+    paths.sort();
+    for path in paths {
+        let stem = |path: &Path| {
+            path.file_stem()
+                .map(|stem| stem.to_string_lossy().into_owned())
+                .unwrap_or_default()
+        };
+        let name = match stem(&path).as_str() {
+            "environment" => path.parent().map(stem).unwrap_or_default(),
+            other => other.to_owned(),
+        };
+        environments.push((name, std::fs::read_to_string(&path)?));
+    }
+
+    let mut scenes = Vec::new();
+    for (domain_name, files) in &domains {
+        for (environment_name, text) in &environments {
+            let domain = domain::load(files)?;
+            let environment = Environment::from_json(text)?;
+            // Most environments are worlds of one domain only.
+            if let Ok(world) = world::read(&domain, &environment, environment_name, text, &json::Path::default()) {
+                scenes.push(Scene {
+                    name: format!("{domain_name}/{environment_name}"),
+                    domain,
+                    pddl: files.pddl.clone(),
+                    world,
+                });
+            }
+        }
+    }
+    Ok(scenes)
+}
+
+fn folder_files(folder: &Path) -> Anyhow<Files> {
+    let read = |file: &str| std::fs::read_to_string(folder.join(file));
+    Ok(Files {
+        folder: String::new(),
+        pddl: read("domain.pddl")?,
+        words: read("domain.toml")?,
+        goal_prompt: read("prompt/goal.md")?,
+        examples: read("prompt/examples.toml")?,
+    })
+}
+
+/// Three goals of each word, spread over what is offered; some of them joined; and some that exclude each other.
+fn goals(domain: &Domain, world: &World) -> Vec<Goal> {
+    let fact = |word, arguments: &Vec<_>| GoalFact::Word {
+        word,
+        arguments: arguments.clone(),
+    };
+    let offers = goal::offers(domain, world, &[], &Spoken::default());
+    let mut facts = Vec::new();
+    for offer in &offers {
+        let all = &offer.arguments;
+        let mut places = vec![0, all.len() / 2, all.len() - 1];
+        places.dedup();
+        facts.push(
+            places
+                .into_iter()
+                .map(|at| fact(offer.word, &all[at]))
+                .collect::<Vec<_>>(),
+        );
+    }
+    let single = facts.iter().flatten().cloned().map(|fact| vec![fact]);
+    let mut goals: Vec<Vec<GoalFact>> = single.collect();
+    for (first, second) in facts.iter().zip(facts.iter().skip(1)) {
+        goals.extend(
+            first
+                .last()
+                .zip(second.first())
+                .map(|(a, b)| vec![a.clone(), b.clone()]),
+        );
+    }
+    if let [first, second, third, ..] = &facts[..] {
+        let all = [first.first(), second.last(), third.first()];
+        goals.push(all.into_iter().flatten().cloned().collect());
+    }
+    for offer in &offers {
+        let word = domain.goal_word(offer.word);
+        for (index, other) in domain.goal_words.iter().enumerate() {
+            let kinds = |word: &domain::GoalWord| word.parameters.iter().map(|p| p.kind).collect::<Vec<_>>();
+            let excludes = other.exclusive.is_some() && other.exclusive == word.exclusive && other.word != word.word;
+            if excludes && kinds(other) == kinds(word) {
+                let arguments = &offer.arguments[0];
+                let opposite = fact(domain::GoalWordId::new(index), arguments);
+                goals.push(vec![fact(offer.word, arguments), opposite]);
+            }
+        }
+    }
+    goals.into_iter().map(|facts| Goal { facts }).collect()
+}

@@ -1,0 +1,49 @@
+//! States as bits.
+
+use super::formula::Literal;
+
+/// A state, or a set of facts: one bit for each fact of the task.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Bits(Box<[u64]>);
+
+impl Bits {
+    /// The state in which none of so many facts holds.
+    pub(super) fn none(facts: usize) -> Self {
+        Self(vec![0; facts.div_ceil(64)].into())
+    }
+
+    pub(super) fn holds(&self, fact: u32) -> bool {
+        self.0[fact as usize / 64] >> (fact % 64) & 1 == 1
+    }
+
+    pub(super) fn is(&self, literal: Literal) -> bool {
+        self.holds(literal.fact) == literal.holds
+    }
+
+    pub(super) fn set(&mut self, literal: Literal) {
+        let bit = 1 << (literal.fact % 64);
+        let word = &mut self.0[literal.fact as usize / 64];
+        if literal.holds {
+            *word |= bit;
+        } else {
+            *word &= !bit;
+        }
+    }
+
+    /// The facts that hold, without those of `others`.
+    pub(super) fn without(&self, others: &Bits) -> Bits {
+        Bits(
+            self.0
+                .iter()
+                .zip(&others.0)
+                .map(|(word, other)| word & !other)
+                .collect(),
+        )
+    }
+
+    /// Whether wherever the two differ, `self` is as `better` has it.
+    pub(super) fn no_worse_than(&self, other: &Bits, better: &Bits) -> bool {
+        let mut words = self.0.iter().zip(&other.0).zip(&better.0);
+        words.all(|((word, other), better)| (word ^ other) & (word ^ better) == 0)
+    }
+}
