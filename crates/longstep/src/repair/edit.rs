@@ -218,11 +218,10 @@ impl Reasons<'_> {
             }
             without
         };
-        for later in at + 1..steps.len() {
-            let state = without(&self.before[later]);
-            let missing = self.lacking(&steps[later], &state);
+        for (step, before) in steps.iter().zip(&self.before).skip(at + 1) {
+            let missing = self.lacking(step, &without(before));
             if !missing.is_empty() {
-                let call = steps[later].call(self.domain, self.world);
+                let call = step.call(self.domain, self.world);
                 return format!("{call} needs that {}", missing.join(", and that "));
             }
         }

@@ -346,9 +346,12 @@ fn all_actions(domain: &Domain, world: &World) -> Vec<(ActionId, Vec<EntityId>)>
     all
 }
 
+/// What an action needs and what it gives, each as a literal's number and whether it holds.
+type RandomAction = (Vec<(u8, bool)>, Vec<(u8, bool)>);
+
 /// Three properties, a relation, and actions over them that look as `actions` say: what each literal is about and
 /// whether it holds.
-fn random_domain(actions: &[(Vec<(u8, bool)>, Vec<(u8, bool)>)]) -> Domain {
+fn random_domain(actions: &[RandomAction]) -> Domain {
     let atom = |which: u8| ["(a ?x)", "(b ?x)", "(c ?x)", "(r ?x ?y)", "(a ?y)", "(s ?x)"][usize::from(which) % 6];
     let literal = |(which, holds): &(u8, bool)| match holds {
         true => atom(*which).to_owned(),
