@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let goal = goal::parse(&domain, &world, text)?;
     if arguments.pddl {
         let name = env.file_stem().unwrap_or_default().to_string_lossy();
-        let written = pddl::write_problem(&domain, &world, &goal.wanted(&domain, &world), &name)?;
+        let written = pddl::write_problem(&domain, &world, &goal.wanted(&domain), &name)?;
         anstream::print!("{written}");
         return Ok(Status::Verified.exit_code());
     }
@@ -51,7 +51,7 @@ pub(crate) fn goal_lines(domain: &Domain, world: &World, goal: &Goal) -> Vec<Str
 
 /// Plans for a goal and verifies the plan. The second part is for a person's eyes only.
 pub(crate) fn answer(domain: &Domain, world: &World, goal: &Goal, summary: &str) -> (Answer, Vec<String>) {
-    let wanted = goal.wanted(domain, world);
+    let wanted = goal.wanted(domain);
     let (mut answer, notes) = plan_for(domain, world, &wanted, &goal.purpose(domain), Some(goal), summary);
     answer.goal = goal.facts.iter().map(|fact| fact.exact(domain, world)).collect();
     (answer, notes)

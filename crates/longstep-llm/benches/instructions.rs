@@ -68,7 +68,7 @@ fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: 
     if let Some(Understanding::Goal(goal, left_out)) = understanding {
         made.left_out = left_out.len();
         let started = Instant::now();
-        let outcome = search::solve(domain, world, &goal.wanted(domain, world), &Limits::default());
+        let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
         made.search_time = started.elapsed();
         if let Outcome::Solved { steps, .. } = outcome {
             let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);

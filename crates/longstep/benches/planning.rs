@@ -29,7 +29,7 @@ fn example(name: &str) -> PathBuf {
 }
 
 fn plan_for(domain: &Domain, world: &World, goal: &Goal) -> Plan {
-    let outcome = search::solve(domain, world, &goal.wanted(domain, world), &Limits::default());
+    let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
     let Outcome::Solved { steps, .. } = outcome else {
         panic!("{outcome:?}")
     };
@@ -62,7 +62,7 @@ fn planning(criterion: &mut Criterion) {
         let domain = domain::shipped(domain).unwrap().unwrap();
         let world = scene(&domain, file);
         let goal = goal::parse(&domain, &world, goal).unwrap();
-        let wanted = goal.wanted(&domain, &world);
+        let wanted = goal.wanted(&domain);
         let plan = plan_for(&domain, &world, &goal);
         let purpose = goal.purpose(&domain);
         let mut group = criterion.benchmark_group(name);

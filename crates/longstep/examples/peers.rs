@@ -125,7 +125,7 @@ fn export(folder: &Path) -> Anyhow<()> {
 
 fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) -> Anyhow<()> {
     let Scene { domain, world, .. } = scene;
-    let wanted = goal.wanted(domain, world);
+    let wanted = goal.wanted(domain);
     let text = pddl::write_problem(domain, world, &wanted, name_of_task)?;
     let domain_file = folder.join("domain.pddl");
     let problem_file = folder.join("problem.pddl");

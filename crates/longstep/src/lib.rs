@@ -25,7 +25,7 @@
 //! let world = world::read(&household, &environment, "env.json", text, &json::Path::default())?;
 //!
 //! let goal = goal::parse(&household, &world, "put(milk, fridge)")?;
-//! let outcome = search::solve(&household, &world, &goal.wanted(&household, &world), &Limits::default());
+//! let outcome = search::solve(&household, &world, &goal.wanted(&household), &Limits::default());
 //! let Outcome::Solved { steps, .. } = outcome else { panic!("{outcome:?}") };
 //! let steps = steps.into_iter().map(|s| Step::explained(&household, &world, s.action, s.arguments));
 //!

@@ -150,7 +150,7 @@ fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
         for world in [&world_of(&domain, &scenario["environment"]), &kitchen] {
             let goal = goal_of(&domain, world, &scenario["goal"]);
-            let outcome = search::solve(&domain, world, &goal.wanted(&domain, world), &Limits::default());
+            let outcome = search::solve(&domain, world, &goal.wanted(&domain), &Limits::default());
             let Outcome::Solved { steps, shortest, .. } = outcome else {
                 panic!("{}: {outcome:?}", scenario["id"]);
             };

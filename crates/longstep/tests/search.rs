@@ -67,7 +67,7 @@ fn compare(domain_name: &str, environment: &str, goal: &str) -> Result<(), TestC
     let environment = Environment::from_json(environment).unwrap();
     let world = world::read(&domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
     let goal = goal::parse(&domain, &world, goal).unwrap();
-    let wanted = goal.wanted(&domain, &world);
+    let wanted = goal.wanted(&domain);
     let expected = brute_force(&domain, &world, &wanted);
     let limits = Limits {
         direct: 100_000,

@@ -159,11 +159,11 @@ impl Goal {
     }
 
     /// Everything that must hold at the end, the domain's rules included: what search is given.
-    pub fn wanted(&self, domain: &Domain, world: &World) -> Vec<Wanted> {
+    pub fn wanted(&self, domain: &Domain) -> Vec<Wanted> {
         let Purpose {
             mut wanted, waivers, ..
         } = self.purpose(domain);
-        wanted.extend(wanted_at_end(domain, world, &waivers, true));
+        wanted.extend(wanted_at_end(domain, &waivers, true));
         wanted
     }
 }

@@ -175,7 +175,7 @@ fn check_round_trip(domain: &str, environment: &str, goals: &[&str]) {
     };
     for goal in goals {
         let goal = goal::parse(&domain, &world, goal).unwrap();
-        let wanted = goal.wanted(&domain, &world);
+        let wanted = goal.wanted(&domain);
         let problem = write_problem(&domain, &world, &wanted, "7 things").unwrap();
         let again = read_problem(&bare, "problem.pddl", &problem).unwrap();
         assert_eq!(again.name, "o_7_things");

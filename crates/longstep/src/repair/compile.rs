@@ -3,12 +3,12 @@
 use rustc_hash::FxHashSet;
 
 use super::target::Meant;
-use crate::domain::{ActionId, Domain};
+use crate::domain::{ActionId, Domain, RuleTime};
 use crate::goal::wanted_fact;
 use crate::plan::{DraftStep, Resolved};
-use crate::search::{Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Task};
+use crate::search::{Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
 use crate::verify::{Candidate, Purpose, can_apply, candidates, claimed_places};
-use crate::world::{EntityId, Fact, World};
+use crate::world::{EntityId, Fact, World, subject_of};
 
 /// What an operator does with the draft. Steps of the draft count from 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,6 +44,7 @@ pub(super) enum Reason {
 
 /// The task, but for what it is to reach.
 pub(super) struct Compiled<'a> {
+    scope: &'a Scope,
     grounder: Grounder<'a>,
     operators: Vec<Operator>,
     moves: Vec<Move>,
@@ -68,7 +69,8 @@ impl Compiled<'_> {
                 forgone,
             ]));
         }
-        for fact in &meant.kept {
+        let in_scope = |fact: &&Fact| self.scope.contains(subject_of(domain, **fact));
+        for fact in meant.kept.iter().filter(in_scope) {
             let kept = self.fact(domain, *fact);
             let forgone = self.forgone(*fact, costs.unsettle);
             goals.push(Formula::or([kept, forgone]));
@@ -102,9 +104,51 @@ impl Compiled<'_> {
     }
 }
 
-/// Writes the draft as a task.
-pub(super) fn compile<'a>(domain: &'a Domain, world: &'a World, draft: &Resolved, purpose: &Purpose) -> Compiled<'a> {
-    let mut grounder = Grounder::new(domain, world);
+/// What a repair of the draft can need, and the things that it is about.
+pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked, Vec<EntityId>) {
+    let mut asked = Asked::default();
+    let mut about = draft.objects.clone();
+    for wanted in &meant.required {
+        asked.condition(&wanted.condition, &wanted.bindings);
+        about.extend(&wanted.bindings);
+    }
+    for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+        asked.condition(&rule.everywhere(), &[]);
+    }
+    for fact in meant.kept.iter().chain(meant.promised()) {
+        asked.literal(fact.predicate(), true);
+    }
+    for fact in meant.promised() {
+        let arity = domain.predicate(fact.predicate()).parameters.len();
+        about.extend((0..arity).map(|place| fact.argument(place)));
+    }
+    for step in draft.steps.iter().flatten() {
+        let action = domain.action(step.action);
+        action
+            .precondition
+            .for_each_atom(&mut |atom, holds| asked.literal(atom.predicate, holds));
+        // Another verb for the same things changes some of the same facts.
+        for effect in &action.effects {
+            asked.literal(effect.atom.predicate, effect.adds);
+            effect.condition.for_each_atom(&mut |atom, _| {
+                asked.literal(atom.predicate, true);
+                asked.literal(atom.predicate, false);
+            });
+        }
+        about.extend(step.arguments.iter().flatten());
+    }
+    (asked, about)
+}
+
+/// Writes the draft as a task over what is in scope.
+pub(super) fn compile<'a>(
+    domain: &'a Domain,
+    world: &'a World,
+    scope: &'a Scope,
+    draft: &Resolved,
+    purpose: &Purpose,
+) -> Compiled<'a> {
+    let mut grounder = Grounder::new(domain, world, scope);
     let always = grounder.always();
     let in_draft = draft
         .steps
@@ -130,7 +174,8 @@ pub(super) fn compile<'a>(domain: &'a Domain, world: &'a World, draft: &Resolved
     for (index, step) in draft.steps.iter().enumerate() {
         match step {
             Some(step) => {
-                let choices = candidates(domain, world, step, &draft.objects, &places);
+                let mut choices = candidates(domain, world, step, &draft.objects, &places);
+                choices.retain(|choice| choice.arguments.iter().all(|thing| scope.contains(*thing)));
                 writer.step(index, step, &choices);
             }
             None => writer.drop(index, Reason::Unknown, Formula::TRUE, domain.repair.drop_impossible),
@@ -149,6 +194,7 @@ pub(super) fn compile<'a>(domain: &'a Domain, world: &'a World, draft: &Resolved
     } = writer;
     let arrived = [reached[length], free_handed].map(|fact| literal(fact, true));
     Compiled {
+        scope,
         grounder,
         operators,
         moves,

@@ -251,9 +251,7 @@ impl Reasons<'_> {
         }
         // What holds after the repair and would not without the step.
         let failing = |fact: &&Fact| self.report.after.holds(**fact) && !state.holds(**fact);
-        let promised = self.meant.promises.iter();
-        let promised = promised.flat_map(|promise| [&promise.fact].into_iter().chain(&promise.related));
-        if let Some(fact) = promised.into_iter().find(failing) {
+        if let Some(fact) = self.meant.promised().find(failing) {
             let text = fact_text(domain, world, *fact, true);
             return Some(format!("the plan is to end so that {text}"));
         }

@@ -16,12 +16,13 @@ pub use edit::{Edit, EditKind};
 
 use compile::Move;
 use edit::Script;
+use target::Meant;
 
 use crate::domain::Domain;
 use crate::plan::Resolved;
-use crate::search::{Found, cheapest, greedy, reduce};
+use crate::search::{Asked, Found, Scope, cheapest, greedy, reduce};
 use crate::verify::{Purpose, VerifiedPlan, bind, check};
-use crate::world::{Fact, World};
+use crate::world::{EntityId, Fact, World};
 
 /// How far repair looks for the cheapest change, and as far again for any, in states looked at, so that the answer
 /// never depends on the speed of the machine.
@@ -106,46 +107,140 @@ fn repair_within(limit: usize, domain: &Domain, world: &World, draft: &Resolved,
         Err(report) => report.after,
     };
     let meant = target::meant(domain, world, purpose, &as_if);
-    let (task, moves) = compile::compile(domain, world, draft, purpose).task(domain, &meant);
-    let task = reduce(task);
-    let (mut found, mut expanded) = cheapest(&task, limit);
-    let cheapest = found != Found::Limit;
-    if !cheapest {
-        let (any, more) = greedy(&task, limit);
-        (found, expanded) = (any, expanded + more);
-    }
-    let gave_up = |why: String| Outcome::GaveUp { why, expanded };
-    let path = match found {
-        Found::Path(path) => path,
-        Found::Nothing => return Outcome::ProvenUnsolvable { expanded },
-        Found::Limit => return gave_up(format!("no repair found in {} states", 2 * limit)),
+    let (asked, about) = compile::asked(domain, draft, &meant);
+    let mut search = Search {
+        domain,
+        world,
+        draft,
+        purpose,
+        meant: &meant,
+        expanded: 0,
     };
-    let operators = || path.iter().map(|number| &task.operators[*number as usize]);
-    let cost = operators().map(|operator| operator.cost).sum();
-    let moves: Vec<Move> = operators()
-        .map(|operator| moves[operator.tag as usize].clone())
-        .collect();
+    let way = search.way(limit, &asked, &about);
+    let expanded = search.expanded;
+    match way {
+        Found::Path(way) => match follow(domain, world, draft, purpose, &meant, way, expanded) {
+            Some(repaired) => Outcome::Repaired(Box::new(repaired)),
+            None => Outcome::GaveUp {
+                why: "the repair that was found with what surrounds the plan does not work in the whole world"
+                    .to_owned(),
+                expanded,
+            },
+        },
+        Found::Nothing => Outcome::ProvenUnsolvable { expanded },
+        Found::Limit => Outcome::GaveUp {
+            why: format!("no repair found in {expanded} states"),
+            expanded,
+        },
+    }
+}
+
+struct Search<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    draft: &'a Resolved,
+    purpose: &'a Purpose,
+    meant: &'a Meant,
+    expanded: usize,
+}
+
+impl Search<'_> {
+    /// A cheap way through the draft with what surrounds it, and then a proof that none is cheaper, or a cheaper one,
+    /// with everything that there is.
+    fn way(&mut self, limit: usize, asked: &Asked, about: &[EntityId]) -> Found<Way> {
+        let whole = Scope::whole(self.domain, self.world, asked);
+        let near = Scope::around(self.domain, self.world, asked, about, false);
+        // With little more in the world than that, there is nothing to gain by looking twice.
+        let small = 2 * near.len() >= whole.len();
+        let mut best = match small {
+            true => Found::Limit,
+            false => self.within(&near, limit, None),
+        };
+        if !whole.is_bearable(self.domain) {
+            // What surrounds the plan proves nothing about the rest.
+            return match best {
+                Found::Nothing => Found::Limit,
+                best => best,
+            };
+        }
+        let (limit, below) = match &best {
+            Found::Path(way) => (limit / 10, Some(way.cost)),
+            Found::Nothing | Found::Limit => (limit, None),
+        };
+        match (self.within(&whole, limit, below), &mut best) {
+            (Found::Nothing, Found::Path(way)) => way.cheapest = true,
+            (Found::Limit, Found::Path(_)) => {}
+            (found, best) => *best = found,
+        }
+        best
+    }
+
+    /// The cheapest way with what is in scope; any, if looking for the cheapest takes too long.
+    fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
+        let compiled = compile::compile(self.domain, self.world, scope, self.draft, self.purpose);
+        let (task, moves) = compiled.task(self.domain, self.meant);
+        let task = reduce(task);
+        let (mut found, looked_at) = cheapest(&task, limit, below);
+        self.expanded += looked_at;
+        let proven = found != Found::Limit;
+        if !proven && below.is_none() {
+            let (any, looked_at) = greedy(&task, limit);
+            self.expanded += looked_at;
+            found = any;
+        }
+        match found {
+            Found::Path(path) => {
+                let operators = || path.iter().map(|number| &task.operators[*number as usize]);
+                Found::Path(Way {
+                    moves: operators()
+                        .map(|operator| moves[operator.tag as usize].clone())
+                        .collect(),
+                    cost: operators().map(|operator| operator.cost).sum(),
+                    cheapest: proven && scope.whole,
+                })
+            }
+            Found::Nothing => Found::Nothing,
+            Found::Limit => Found::Limit,
+        }
+    }
+}
+
+/// A way through a draft.
+#[derive(Debug, Clone)]
+struct Way {
+    moves: Vec<Move>,
+    cost: u32,
+    /// Whether it is proven that none costs less.
+    cheapest: bool,
+}
+
+/// The plan that a way leads to, if it verifies in the whole world.
+fn follow(
+    domain: &Domain,
+    world: &World,
+    draft: &Resolved,
+    purpose: &Purpose,
+    meant: &Meant,
+    way: Way,
+    expanded: usize,
+) -> Option<Repaired> {
     let mut given_up = meant.impossible.clone();
-    given_up.extend(moves.iter().filter_map(|next| match next {
+    given_up.extend(way.moves.iter().filter_map(|next| match next {
         Move::Forgo(fact) => Some(*fact),
         _ => None,
     }));
     given_up.sort_unstable();
-    let script = Script::of(domain, world, draft, &moves);
+    let script = Script::of(domain, world, draft, &way.moves);
     let mut purpose = purpose.clone();
     purpose.claim = purpose.claim.map(|claim| claim.without(&given_up, world));
     let report = check(domain, world, script.plan(), &purpose);
-    let edits = script.edits(domain, world, draft, &purpose, &meant, &report);
-    match report.into_verified() {
-        Ok(plan) => Outcome::Repaired(Box::new(Repaired {
-            plan,
-            edits,
-            cost,
-            cheapest,
-            given_up,
-            expanded,
-        })),
-        // Search and verification have one meaning of a step; should they ever differ, the verifier is right.
-        Err(_) => gave_up("the repair that was found does not verify".to_owned()),
-    }
+    let edits = script.edits(domain, world, draft, &purpose, meant, &report);
+    Some(Repaired {
+        plan: report.into_verified().ok()?,
+        edits,
+        cost: way.cost,
+        cheapest: way.cheapest,
+        given_up,
+        expanded,
+    })
 }

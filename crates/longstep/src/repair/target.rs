@@ -19,6 +19,14 @@ pub(super) struct Meant {
     pub(super) impossible: Vec<Fact>,
 }
 
+impl Meant {
+    /// Everything that promises speak of.
+    pub(super) fn promised(&self) -> impl Iterator<Item = &Fact> {
+        let promises = self.promises.iter();
+        promises.flat_map(|promise| [&promise.fact].into_iter().chain(&promise.related))
+    }
+}
+
 /// A fact that a draft says will have come about.
 pub(super) struct Promise {
     pub(super) fact: Fact,
@@ -79,7 +87,7 @@ pub(super) fn meant(domain: &Domain, world: &World, purpose: &Purpose, as_if: &S
         .filter(|fact| as_if.holds(*fact) && !changed.contains(&respect(fact)))
         .collect();
     let mut required = purpose.wanted.clone();
-    required.extend(wanted_at_end(domain, world, &purpose.waivers, purpose.from_goal));
+    required.extend(wanted_at_end(domain, &purpose.waivers, purpose.from_goal));
     Meant {
         required,
         promises,

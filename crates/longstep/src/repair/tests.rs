@@ -476,7 +476,7 @@ proptest! {
             "<cup>": "on_something(<counter>)", "<fridge_handle>": "{door}"}}}}"#);
         let world = world_of(&domain, &text);
         let goal = goal::parse(&domain, &world, goal).unwrap();
-        let found = search::solve(&domain, &world, &goal.wanted(&domain, &world), &Limits::default());
+        let found = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
         let search::Outcome::Solved { steps, .. } = found else { panic!("{found:?}") };
         let plan: Plan = steps.into_iter().map(|s| Step::explained(&domain, &world, s.action, s.arguments)).collect();
         let after = verify::check(&domain, &world, plan.clone(), &Purpose::default()).after;

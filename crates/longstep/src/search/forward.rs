@@ -105,9 +105,16 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     }
 }
 
-/// The cheapest way to the goal, by the numbers of operators, with the number of states expanded.
-pub(crate) fn cheapest(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
-    Search::new(task, &mut LandmarkCut::new(task), 1, limit).run()
+/// The cheapest way to the goal, by the numbers of operators, with the number of states expanded; only ways that cost
+/// less than `below` count, if it is given.
+pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<Vec<u32>>, usize) {
+    let mut heuristic = LandmarkCut::new(task);
+    let mut search = Search::new(task, &mut heuristic, 1, limit);
+    search.below = below;
+    if below.is_some() {
+        search.dominance = Some(Dominance::new(task));
+    }
+    search.run()
 }
 
 /// Some way to the goal, rather soon than cheaply.

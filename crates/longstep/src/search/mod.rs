@@ -11,16 +11,19 @@ mod forward;
 mod landmark_cut;
 mod relaxed;
 mod relevance;
+mod scope;
 mod task;
 
 pub(crate) use formula::{Formula, Literal};
 pub use forward::Limits;
 pub(crate) use forward::{Found, cheapest, greedy};
 pub(crate) use relevance::reduce;
+pub(crate) use scope::{Asked, Scope};
 pub(crate) use task::{GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition};
 
-use crate::domain::{ActionId, Condition, Domain};
-use crate::world::{EntityId, World};
+use crate::domain::{ActionId, Condition, Domain, RuleTime};
+use crate::verify::apply;
+use crate::world::{EntityId, Moment, World, holds};
 
 /// A condition to be reached, with the entities that its first slots are bound to.
 #[derive(Debug, Clone)]
@@ -68,7 +71,10 @@ pub enum Outcome {
 
 /// Finds a shortest plan from the world's state to one in which everything wanted holds.
 ///
-/// `always` must hold in every state on the way. The answer is a function of the arguments: limits count
+/// In a world that is too large to look at as a whole, only what surrounds the goal is; then no plan is called
+/// shortest, and nothing is proven unsolvable.
+///
+/// The domain's rules for every state hold on the way. The answer is a function of the arguments: limits count
 /// states, not seconds.
 ///
 /// ```
@@ -79,12 +85,69 @@ pub enum Outcome {
 ///     "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#).unwrap();
 /// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(cup, shelf)").unwrap();
-/// let outcome = search::solve(&household, &world, &goal.wanted(&household, &world), &search::Limits::default());
+/// let outcome = search::solve(&household, &world, &goal.wanted(&household), &search::Limits::default());
 /// let search::Outcome::Solved { steps, shortest, .. } = outcome else { panic!() };
 /// assert!(shortest && steps.len() == 6);
 /// ```
 pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
-    let task = task::ground(domain, world, wanted);
-    let task = relevance::reduce(task);
-    forward::search(&task, limits)
+    let mut asked = Asked::default();
+    for wanted in wanted {
+        asked.condition(&wanted.condition, &wanted.bindings);
+    }
+    for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+        asked.condition(&rule.everywhere(), &[]);
+    }
+    let about: Vec<EntityId> = wanted
+        .iter()
+        .flat_map(|wanted| wanted.bindings.iter().copied())
+        .collect();
+    let whole = Scope::whole(domain, world, &asked);
+    let around = |far: &bool| Scope::around(domain, world, &asked, &about, *far);
+    let scopes = match whole.is_bearable(domain) {
+        true => vec![whole],
+        false => [false, true]
+            .iter()
+            .map(around)
+            .filter(|scope| scope.is_bearable(domain))
+            .collect(),
+    };
+    let mut looked_at = 0;
+    for scope in scopes {
+        let task = relevance::reduce(task::ground(domain, world, &scope, wanted));
+        let outcome = forward::search(&task, limits);
+        match outcome {
+            outcome if scope.whole => return outcome,
+            Outcome::Solved { steps, expanded, .. } if reaches(domain, world, &steps, wanted) => {
+                return Outcome::Solved {
+                    steps,
+                    shortest: false,
+                    expanded: expanded + looked_at,
+                };
+            }
+            Outcome::Solved { expanded, .. }
+            | Outcome::ProvenUnsolvable { expanded }
+            | Outcome::GaveUp { expanded, .. } => looked_at += expanded,
+        }
+    }
+    Outcome::GaveUp {
+        why: "no plan found with what surrounds the goal, and the world is too large to look at all of it".to_owned(),
+        expanded: looked_at,
+    }
+}
+
+/// Whether the steps can be done in the whole world, and lead to what is wanted.
+fn reaches(domain: &Domain, world: &World, steps: &[GroundAction], wanted: &[Wanted]) -> bool {
+    let mut state = world.state.clone();
+    let possible = steps.iter().all(|step| {
+        let action = domain.action(step.action);
+        let moment = Moment { world, state: &state };
+        let possible = holds(moment, &action.precondition, &mut step.arguments.clone());
+        apply(world, &mut state, action, &step.arguments);
+        possible
+    });
+    let moment = Moment { world, state: &state };
+    possible
+        && wanted
+            .iter()
+            .all(|wanted| holds(moment, &wanted.condition, &mut wanted.bindings.clone()))
 }

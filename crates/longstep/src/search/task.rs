@@ -1,11 +1,14 @@
 //! Grounding: a domain, a world and a goal as numbered facts and operators.
 
+use std::borrow::Cow;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::formula::{Formula, Literal};
+use super::scope::{Asked, Scope};
 use super::{GroundAction, Wanted};
-use crate::domain::{Action, Condition, Domain, RuleTime};
-use crate::world::{Bindings, EntityId, Fact, World, ground as ground_atom, grounded_term};
+use crate::domain::{Action, Atom, Condition, Domain, RuleTime, Slot, TypeId};
+use crate::world::{Bindings, EntityId, Fact, Moment, World, ever_candidates, ground as ground_atom, grounded_term};
 
 /// One fact that an operator makes true or false when `condition` held before.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,7 +56,8 @@ pub(crate) fn ground_condition(
     condition: &Condition,
     bindings: &[EntityId],
 ) -> GroundCondition {
-    let mut grounder = Grounder::new(domain, world);
+    let scope = Scope::whole(domain, world, &Asked::default());
+    let mut grounder = Grounder::new(domain, world, &scope);
     let formula = grounder.formula(condition, &mut bindings.to_vec());
     let mut facts: Vec<(u32, Fact)> = grounder
         .numbers
@@ -68,8 +72,8 @@ pub(crate) fn ground_condition(
 }
 
 /// Grounds everything that the precondition's unchanging parts allow.
-pub(super) fn ground(domain: &Domain, world: &World, wanted: &[Wanted]) -> Task {
-    let mut grounder = Grounder::new(domain, world);
+pub(super) fn ground(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
+    let mut grounder = Grounder::new(domain, world, scope);
     let goal = grounder.goal(wanted);
     let always = grounder.always();
     // Of equally short plans, the one that deals with the things of the goal is the one to expect: walk to the
@@ -120,16 +124,18 @@ fn parameters_needed(condition: &Condition, bound: usize) -> usize {
 pub(crate) struct Grounder<'a> {
     domain: &'a Domain,
     world: &'a World,
+    scope: &'a Scope,
     numbers: FxHashMap<Fact, u32>,
     /// Whether each numbered fact holds at the start.
     pub(crate) initial: Vec<bool>,
 }
 
 impl<'a> Grounder<'a> {
-    pub(crate) fn new(domain: &'a Domain, world: &'a World) -> Self {
+    pub(crate) fn new(domain: &'a Domain, world: &'a World, scope: &'a Scope) -> Self {
         Self {
             domain,
             world,
+            scope,
             numbers: FxHashMap::default(),
             initial: Vec::new(),
         }
@@ -153,11 +159,12 @@ impl<'a> Grounder<'a> {
         Formula::and(parts)
     }
 
-    /// Every action with all arguments that its precondition's unchanging parts allow. Those whose arguments are
+    /// Every action in scope with all arguments that its precondition's unchanging parts allow. Those whose arguments are
     /// `spoken_of` come first: operators that come first are tried first.
     pub(crate) fn operators(&mut self, spoken_of: &FxHashSet<EntityId>) -> Vec<Operator> {
         let mut operators: Vec<Operator> = Vec::new();
-        for (id, action) in self.domain.action_ids() {
+        let matters = self.domain.action_ids().zip(&self.scope.actions);
+        for ((id, action), _) in matters.filter(|(_, matters)| **matters) {
             let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
             let mut arguments = Vec::with_capacity(action.parameters.len());
             self.bind(
@@ -234,8 +241,8 @@ impl<'a> Grounder<'a> {
             }
             return;
         }
-        let world = self.world;
-        for entity in world.of_kind(action.parameters[bound].kind) {
+        let scope = self.scope;
+        for entity in scope.of_kind(action.parameters[bound].kind) {
             arguments.push(*entity);
             self.bind(action, conjuncts, arguments, found);
             arguments.pop();
@@ -280,12 +287,12 @@ impl<'a> Grounder<'a> {
                 }
                 Formula::or(parts)
             }
-            Condition::Forall(_, kind, inner) => {
-                let parts = self.instances(*kind, inner, bindings);
+            Condition::Forall(slot, kind, inner) => {
+                let parts = self.instances((*slot, *kind), inner, false, bindings);
                 Formula::and(parts)
             }
-            Condition::Exists(_, kind, inner) => {
-                let parts = self.instances(*kind, inner, bindings);
+            Condition::Exists(slot, kind, inner) => {
+                let parts = self.instances((*slot, *kind), inner, true, bindings);
                 Formula::or(parts)
             }
             Condition::Atom { atom, holds, initially } => {
@@ -304,15 +311,44 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    fn instances(&mut self, kind: crate::domain::TypeId, inner: &Condition, bindings: &mut Bindings) -> Vec<Formula> {
-        let world = self.world;
+    /// The condition for each thing for which it may ever have the value; what is left out never decides.
+    fn instances(
+        &mut self,
+        (slot, kind): (Slot, TypeId),
+        inner: &Condition,
+        value: bool,
+        bindings: &mut Bindings,
+    ) -> Vec<Formula> {
         let mut parts = Vec::new();
-        for entity in world.of_kind(kind) {
+        for entity in self.things((slot, kind), inner, value, bindings).as_ref() {
             bindings.push(*entity);
             parts.push(self.formula(inner, bindings));
             bindings.pop();
         }
         parts
+    }
+
+    /// The things of a type for which a condition may ever have the value.
+    fn things(
+        &self,
+        (slot, kind): (Slot, TypeId),
+        condition: &Condition,
+        value: bool,
+        bindings: &mut Bindings,
+    ) -> Cow<'a, [EntityId]> {
+        let (domain, world) = (self.domain, self.world);
+        let unchanging = |atom: &Atom, initially: bool| initially || !domain.words(atom.predicate).fluent;
+        let moment = Moment {
+            world,
+            state: &world.state,
+        };
+        match ever_candidates(moment, (slot, kind), condition, value, bindings, &unchanging) {
+            Some(mut things) => {
+                things.retain(|thing| self.scope.contains(*thing));
+                Cow::Owned(things)
+            }
+            None => Cow::Borrowed(self.scope.of_kind(kind)),
+        }
     }
 
     fn effects(&mut self, action: &Action, arguments: &[EntityId]) -> Vec<GroundEffect> {
@@ -359,8 +395,7 @@ impl<'a> Grounder<'a> {
             return;
         };
         debug_assert_eq!(*slot, bindings.len());
-        let world = self.world;
-        for entity in world.of_kind(*kind) {
+        for entity in self.things((*slot, *kind), &effect.condition, true, bindings).as_ref() {
             bindings.push(*entity);
             self.effect(effect, depth + 1, bindings, effects);
             bindings.pop();

@@ -29,10 +29,9 @@ pub fn broken_bindings(rule: &Rule, world: &World, state: &State) -> Vec<Binding
         other => std::slice::from_ref(other),
     };
     // For the rule to be broken, each atom that must not hold in one of the alternatives has to hold.
-    let triggers: Vec<&Atom> = parts.iter().flat_map(denied_atoms).collect();
     let mut partial = vec![vec![None; rule.variables.len()]];
-    for atom in triggers {
-        partial = join(&partial, atom, state);
+    for (atom, initially) in parts.iter().flat_map(denied_atoms) {
+        partial = join(&partial, atom, if initially { &world.state } else { state });
     }
     let mut broken = Vec::new();
     for bindings in partial {
@@ -43,14 +42,14 @@ pub fn broken_bindings(rule: &Rule, world: &World, state: &State) -> Vec<Binding
     broken
 }
 
-/// Atoms that have to hold for the alternative to fail.
-fn denied_atoms(part: &Condition) -> Vec<&Atom> {
+/// Atoms that have to hold for the alternative to fail, and whether they are asked of the start.
+fn denied_atoms(part: &Condition) -> Vec<(&Atom, bool)> {
     match part {
         Condition::Atom {
             atom,
             holds: false,
-            initially: false,
-        } => vec![atom],
+            initially,
+        } => vec![(atom, *initially)],
         Condition::Or(parts) => parts.iter().flat_map(denied_atoms).collect(),
         _ => Vec::new(),
     }
@@ -109,41 +108,33 @@ fn complete(
 }
 
 /// What the rules ask of the last state of a plan; those for tidiness only if it is made from a goal.
-pub(crate) fn wanted_at_end(domain: &Domain, world: &World, waivers: &[Waiver], from_goal: bool) -> Vec<Wanted> {
-    let mut wanted = Vec::new();
+pub(crate) fn wanted_at_end(domain: &Domain, waivers: &[Waiver], from_goal: bool) -> Vec<Wanted> {
     let at_end = |rule: &Rule| rule.time == RuleTime::End || (from_goal && rule.time == RuleTime::Tidy);
-    for (number, rule) in domain.rules.iter().enumerate().filter(|(_, rule)| at_end(rule)) {
-        if !waivers.iter().any(|waiver| waiver.rule == number) {
-            let whole = rule
-                .variables
-                .iter()
-                .enumerate()
-                .rev()
-                .fold(rule.condition.clone(), |inner, (slot, v)| {
-                    Condition::Forall(slot, v.kind, Box::new(inner))
-                });
-            wanted.push(Wanted {
-                condition: whole,
-                bindings: Vec::new(),
+    let rules = domain.rules.iter().enumerate().filter(|(_, rule)| at_end(rule));
+    rules
+        .map(|(number, rule)| {
+            let waived = waivers.iter().filter(|waiver| waiver.rule == number);
+            let mut rule = rule.clone();
+            // For what is waived the rule says nothing; one without variables says nothing at all.
+            let exceptions = waived.flat_map(|waiver| match rule.variables.len() {
+                0 => vec![Condition::TRUE],
+                variables => (0..variables).map(|slot| is(slot, waiver.entity)).collect(),
             });
-            continue;
-        }
-        let mut all = vec![Vec::new()];
-        for variable in &rule.variables {
-            let longer = |bindings: Bindings| {
-                world.of_kind(variable.kind).iter().map(move |entity| {
-                    let mut longer = bindings.clone();
-                    longer.push(*entity);
-                    longer
-                })
-            };
-            all = all.into_iter().flat_map(longer).collect();
-        }
-        all.retain(|bindings| !waivers.iter().any(|waiver| waiver.covers(number, bindings)));
-        wanted.extend(all.into_iter().map(|bindings| Wanted {
-            condition: rule.condition.clone(),
-            bindings,
-        }));
+            let mut alternatives: Vec<Condition> = exceptions.collect();
+            alternatives.push(rule.condition);
+            rule.condition = Condition::Or(alternatives);
+            Wanted {
+                condition: rule.everywhere(),
+                bindings: Vec::new(),
+            }
+        })
+        .collect()
+}
+
+fn is(slot: usize, entity: EntityId) -> Condition {
+    Condition::Equal {
+        left: Term::Variable(slot),
+        right: Term::Constant(entity),
+        holds: true,
     }
-    wanted
 }

@@ -64,14 +64,22 @@ pub(crate) fn for_candidates(
         bindings.pop();
         flow
     };
-    if guarded(condition, value, slot) {
-        return for_guards(moment, slot, condition, value, bindings, &mut |entity, bindings| {
-            if moment.world.is_of_kind(entity, kind) {
-                bind(entity, bindings)
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
+    if guarded(condition, value, slot, &any) {
+        return for_guards(
+            moment,
+            slot,
+            condition,
+            value,
+            &any,
+            bindings,
+            &mut |entity, bindings| {
+                if moment.world.is_of_kind(entity, kind) {
+                    bind(entity, bindings)
+                } else {
+                    ControlFlow::Continue(())
+                }
+            },
+        );
     }
     moment
         .world
@@ -80,16 +88,52 @@ pub(crate) fn for_candidates(
         .try_for_each(|entity| bind(*entity, bindings))
 }
 
+/// Tells of an atom, and whether it is asked of the start, whether what holds of it now may be relied on.
+type Reliable<'a> = &'a dyn Fn(&Atom, bool) -> bool;
+
+/// Of the state at hand, everything may be.
+fn any(_: &Atom, _: bool) -> bool {
+    true
+}
+
+/// The entities of the type for which the condition can ever have the value, in order, as far as facts tell that may
+/// be relied on whatever is done; none if they do not tell.
+pub(crate) fn ever_candidates(
+    moment: Moment<'_>,
+    (slot, kind): (Slot, TypeId),
+    condition: &Condition,
+    value: bool,
+    bindings: &mut Bindings,
+    reliable: Reliable<'_>,
+) -> Option<Vec<EntityId>> {
+    if !guarded(condition, value, slot, reliable) {
+        return None;
+    }
+    let mut found = Vec::new();
+    let _ = for_guards(moment, slot, condition, value, reliable, bindings, &mut |entity, _| {
+        if moment.world.is_of_kind(entity, kind) {
+            found.push(entity);
+        }
+        ControlFlow::Continue(())
+    });
+    found.sort_unstable();
+    found.dedup();
+    Some(found)
+}
+
 /// Whether the condition can have the value only for entities of certain facts.
-fn guarded(condition: &Condition, value: bool, slot: Slot) -> bool {
+fn guarded(condition: &Condition, value: bool, slot: Slot, reliable: Reliable<'_>) -> bool {
+    let part_guarded = |part: &Condition| guarded(part, value, slot, reliable);
     match condition {
-        Condition::And(parts) if value => parts.iter().any(|part| guarded(part, value, slot)),
-        Condition::Or(parts) if !value => parts.iter().any(|part| guarded(part, value, slot)),
-        Condition::And(parts) | Condition::Or(parts) => parts.iter().all(|part| guarded(part, value, slot)),
-        Condition::Exists(_, _, inner) if value => guarded(inner, value, slot),
-        Condition::Forall(_, _, inner) if !value => guarded(inner, value, slot),
+        Condition::And(parts) if value => parts.iter().any(part_guarded),
+        Condition::Or(parts) if !value => parts.iter().any(part_guarded),
+        Condition::And(parts) | Condition::Or(parts) => parts.iter().all(part_guarded),
+        Condition::Exists(_, _, inner) if value => part_guarded(inner),
+        Condition::Forall(_, _, inner) if !value => part_guarded(inner),
         Condition::Forall(..) | Condition::Exists(..) => false,
-        Condition::Atom { atom, holds, .. } => *holds == value && atom.terms.contains(&Term::Variable(slot)),
+        Condition::Atom { atom, holds, initially } => {
+            *holds == value && atom.terms.contains(&Term::Variable(slot)) && reliable(atom, *initially)
+        }
         Condition::Equal { left, right, holds } => *holds == value && other_side(*left, *right, slot).is_some(),
     }
 }
@@ -114,14 +158,16 @@ fn for_guards(
     slot: Slot,
     condition: &Condition,
     value: bool,
+    reliable: Reliable<'_>,
     bindings: &mut Bindings,
     visit: &mut dyn FnMut(EntityId, &mut Bindings) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     match condition {
         Condition::And(parts) | Condition::Or(parts) => {
             let one_is_enough = matches!(condition, Condition::And(_)) == value;
-            for part in parts.iter().filter(|part| !one_is_enough || guarded(part, value, slot)) {
-                for_guards(moment, slot, part, value, bindings, visit)?;
+            let counts = |part: &&Condition| !one_is_enough || guarded(part, value, slot, reliable);
+            for part in parts.iter().filter(counts) {
+                for_guards(moment, slot, part, value, reliable, bindings, visit)?;
                 if one_is_enough {
                     break;
                 }
@@ -129,7 +175,7 @@ fn for_guards(
             ControlFlow::Continue(())
         }
         Condition::Forall(_, _, inner) | Condition::Exists(_, _, inner) => {
-            for_guards(moment, slot, inner, value, bindings, visit)
+            for_guards(moment, slot, inner, value, reliable, bindings, visit)
         }
         Condition::Equal { left, right, .. } => match other_side(*left, *right, slot) {
             Some(other) => visit(grounded_term(other, bindings), bindings),

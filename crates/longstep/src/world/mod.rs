@@ -16,7 +16,7 @@ pub(crate) use claim::subject_of;
 pub use diff::{Difference, differences};
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};
-pub(crate) use evaluate::{for_candidates, for_matching, ground, grounded_term};
+pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term};
 pub use fact::{EntityId, Fact, FactSet, State};
 pub use naming::{Voice, fact_text};
 pub(crate) use read::ENTITY_LIMIT;
