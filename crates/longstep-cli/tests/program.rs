@@ -163,6 +163,7 @@ fn plans_are_repaired() {
         "repair_leaves_out",
         &in_flat("repair", plan!("light_and_pillow.json"), &[])
     );
+    snapshot!("repair_does_later", &in_flat("repair", plan!("put_too_soon.json"), &[]));
     snapshot!("repair_hidden_arguments", &["repair", plan!("closed_fridge.json")]);
     snapshot!(
         "repair_nothing",
