@@ -7,12 +7,15 @@ use longstep::answer::{Answer, Claims, Status, compare_claims};
 use longstep::domain::Domain;
 use longstep::json;
 use longstep::plan::{PlanFile, Resolved, resolve};
-use longstep::repair::{Outcome, repair};
+use longstep::repair::{Outcome, Repaired, repair};
 use longstep::verify::{Assumption, Purpose, Report, bind, check, feedback};
-use longstep::world::{Claim, World};
+use longstep::world::{Claim, Voice, World};
 
 use crate::failure::Failure;
 use crate::inputs;
+
+/// More changes than this are counted rather than told in a hint.
+const TOLD: usize = 4;
 
 /// A plan file, read and resolved.
 pub(crate) struct Draft {
@@ -125,6 +128,30 @@ impl Draft {
     /// The least change that makes the plan valid.
     pub(crate) fn repair(&self) -> Outcome {
         repair(&self.domain, &self.world, &self.resolved, &self.purpose)
+    }
+
+    /// What a repaired plan does without although the draft claims it, as sentences.
+    pub(crate) fn given_up(&self, repaired: &Repaired) -> Vec<String> {
+        let told = |fact: &_| Voice::Person.fact(&self.domain, &self.world, *fact, true);
+        repaired.given_up.iter().map(told).collect()
+    }
+
+    /// What repair would do to an invalid plan, if it can mend it.
+    pub(crate) fn advice(&self) -> Option<String> {
+        let Outcome::Repaired(repaired) = self.repair() else {
+            return None;
+        };
+        let length = self.resolved.written.len();
+        let mut told: Vec<String> = match repaired.edits.len() {
+            0..=TOLD => repaired.edits.iter().map(|edit| edit.told(length)).collect(),
+            many => vec![format!("{many} changes")],
+        };
+        let given_up = self.given_up(&repaired).into_iter();
+        told.extend(given_up.map(|fact| format!("give up that {fact}")));
+        if told.is_empty() {
+            told.push("its steps stay as they are".to_owned());
+        }
+        Some(format!("`longstep repair` makes it valid: {}", told.join("; ")))
     }
 
     /// What a model would be told about the plan.

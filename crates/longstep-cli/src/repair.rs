@@ -5,7 +5,6 @@ use std::time::Instant;
 use anyhow::Result;
 use longstep::answer::{Answer, EditAnswer, Status};
 use longstep::repair::Outcome;
-use longstep::world::Voice;
 
 use crate::arguments::RepairArguments;
 use crate::draft::Draft;
@@ -48,10 +47,14 @@ fn answer(draft: &Draft) -> Answer {
                 let note = "a smaller change may exist: the search for it was cut short";
                 answer.notes.push(note.to_owned());
             }
-            for fact in &repaired.given_up {
-                let text = Voice::Person.fact(&draft.domain, &draft.world, *fact, true);
-                answer.notes.push(format!("claimed and given up: {text}"));
-            }
+            // What is wrong with a step shows as an edit; the rest was put right without one.
+            let whole = draft.resolved.issues.iter().filter(|issue| issue.step().is_none());
+            let told = whole.map(|issue| issue.message(&draft.domain, &draft.world, &[], None));
+            answer.notes.extend(told);
+            let given_up = draft.given_up(&repaired).into_iter();
+            answer
+                .notes
+                .extend(given_up.map(|fact| format!("claimed and given up: {fact}")));
             answer
         }
         Outcome::ProvenUnsolvable { .. } => {

@@ -17,7 +17,7 @@ pub(crate) fn answer(answer: &Answer, notes: &[String]) {
     steps(answer);
     edits(answer);
     // Of a plan that cannot be carried out nobody knows what it would change.
-    let possible = answer.status != Status::Invalid;
+    let possible = answer.status == Status::Verified;
     if let (true, Some(before), Some(after)) = (
         possible,
         &answer.plan.environment_before,
@@ -93,11 +93,17 @@ fn edits(answer: &Answer) {
             edit.before.as_deref().unwrap_or(""),
             edit.after.as_deref().unwrap_or(""),
         );
+        // Of a call that hides its arguments, only the explanation tells what it is about.
+        let step = answer
+            .steps
+            .get(edit.at)
+            .filter(|step| edit.kind != "drop" && !step.implicit.is_empty());
+        let about = step.map_or(String::new(), |step| format!(", {}", step.explanation));
         match edit.kind {
             "drop" => anstream::println!("  {} {before}", "-".red()),
-            "replace" => anstream::println!("  {} {number}. {after} instead of {before}", "~".yellow()),
-            "move" => anstream::println!("  {} {number}. {after}, later than in the plan", "~".yellow()),
-            _ => anstream::println!("  {} {number}. {after}", "+".green()),
+            "replace" => anstream::println!("  {} {number}. {after} instead of {before}{about}", "~".yellow()),
+            "move" => anstream::println!("  {} {number}. {after}{about}, later than in the plan", "~".yellow()),
+            _ => anstream::println!("  {} {number}. {after}{about}", "+".green()),
         }
         anstream::println!("    {}", edit.why.dimmed());
     }
@@ -154,6 +160,8 @@ fn verdict(answer: &Answer) {
     }
     parts.push(format!("verification {}", milliseconds(times.verify)));
     let time = parts.join(", ");
+    // Who solves asks for a goal; who repairs gives a plan.
+    let repaired = answer.goal.is_empty();
     match answer.status {
         Status::Verified => {
             let changed = match answer.edits.len() {
@@ -173,12 +181,17 @@ fn verdict(answer: &Answer) {
             anstream::println!("{} {found} ({time})", "Not valid:".red().bold());
         }
         Status::Unsolvable => {
-            anstream::println!("{} no plan can reach this goal ({time})", "Unsolvable:".red().bold());
+            let told = if repaired {
+                "no change makes this plan valid"
+            } else {
+                "no plan can reach this goal"
+            };
+            anstream::println!("{} {told} ({time})", "Unsolvable:".red().bold());
         }
-        Status::GaveUp => anstream::println!(
-            "{} no plan found within the limits ({time})",
-            "Gave up:".yellow().bold()
-        ),
+        Status::GaveUp => {
+            let told = if repaired { "no repair" } else { "no plan" };
+            anstream::println!("{} {told} found within the limits ({time})", "Gave up:".yellow().bold());
+        }
         Status::Question => {}
     }
 }

@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use anyhow::Result;
 use longstep::answer::Status;
-use longstep::repair::Outcome;
 
 use crate::arguments::VerifyArguments;
 use crate::draft::Draft;
@@ -20,18 +19,13 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     answer.timings_ms.total = milliseconds(started);
     if arguments.json {
         show::json(&answer)?;
-    } else if arguments.feedback {
-        if answer.status == Status::Invalid {
-            anstream::print!("{}", draft.feedback());
-        }
-    } else {
+    } else if arguments.feedback && answer.status == Status::Invalid {
+        anstream::print!("{}", draft.feedback());
+    } else if !arguments.feedback || answer.status == Status::Question {
         show::answer(&answer, &[]);
-        if answer.status == Status::Invalid
-            && let Outcome::Repaired(repaired) = draft.repair()
-        {
-            let length = draft.resolved.written.len();
-            let told: Vec<String> = repaired.edits.iter().map(|edit| edit.told(length)).collect();
-            show::hint(&format!("`longstep repair` makes it valid: {}", told.join("; ")));
+        let advice = (answer.status == Status::Invalid).then(|| draft.advice()).flatten();
+        if let Some(advice) = advice {
+            show::hint(&advice);
         }
     }
     Ok(answer.status.exit_code())

@@ -131,6 +131,146 @@ fn plans_are_verified() {
     );
 }
 
+const FLAT: &str = "examples/environments/flat.json";
+
+/// A plan of the tests.
+macro_rules! plan {
+    ($file:literal) => {
+        concat!("crates/longstep-cli/tests/plans/", $file)
+    };
+}
+
+/// `longstep COMMAND PLAN` in the flat.
+fn in_flat<'a>(command: &'a str, plan: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&[command, plan, "--env", FLAT, "--domain", "virtualhome"], more].concat()
+}
+
+#[test]
+fn a_plan_is_measured_by_what_it_claims() {
+    let odd = plan!("odd_claim.json");
+    snapshot!("verify_odd_claim", &in_flat("verify", odd, &[]));
+    snapshot!("repair_odd_claim", &in_flat("repair", odd, &[]));
+    snapshot!("repair_stale_claim", &in_flat("repair", plan!("stale_claim.json"), &[]));
+}
+
+#[test]
+fn plans_are_repaired() {
+    snapshot!(
+        "repair_another_verb",
+        &in_flat("repair", "examples/plans/warm_cupcake.json", &[])
+    );
+    snapshot!(
+        "repair_leaves_out",
+        &in_flat("repair", plan!("light_and_pillow.json"), &[])
+    );
+    snapshot!("repair_does_later", &in_flat("repair", plan!("put_too_soon.json"), &[]));
+    snapshot!("repair_hidden_arguments", &["repair", plan!("closed_fridge.json")]);
+    snapshot!(
+        "repair_nothing",
+        &in_flat("repair", plan!("mug_on_nightstand.json"), &[])
+    );
+    snapshot!("repair_unsolvable", &["repair", plan!("nowhere_to_put.json")]);
+}
+
+#[test]
+fn replies_are_read_as_plans() {
+    let reply = "examples/plans/tidy_magazine.txt";
+    snapshot!("verify_reply", &in_flat("verify", reply, &[]));
+    snapshot!("repair_reply", &in_flat("repair", reply, &[]));
+    let near = plan!("near_names.json");
+    snapshot!("verify_near_names", &in_flat("verify", near, &[]));
+    snapshot!("repair_near_names", &in_flat("repair", near, &[]));
+}
+
+#[test]
+fn what_is_no_plan_is_one_clear_error() {
+    snapshot!("reply_cut_off", &in_flat("verify", plan!("cut_off.txt"), &[]));
+    snapshot!("reply_refusal", &in_flat("repair", plan!("refusal.txt"), &[]));
+    snapshot!("reply_two_plans", &in_flat("verify", plan!("two_plans.txt"), &[]));
+    snapshot!("reply_malformed", &in_flat("verify", plan!("malformed.txt"), &[]));
+    snapshot!(
+        "plan_without_environment",
+        &["repair", plan!("mug_on_nightstand.json"), "--domain", "virtualhome"]
+    );
+}
+
+#[test]
+fn a_question_in_a_reply_is_passed_on() {
+    let question = plan!("question.txt");
+    snapshot!("reply_question", &in_flat("verify", question, &[]));
+    for (command, more) in [("verify", "--feedback"), ("verify", "--json"), ("repair", "--json")] {
+        let (code, stdout, _) = longstep(&in_flat(command, question, &[more]));
+        assert!(
+            code == 13 && stdout.contains("the mug or the magazine?"),
+            "{code} {stdout}"
+        );
+    }
+    let (code, stdout, _) = longstep(&in_flat("repair", question, &[]));
+    assert!(code == 13 && stdout.starts_with("Question:"), "{code} {stdout}");
+}
+
+#[test]
+fn feedback_is_for_a_model() {
+    snapshot!(
+        "feedback",
+        &in_flat("verify", plan!("light_and_pillow.json"), &["--feedback"])
+    );
+    snapshot!(
+        "feedback_unknown",
+        &in_flat("verify", plan!("near_names.json"), &["--feedback"])
+    );
+    let good = longstep(&in_flat("verify", plan!("mug_on_nightstand.json"), &["--feedback"]));
+    assert_eq!(good, (0, String::new(), String::new()));
+    assert_eq!(longstep(&["verify", plan!("good.json"), "--feedback", "--json"]).0, 2);
+}
+
+#[test]
+fn a_repaired_plan_verifies_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.json");
+    std::fs::write(&path, "something longer that was there before ".repeat(1000)).unwrap();
+    let saved = path.to_str().unwrap();
+    let flat = |plan| in_flat("repair", plan, &["--save", saved]);
+    for (repair, domain) in [
+        (flat("examples/plans/warm_cupcake.json"), "virtualhome"),
+        (flat("examples/plans/tidy_magazine.txt"), "virtualhome"),
+        (flat(plan!("odd_claim.json")), "virtualhome"),
+        (
+            vec!["repair", plan!("closed_fridge.json"), "--save", saved],
+            "household",
+        ),
+    ] {
+        let (code, stdout, stderr) = longstep(&repair);
+        assert_eq!(code, 0, "{stdout}{stderr}");
+        assert!(stderr.contains("saved to"), "{stderr}");
+        let (code, stdout, stderr) = longstep(&["verify", saved, "--domain", domain, "--json"]);
+        assert_eq!(code, 0, "{stdout}{stderr}");
+        let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        assert_eq!(answer["claims"]["differing"], serde_json::json!([]), "{repair:?}");
+        assert_eq!(
+            answer["notes"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .find(|note| note.to_string().contains("line ")),
+            None
+        );
+    }
+    // The file was written elsewhere first and moved; nothing else is left there.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_plan_that_cannot_be_repaired_is_not_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.json");
+    let (code, ..) = longstep(&["repair", plan!("nowhere_to_put.json"), "--save", path.to_str().unwrap()]);
+    assert_eq!((code, path.exists()), (11, false));
+    let (code, stdout, stderr) = longstep(&["repair", plan!("good.json"), "--save", "/nowhere/plan.json"]);
+    assert_eq!((code, stdout.as_str()), (30, ""));
+    assert!(stderr.contains("cannot write /nowhere/plan.json"), "{stderr}");
+}
+
 #[test]
 fn bad_input_is_one_clear_error() {
     snapshot!(
@@ -213,30 +353,52 @@ fn a_file_that_is_no_model_is_refused() {
     }
 }
 
+/// The fields of an answer, in their order.
+const FIELDS: [&str; 11] = [
+    "status",
+    "plan",
+    "steps",
+    "goal",
+    "edits",
+    "violations",
+    "claims",
+    "assumptions",
+    "usage",
+    "timings_ms",
+    "notes",
+];
+
 #[test]
 fn json_is_one_object_with_the_published_fields() {
-    let (code, stdout, _) = longstep(&["solve", "--goal", "opened(fridge)", "--env", PANTRY, "--json"]);
-    assert_eq!(code, 0);
-    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
-    let keys: Vec<&str> = answer.as_object().unwrap().keys().map(String::as_str).collect();
+    let answer = |arguments: &[&str]| {
+        let (code, stdout, _) = longstep(arguments);
+        let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        // A field of the whole answer stands two blanks in; a parsed object would have lost the order.
+        let own = stdout
+            .lines()
+            .filter_map(|line| line.strip_prefix("  \"")?.split_once("\": "));
+        assert_eq!(own.map(|(key, _)| key).collect::<Vec<_>>(), FIELDS, "{arguments:?}");
+        (code, answer)
+    };
+    let (code, solved) = answer(&["solve", "--goal", "opened(fridge)", "--env", PANTRY, "--json"]);
+    assert_eq!((code, &solved["status"]), (0, &"verified".into()));
+    assert_eq!(solved["goal"][0], "opened(<fridge>)");
+    assert_eq!(solved["steps"][1]["implicit"]["object"], "<fridge_handle>");
+    let (code, invalid) = answer(&in_flat("verify", plan!("odd_claim.json"), &["--json"]));
+    assert_eq!((code, &invalid["status"]), (10, &"invalid".into()));
+    assert_eq!(invalid["violations"][0]["kind"], "claim");
+    let (code, repaired) = answer(&in_flat("repair", plan!("light_and_pillow.json"), &["--json"]));
+    assert_eq!((code, &repaired["status"]), (0, &"verified".into()));
     assert_eq!(
-        keys,
-        [
-            "status",
-            "plan",
-            "steps",
-            "goal",
-            "edits",
-            "violations",
-            "claims",
-            "assumptions",
-            "usage",
-            "timings_ms"
-        ]
+        (&repaired["violations"], &repaired["goal"]),
+        (&serde_json::json!([]), &serde_json::json!([]))
     );
-    assert_eq!(answer["status"], "verified");
-    assert_eq!(answer["goal"][0], "opened(<fridge>)");
-    assert_eq!(answer["steps"][1]["implicit"]["object"], "<fridge_handle>");
+    insta::assert_snapshot!(
+        "repair_edits_json",
+        serde_json::to_string_pretty(&repaired["edits"]).unwrap()
+    );
+    let (code, unsolvable) = answer(&["repair", plan!("nowhere_to_put.json"), "--json"]);
+    assert_eq!((code, &unsolvable["status"]), (11, &"unsolvable".into()));
 }
 
 #[test]
