@@ -57,6 +57,13 @@ fn answer(draft: &Draft) -> Answer {
                 .extend(given_up.map(|fact| format!("claimed and given up: {fact}")));
             answer
         }
+        Outcome::Unclear { why } => {
+            let mut answer = draft.verdict();
+            answer
+                .notes
+                .push(format!("not repaired, since that would be guessing: {why}"));
+            answer
+        }
         Outcome::ProvenUnsolvable { .. } => {
             let mut answer = draft.verdict();
             answer.status = Status::Unsolvable;

@@ -388,7 +388,8 @@ pub struct RepairCosts {
     pub drop_impossible: u32,
     /// Leaving out a step that does something: more than inserting what it needs.
     pub drop: u32,
-    /// Ending with another relation between two things than the draft says: on rather than in.
+    /// Ending with another relation between two things than the draft says, on rather than in: more than opening,
+    /// replacing a verb and closing, which is what the one that was said may take.
     pub other_relation: u32,
     /// Ending without something that the draft says will have come about.
     pub forgo: u32,
@@ -406,7 +407,7 @@ impl Default for RepairCosts {
             drop_idle: 2,
             drop_impossible: 4,
             drop: 80,
-            other_relation: 10,
+            other_relation: 15,
             forgo: 60,
             unsettle: 20,
         }

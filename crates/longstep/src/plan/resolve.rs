@@ -79,15 +79,16 @@ pub fn resolve(domain: &Domain, world: &World, written: &TaskCohesion) -> Resolv
         .objects()
         .filter_map(|name| resolver.entity(None, name))
         .collect();
-    let mut steps = Vec::with_capacity(written.task_sequence.len());
-    for (index, text) in written.task_sequence.iter().enumerate() {
-        let explanation = written.step_instructions.get(index).cloned().unwrap_or_default();
-        steps.push(resolver.step(index, text, explanation));
-    }
-    // Without any, steps explain themselves.
     let (calls, explanations) = (written.task_sequence.len(), written.step_instructions.len());
-    if explanations > 0 && calls != explanations {
+    // Without any, steps explain themselves; with too few or too many, nobody knows which is whose.
+    let paired = explanations == calls;
+    if explanations > 0 && !paired {
         resolver.issues.push(Violation::LengthMismatch { calls, explanations });
+    }
+    let mut steps = Vec::with_capacity(calls);
+    for (index, text) in written.task_sequence.iter().enumerate() {
+        let explanation = written.step_instructions.get(index).filter(|_| paired);
+        steps.push(resolver.step(index, text, explanation.cloned().unwrap_or_default()));
     }
     Resolved {
         steps,

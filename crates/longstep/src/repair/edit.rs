@@ -36,6 +36,8 @@ pub struct Edit {
     pub before: Option<String>,
     /// The call after.
     pub after: Option<String>,
+    /// What the call after does, where the call itself hides what it is about.
+    pub about: Option<String>,
     /// Why, for a person.
     pub why: String,
 }
@@ -55,10 +57,9 @@ impl EditKind {
 impl Edit {
     /// The change in a few words, with its place in a draft of `length` steps; steps are counted from 1.
     pub fn told(&self, length: usize) -> String {
-        let (before, after) = (
-            self.before.as_deref().unwrap_or(""),
-            self.after.as_deref().unwrap_or(""),
-        );
+        let before = self.before.as_deref().unwrap_or("");
+        let about = self.about.as_ref().map_or(String::new(), |about| format!(" ({about})"));
+        let after = format!("{}{about}", self.after.as_deref().unwrap_or(""));
         let number = self.step + 1;
         match self.kind {
             EditKind::Insert if self.step >= length => format!("add {after} at the end"),
@@ -153,6 +154,7 @@ impl Script {
                     step: *index,
                     before: Some(draft.written[*index].clone()),
                     after: None,
+                    about: None,
                     why: reasons.for_dropping(draft, *index, at, *reason),
                 });
             }
@@ -160,19 +162,21 @@ impl Script {
                 break;
             };
             let after = Some(step.call(domain, world).to_string());
-            let (kind, step, why) = match origin {
+            let hides = domain.action(step.action).implicit().next().is_some();
+            let (kind, index, why) = match origin {
                 Origin::Kept => continue,
                 Origin::Inserted(index) => (EditKind::Insert, *index, reasons.for_having(at)),
                 Origin::Replaced(index) => (EditKind::Replace, *index, reasons.for_replacing(draft, *index, at)),
                 Origin::Moved(index) => (EditKind::Move, *index, reasons.for_having(at)),
             };
-            let before = (kind != EditKind::Insert).then(|| draft.written[step].clone());
+            let before = (kind != EditKind::Insert).then(|| draft.written[index].clone());
             edits.push(Edit {
                 kind,
                 at,
-                step,
+                step: index,
                 before,
                 after,
+                about: hides.then(|| step.explanation.clone()),
                 why,
             });
         }
@@ -211,18 +215,26 @@ impl Reasons<'_> {
             .steps()
             .nth(at)
             .map_or_else(Vec::new, |(_, changes)| changes.to_vec());
-        let without = |state: &State| {
+        let undo = |state: &State, changes: &[Change]| {
             let mut without = state.clone();
             for change in changes.iter().filter(|change| state.holds(change.fact) == change.holds) {
                 without.set(change.fact, !change.holds);
             }
             without
         };
+        let without = |state: &State| undo(state, &changes);
         for (step, before) in steps.iter().zip(&self.before).skip(at + 1) {
             let missing = self.lacking(step, &without(before));
             if !missing.is_empty() {
+                // Of the facts that are lacking without the step, those count that it alone decides.
+                let decides = |change: &&Change| !self.lacking(step, &undo(before, &[**change])).is_empty();
+                let decisive = changes.iter().filter(decides);
+                let told: Vec<String> = decisive
+                    .map(|change| fact_text(self.domain, self.world, change.fact, change.holds))
+                    .collect();
                 let call = step.call(self.domain, self.world);
-                return format!("{call} needs that {}", missing.join(", and that "));
+                let needs = if told.is_empty() { missing } else { told };
+                return format!("{call} needs that {}", needs.join(", and that "));
             }
         }
         let end = without(&self.before[steps.len()]);

@@ -21,7 +21,7 @@ use target::Meant;
 use crate::domain::Domain;
 use crate::plan::Resolved;
 use crate::search::{Asked, Found, Scope, cheapest, greedy, reduce};
-use crate::verify::{Purpose, VerifiedPlan, bind, check};
+use crate::verify::{Purpose, VerifiedPlan, Violation, bind, check};
 use crate::world::{EntityId, Fact, World};
 
 /// How far repair looks for the cheapest change, and as far again for any, in states looked at, so that the answer
@@ -35,6 +35,11 @@ pub enum Outcome {
     Valid(VerifiedPlan),
     /// A good plan, and how it was made.
     Repaired(Box<Repaired>),
+    /// The draft does not say what is to be done: repairing it would be guessing.
+    Unclear {
+        /// What is not clear, for a person.
+        why: String,
+    },
     /// No plan keeps the rules and reaches what is wanted, whatever is changed.
     ProvenUnsolvable {
         /// States expanded.
@@ -106,6 +111,9 @@ fn repair_within(limit: usize, domain: &Domain, world: &World, draft: &Resolved,
         Ok(plan) => plan.after().clone(),
         Err(report) => report.after,
     };
+    if let Some(why) = unclear(domain, world, draft, purpose) {
+        return Outcome::Unclear { why };
+    }
     let meant = target::meant(domain, world, purpose, &as_if);
     let (asked, about) = compile::asked(domain, draft, &meant);
     let mut search = Search {
@@ -133,6 +141,21 @@ fn repair_within(limit: usize, domain: &Domain, world: &World, draft: &Resolved,
             expanded,
         },
     }
+}
+
+/// Why a repair would be guessing: the thing that is handled is not known, or steps mean nothing and no claim tells
+/// what they were for.
+fn unclear(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Option<String> {
+    let unspoken = purpose.claim.is_none() && purpose.wanted.is_empty();
+    let issue = draft.issues.iter().find(|issue| match issue {
+        Violation::UnknownEntity { step: None, .. } => true,
+        issue => unspoken && issue.step().is_some(),
+    })?;
+    let told = issue.message(domain, world, &[], None);
+    Some(match issue.step() {
+        Some(_) => format!("{told}; and the plan does not claim what the world is to be afterwards"),
+        None => told,
+    })
 }
 
 struct Search<'a> {
