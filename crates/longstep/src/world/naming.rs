@@ -1,6 +1,7 @@
 //! Everyday names for entities, and sentences for facts.
 
 use indexmap::IndexMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Entity, EntityId, Fact, World};
 use crate::domain::{Domain, base_name, head, plain_words, singular, with_article};
@@ -24,33 +25,38 @@ pub(super) fn name_entities(
         }
         choices.push(names);
     }
-    let mut shown: Vec<String> = choices.iter().map(|names| names[0].clone()).collect();
-    for index in 0..shown.len() {
-        let base = base_name(identifiers[index]);
-        let clash = (0..shown.len())
-            .any(|other| choices[other][0] == choices[index][0] && base_name(identifiers[other]) != base);
-        if clash && choices[index].len() > 1 {
-            shown[index] = choices[index][1].clone();
-        }
+    // By shown name: the kinds of things that are called so.
+    let mut kinds: FxHashMap<&str, FxHashSet<String>> = FxHashMap::default();
+    for (identifier, names) in identifiers.iter().zip(&choices) {
+        kinds.entry(&names[0]).or_default().insert(base_name(identifier));
     }
-    let counts = shown.iter().fold(IndexMap::<&str, usize>::new(), |mut counts, name| {
+    let longer_where_needed = |names: &Vec<String>| {
+        let clash = kinds[names[0].as_str()].len() > 1 && names.len() > 1;
+        names[usize::from(clash)].clone()
+    };
+    let shown: Vec<String> = choices.iter().map(longer_where_needed).collect();
+    let mut counts: FxHashMap<&str, usize> = FxHashMap::default();
+    for name in &shown {
         *counts.entry(name).or_default() += 1;
-        counts
-    });
-    let mut seen: IndexMap<&str, usize> = IndexMap::new();
+    }
+    // "table 2" may be taken by a thing that is called so.
+    let mut taken: FxHashSet<String> = shown.iter().cloned().collect();
+    let mut next: FxHashMap<&str, usize> = FxHashMap::default();
     let mut unique = Vec::with_capacity(shown.len());
     for name in &shown {
-        let number = seen.entry(name).or_default();
-        *number += 1;
         if counts[name.as_str()] == 1 {
             unique.push(name.clone());
             continue;
         }
-        // "table 2" may be taken by a thing that is called so.
-        let free = (*number..)
-            .map(|n| format!("{name} {n}"))
-            .find(|candidate| !shown.contains(candidate) && !unique.contains(candidate));
-        unique.extend(free);
+        let number = next.entry(name).or_default();
+        let free = loop {
+            *number += 1;
+            let candidate = format!("{name} {number}");
+            if taken.insert(candidate.clone()) {
+                break candidate;
+            }
+        };
+        unique.push(free);
     }
     unique.into_iter().zip(choices).collect()
 }

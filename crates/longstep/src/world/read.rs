@@ -135,8 +135,13 @@ impl EnvironmentReader<'_> {
                 self.properties(&mut world, section, identifier, words, &mut denied, &mut told);
             }
         }
+        let bases: Vec<String> = world
+            .entities
+            .iter()
+            .map(|entity| base_name(&entity.identifier))
+            .collect();
         for derivation in &domain.derivations {
-            let not = derive(derivation, &mut world, &denied, &told);
+            let not = derive(derivation, &mut world, &bases, &denied, &told);
             // What the environment says is stronger than what a name says.
             denied.extend(not.into_iter().filter(|fact| !world.state.holds(*fact)));
         }
@@ -336,13 +341,19 @@ impl EnvironmentReader<'_> {
 }
 
 /// Adds what follows to the world; returns what follows not to hold, which is then not unknown either.
-fn derive(derivation: &Derivation, world: &mut World, denied: &FxHashSet<Fact>, told: &FxHashSet<usize>) -> Vec<Fact> {
+///
+/// `bases` are the base names of the entities, in order.
+fn derive(
+    derivation: &Derivation,
+    world: &mut World,
+    bases: &[String],
+    denied: &FxHashSet<Fact>,
+    told: &FxHashSet<usize>,
+) -> Vec<Fact> {
     let matching = |names: &[String]| -> Vec<EntityId> {
-        let all = world.entities().filter(|(_, entity)| {
-            let base = base_name(&entity.identifier);
-            names.is_empty() || names.iter().any(|name| ends_with(&base, name))
-        });
-        all.map(|(id, _)| id).collect()
+        let fits = |base: &String| names.is_empty() || names.iter().any(|name| ends_with(base, name));
+        let all = bases.iter().enumerate().filter(|(_, base)| fits(base));
+        all.map(|(index, _)| EntityId::new(index)).collect()
     };
     let subjects = matching(&derivation.names);
     let pairs: Vec<(EntityId, EntityId)> = if let Some(pattern) = &derivation.pattern {
@@ -392,5 +403,6 @@ fn derive(derivation: &Derivation, world: &mut World, denied: &FxHashSet<Fact>, 
 /// Whether an identifier's last word is `name`. Identifiers are often run together (`coffeetable`), so a
 /// name of four letters or more may also be the end of a longer word.
 fn ends_with(base: &str, name: &str) -> bool {
-    base == name || base.ends_with(&format!("_{name}")) || (name.len() >= 4 && base.ends_with(name))
+    base.strip_suffix(name)
+        .is_some_and(|rest| rest.is_empty() || rest.ends_with('_') || name.len() >= 4)
 }
