@@ -11,6 +11,8 @@
 
 use std::collections::VecDeque;
 
+use rustc_hash::FxHashMap;
+
 use super::formula::{Formula, Literal};
 use super::task::{Operator, Task};
 
@@ -116,8 +118,8 @@ fn simplify(task: &mut Task) {
 
 fn keep_relevant(task: &mut Task, focused: bool) {
     let mut search = Relevance::new(task, focused);
-    task.goal.for_each(&mut |literal| search.ask(literal));
-    task.always.for_each(&mut |literal| search.ask(literal));
+    search.ask_for(&task.goal);
+    search.ask_for(&task.always);
     while let Some(literal) = search.queue.pop_front() {
         search.expand(literal);
     }
@@ -155,6 +157,9 @@ struct Relevance<'a> {
     expanded: Vec<bool>,
     /// Literals to look at, or to look at again.
     queue: VecDeque<Literal>,
+    /// By literal that holds from the start and that no kept operator takes away: alternatives that hold because of it,
+    /// so that nobody asks for the others.
+    relied_on: FxHashMap<usize, Vec<&'a Formula>>,
 }
 
 impl<'a> Relevance<'a> {
@@ -174,7 +179,32 @@ impl<'a> Relevance<'a> {
             asked: vec![false; literals],
             expanded: vec![false; literals],
             queue: VecDeque::new(),
+            relied_on: FxHashMap::default(),
         }
+    }
+
+    /// Asks for what a condition needs.
+    fn ask_for(&mut self, condition: &'a Formula) {
+        match condition {
+            Formula::And(parts) => parts.iter().for_each(|part| self.ask_for(part)),
+            Formula::Or(parts) => {
+                let literals = parts.iter().filter_map(|part| match part {
+                    Formula::Literal(literal) => Some(*literal),
+                    _ => None,
+                });
+                match literals.into_iter().find(|literal| self.is_safe(*literal)) {
+                    Some(literal) => self.relied_on.entry(index(literal)).or_default().push(condition),
+                    None => parts.iter().for_each(|part| self.ask_for(part)),
+                }
+            }
+            Formula::Literal(literal) => self.ask(*literal),
+        }
+    }
+
+    /// Whether the literal holds from the start and no kept operator takes it away.
+    fn is_safe(&self, literal: Literal) -> bool {
+        let mut takers = self.achievers[index(opposite(literal))].iter();
+        self.task.initial[literal.fact as usize] == literal.holds && !takers.any(|taker| self.kept[taker.0 as usize])
     }
 
     fn ask(&mut self, literal: Literal) {
@@ -232,9 +262,17 @@ impl<'a> Relevance<'a> {
         if std::mem::replace(&mut self.kept[number], true) {
             return;
         }
-        let operator = &self.task.operators[number];
-        operator.precondition.for_each(&mut |literal| self.ask(literal));
+        let task = self.task;
+        let operator = &task.operators[number];
+        self.ask_for(&operator.precondition);
         for effect in &operator.effects {
+            for alternatives in self
+                .relied_on
+                .remove(&index(opposite(effect.literal)))
+                .unwrap_or_default()
+            {
+                self.ask_for(alternatives);
+            }
             if self.asked[index(opposite(effect.literal))] {
                 self.queue.push_back(opposite(effect.literal));
             }
