@@ -64,8 +64,9 @@ pub(crate) struct PlanArguments {
     pub(crate) json: bool,
 }
 
+/// A plan and the world that it is for.
 #[derive(Debug, Args)]
-pub(crate) struct VerifyArguments {
+pub(crate) struct DraftArguments {
     /// The plan, in the paper's JSON, or a model's reply that holds one
     #[arg(value_name = "PLAN.json")]
     pub(crate) plan: PathBuf,
@@ -75,6 +76,12 @@ pub(crate) struct VerifyArguments {
     /// What the robot can do: a shipped domain's name or a folder
     #[arg(long, value_name = "DOMAIN", default_value = "household")]
     pub(crate) domain: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArguments {
+    #[command(flatten)]
+    pub(crate) draft: DraftArguments,
     /// Write what a model would be told about the plan, if it is not valid
     #[arg(long, conflicts_with = "json")]
     pub(crate) feedback: bool,
@@ -85,15 +92,8 @@ pub(crate) struct VerifyArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct RepairArguments {
-    /// The plan, in the paper's JSON, or a model's reply that holds one
-    #[arg(value_name = "PLAN.json")]
-    pub(crate) plan: PathBuf,
-    /// The world before the plan [default: the plan's own `environment_before`]
-    #[arg(long, value_name = "ENV.json")]
-    pub(crate) env: Option<PathBuf>,
-    /// What the robot can do: a shipped domain's name or a folder
-    #[arg(long, value_name = "DOMAIN", default_value = "household")]
-    pub(crate) domain: String,
+    #[command(flatten)]
+    pub(crate) draft: DraftArguments,
     /// Also write the repaired plan to a file, in the paper's JSON
     #[arg(long, value_name = "PLAN.json")]
     pub(crate) save: Option<PathBuf>,

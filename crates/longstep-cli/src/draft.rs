@@ -1,7 +1,5 @@
 //! What `longstep verify` and `longstep repair` share: a plan, the world it is for, and what it claims.
 
-use std::path::Path;
-
 use anyhow::Result;
 use longstep::answer::{Answer, Claims, Status, compare_claims};
 use longstep::domain::Domain;
@@ -11,6 +9,7 @@ use longstep::repair::{Outcome, Repaired, repair};
 use longstep::verify::{Assumption, Purpose, Report, bind, check, feedback};
 use longstep::world::{Claim, Voice, World};
 
+use crate::arguments::DraftArguments;
 use crate::failure::Failure;
 use crate::inputs;
 
@@ -29,12 +28,12 @@ pub(crate) struct Draft {
 }
 
 impl Draft {
-    pub(crate) fn read(plan: &Path, env: Option<&Path>, domain: &str) -> Result<Self> {
-        let domain = inputs::domain(domain)?;
-        let (draft, text) = inputs::plan(plan)?;
+    pub(crate) fn read(arguments: &DraftArguments) -> Result<Self> {
+        let domain = inputs::domain(&arguments.domain)?;
+        let (draft, text) = inputs::plan(&arguments.plan)?;
         let file = draft.file;
-        let shown = plan.display().to_string();
-        let world = match (env, &file.environment_before) {
+        let shown = arguments.plan.display().to_string();
+        let world = match (&arguments.env, &file.environment_before) {
             (Some(path), _) => inputs::world(&domain, path)?,
             (None, Some(environment)) => {
                 let inside = json::Path::key("environment_before");

@@ -13,7 +13,7 @@ use crate::{inputs, show};
 
 pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
     let started = Instant::now();
-    let draft = Draft::read(&arguments.plan, arguments.env.as_deref(), &arguments.domain)?;
+    let draft = Draft::read(&arguments.draft)?;
     let mut answer = match draft.question() {
         Some(question) => question,
         None => answer(&draft),

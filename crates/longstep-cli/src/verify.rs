@@ -12,7 +12,7 @@ use crate::solve::milliseconds;
 
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     let started = Instant::now();
-    let draft = Draft::read(&arguments.plan, arguments.env.as_deref(), &arguments.domain)?;
+    let draft = Draft::read(&arguments.draft)?;
     let verifying = Instant::now();
     let mut answer = draft.verdict();
     answer.timings_ms.verify = milliseconds(verifying);

@@ -1,0 +1,142 @@
+//! What is wanted of a plan: rules, the words that goals are told in, and what repair may cost.
+
+use toml::Spanned;
+
+use super::*;
+
+impl Loader<'_> {
+    pub(super) fn rule(&mut self, entry: &words::RuleEntry, goal_words: &[GoalWord]) -> Rule {
+        let mut condition = self.condition(&entry.condition, &[]);
+        let mut variables = Vec::new();
+        while let Condition::Forall(_, kind, inner) = condition {
+            variables.push(any_parameter_of("", kind));
+            condition = *inner;
+        }
+        // The names of the quantified variables, for the sentence.
+        for (variable, name) in variables.iter_mut().zip(quantified_names(entry.condition.get_ref())) {
+            variable.name = name;
+        }
+        for word in &entry.unless {
+            if !goal_words.iter().any(|g| g.word == *word.get_ref()) {
+                let known = goal_words.iter().map(|g| g.word.as_str());
+                self.report_unknown(word, "goal word", word.get_ref(), known);
+            }
+        }
+        Rule {
+            name: entry.name.get_ref().clone(),
+            time: match entry.holds {
+                TimeEntry::Start => RuleTime::Start,
+                TimeEntry::Always => RuleTime::Always,
+                TimeEntry::End => RuleTime::End,
+                TimeEntry::Tidy => RuleTime::Tidy,
+            },
+            says: self.template(&entry.says, &variables),
+            variables,
+            condition,
+            unless: entry.unless.iter().map(|word| word.get_ref().clone()).collect(),
+        }
+    }
+
+    pub(super) fn repair_costs(&mut self, entry: &words::RepairEntry) -> RepairCosts {
+        let usual = RepairCosts::default();
+        let mut cost = |given: &Option<Spanned<u32>>, usual: u32| match given {
+            // Costs of that size add up without overflow, however long the draft is.
+            Some(given) if !(1..=1000).contains(given.get_ref()) => {
+                let position = Position::of(self.text, given.span().start);
+                let message = "a cost is a whole number from 1 to 1000";
+                self.findings.push(Diagnostic::at(self.file, position, message));
+                usual
+            }
+            Some(given) => *given.get_ref(),
+            None => usual,
+        };
+        RepairCosts {
+            insert: cost(&entry.insert, usual.insert),
+            replace: cost(&entry.replace, usual.replace),
+            postpone: cost(&entry.postpone, usual.postpone),
+            rebind: cost(&entry.rebind, usual.rebind),
+            drop_idle: cost(&entry.drop_idle, usual.drop_idle),
+            drop_impossible: cost(&entry.drop_impossible, usual.drop_impossible),
+            drop: cost(&entry.drop, usual.drop),
+            other_relation: cost(&entry.other_relation, usual.other_relation),
+            forgo: cost(&entry.forgo, usual.forgo),
+            unsettle: cost(&entry.unsettle, usual.unsettle),
+        }
+    }
+
+    pub(super) fn goal_word(&mut self, entry: &words::GoalEntry) -> Option<GoalWord> {
+        let semantics = self.semantics;
+        let list = Spanned::new(entry.parameters.span(), format!("({})", entry.parameters.get_ref()));
+        let parameters = self.read_with(&list, |reader, expression| {
+            Some(reader.variables(expression.list().unwrap_or_default(), &semantics.types))
+        })?;
+        let text = entry.form.get_ref();
+        let mut form = Vec::new();
+        let mut rest = text.as_str();
+        while let Some(start) = rest.find('{') {
+            let Some(length) = rest[start..].find('}') else {
+                self.report(&entry.form, "a `{` is not closed");
+                return None;
+            };
+            let name = &rest[start + 1..start + length];
+            let Some(index) = parameters.iter().position(|p| p.name == name) else {
+                self.report_unknown(
+                    &entry.form,
+                    "parameter",
+                    name,
+                    parameters.iter().map(|p| p.name.as_str()),
+                );
+                return None;
+            };
+            form.push(FormPiece::Text(rest[..start].to_owned()));
+            form.push(FormPiece::Parameter(index));
+            rest = &rest[start + length + 1..];
+        }
+        form.push(FormPiece::Text(rest.to_owned()));
+        let word = text.split('(').next().unwrap_or_default().trim().to_owned();
+        if word.is_empty() || !text.ends_with(')') {
+            self.report(&entry.form, "a goal is written as `word({parameter}, ...)`");
+        }
+        Some(GoalWord {
+            word,
+            form,
+            condition: self.condition(&entry.condition, &parameters),
+            offered: entry
+                .offered
+                .as_ref()
+                .map_or(Condition::TRUE, |offered| self.condition(offered, &parameters)),
+            subject: entry.subject.as_ref().and_then(|s| self.parameter(s, &parameters)),
+            cues: entry.cues.clone(),
+            destination_verbs: entry.destination_verbs.clone(),
+            yields_to: entry.yields_to.clone(),
+            phrases: entry
+                .phrases
+                .iter()
+                .filter_map(|phrase| self.phrase(phrase, &parameters))
+                .collect(),
+            exclusive: entry.exclusive.clone(),
+            disturbs: entry
+                .disturbs
+                .iter()
+                .filter_map(|d| self.parameter(d, &parameters))
+                .collect(),
+            says: self.template(&entry.says, &parameters),
+            means: entry.means.clone(),
+            parameters,
+        })
+    }
+
+    /// `top of {place}` as the words before the hole, and the parameter.
+    fn phrase(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Option<(String, usize)> {
+        match text.get_ref().strip_suffix('}').and_then(|text| text.split_once('{')) {
+            Some((words, name)) => {
+                let name = Spanned::new(text.span(), name.to_owned());
+                Some((words.trim().to_owned(), self.parameter(&name, parameters)?))
+            }
+            None => {
+                self.report(text, "a phrase ends with a parameter in braces, as in `top of {place}`");
+                None
+            }
+        }
+    }
+}
