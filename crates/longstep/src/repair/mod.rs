@@ -26,7 +26,10 @@ use crate::world::{EntityId, Fact, World};
 
 /// How far repair looks for the cheapest change, and as far again for any, in states looked at, so that the answer
 /// never depends on the speed of the machine.
-pub const LIMIT: usize = 2_000;
+pub const LIMIT: usize = 6_000;
+
+/// How far it looks for something cheaper in the rest of the world, once it knows a way.
+const PROOF: usize = 200;
 
 /// What came of a repair.
 #[derive(Debug, Clone)]
@@ -114,7 +117,7 @@ fn repair_within(limit: usize, domain: &Domain, world: &World, draft: &Resolved,
     if let Some(why) = unclear(domain, world, draft, purpose) {
         return Outcome::Unclear { why };
     }
-    let meant = target::meant(domain, world, purpose, &as_if);
+    let meant = target::meant(domain, world, draft, purpose, &as_if);
     let (asked, about) = compile::asked(domain, draft, &meant);
     let mut search = Search {
         domain,
@@ -187,7 +190,7 @@ impl Search<'_> {
             };
         }
         let (limit, below) = match &best {
-            Found::Path(way) => (limit / 10, Some(way.cost)),
+            Found::Path(way) => (limit.min(PROOF), Some(way.cost)),
             Found::Nothing | Found::Limit => (limit, None),
         };
         match (self.within(&whole, limit, below), &mut best) {
@@ -255,7 +258,7 @@ fn follow(
     given_up.sort_unstable();
     let script = Script::of(domain, world, draft, &way.moves);
     let mut purpose = purpose.clone();
-    purpose.claim = purpose.claim.map(|claim| claim.without(&given_up, world));
+    purpose.claim = purpose.claim.map(|claim| claim.without(&given_up));
     let report = check(domain, world, script.plan(), &purpose);
     let edits = script.edits(domain, world, draft, &purpose, meant, &report);
     Some(Repaired {

@@ -3,8 +3,9 @@
 use rustc_hash::FxHashSet;
 
 use crate::domain::Domain;
+use crate::plan::Resolved;
 use crate::search::Wanted;
-use crate::verify::{Purpose, can_be_brought_about, wanted_at_end};
+use crate::verify::{Purpose, can_be_brought_about, hides_places, places_claimed, wanted_at_end};
 use crate::world::{EntityId, Fact, State, World, differences, subject_of};
 
 /// What must hold at the end, and what should.
@@ -39,14 +40,21 @@ pub(super) struct Promise {
 /// A claim that the draft's own steps contradict is stale and counts for nothing. What is said to stay as it was
 /// counts only of things that are not said to change in that respect: where they are (a relation), or how they are (a
 /// property).
-pub(super) fn meant(domain: &Domain, world: &World, purpose: &Purpose, as_if: &State) -> Meant {
+pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, as_if: &State) -> Meant {
     let done: Vec<Fact> = differences(domain, &world.state, as_if)
         .into_iter()
         .filter(|difference| difference.now_holds)
         .map(|difference| difference.fact)
         .collect();
     let (claimed, stays) = match &purpose.claim {
-        Some(claim) => (claim.promises(domain, world), claim.kept(domain, world)),
+        Some(claim) => {
+            let mut claimed = claim.promises(domain, world);
+            let mut steps = draft.steps.iter().flatten();
+            if steps.any(|step| hides_places(domain, step.action)) {
+                claimed.extend(places_claimed(domain, world, claim, &draft.objects));
+            }
+            (claimed, claim.kept(domain, world))
+        }
         None => {
             // Nobody says that things stay where they are.
             let property = |fact: &Fact| domain.predicate(fact.predicate()).parameters.len() == 1;

@@ -239,7 +239,7 @@ fn plans_with_hidden_arguments_are_repaired_too() {
 
 /// The least cost of a repair, by looking at every draft position, step laid aside and state in order of cost.
 fn least_cost(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, as_if: &State) -> Option<u32> {
-    let meant = target::meant(domain, world, purpose, as_if);
+    let meant = target::meant(domain, world, draft, purpose, as_if);
     let costs = domain.repair;
     let actions: Vec<(ActionId, Vec<EntityId>)> = all_actions(domain, world);
     let applicable = |state: &State, (id, arguments): &(ActionId, Vec<EntityId>)| {

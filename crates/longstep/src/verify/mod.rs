@@ -23,7 +23,7 @@ pub use simulate::{apply, unmet};
 pub use trace::{Change, Trace};
 pub use violation::{Assumption, Missing, Violation};
 
-use crate::domain::{Domain, RuleTime};
+use crate::domain::{ActionId, Domain, RuleTime};
 use crate::goal::Spoken;
 use crate::plan::{Node, Plan, Step, StepId};
 use crate::search::Wanted;
@@ -289,7 +289,13 @@ impl Walk<'_> {
             }
         }
         if let Some(claim) = &purpose.claim {
-            let broken = broken_promises(self.domain, self.world, claim, state);
+            let mut broken = broken_promises(self.domain, self.world, claim, state);
+            let steps = self.plan.steps().iter();
+            let led = steps.filter(|step| hides_places(self.domain, step.action));
+            let handled: Vec<EntityId> = led.filter_map(|step| step.object(self.domain)).collect();
+            let mut placed = places_claimed(self.domain, self.world, claim, &handled);
+            placed.retain(|fact| !state.holds(*fact));
+            broken.extend(placed);
             self.violations
                 .extend(broken.into_iter().map(|fact| Violation::Claim { fact }));
         }
@@ -301,6 +307,23 @@ pub(crate) fn broken_promises(domain: &Domain, world: &World, claim: &Claim, sta
     let mut promises = claim.promises(domain, world);
     promises.retain(|fact| !state.holds(*fact) && can_be_brought_about(domain, world, *fact));
     promises
+}
+
+/// Whether the call of an action hides more than the thing that is handled: where it goes.
+pub(crate) fn hides_places(domain: &Domain, action: ActionId) -> bool {
+    let action = domain.action(action);
+    action.implicit().any(|parameter| action.object != Some(parameter))
+}
+
+/// Where the claim says that things are which are handled by calls that do not say where: then the claim alone does,
+/// even if it says that they are back where they were.
+pub(crate) fn places_claimed(domain: &Domain, world: &World, claim: &Claim, handled: &[EntityId]) -> Vec<Fact> {
+    let mut places = claim.kept(domain, world);
+    places.retain(|fact| {
+        let relation = domain.predicate(fact.predicate()).parameters.len() > 1;
+        relation && domain.words(fact.predicate()).fluent && handled.contains(&subject_of(domain, *fact))
+    });
+    places
 }
 
 /// Objects that end elsewhere and that the instruction does not speak of.

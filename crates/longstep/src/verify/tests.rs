@@ -104,3 +104,45 @@ fn what_a_verdict_rests_on_is_listed() {
     let assumed: Vec<_> = report.assumptions.iter().map(|a| a.message(&domain, &world)).collect();
     assert_eq!(assumed, ["the box lever slides (the environment does not say)"]);
 }
+
+#[test]
+fn where_calls_do_not_say_where_the_claim_does() {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>", "<bin>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let told = |calls: &[&str]| -> Vec<String> {
+        let written = TaskCohesion {
+            task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
+            object_name: Some("<cup>".to_owned()),
+            ..TaskCohesion::default()
+        };
+        let resolved = resolve(&domain, &world, &written);
+        let purpose = Purpose {
+            claim: Some(world::Claim::read(&domain, &world, &environment)),
+            ..Purpose::default()
+        };
+        let (plan, _) = bind(
+            &domain,
+            &world,
+            &resolved.complete().unwrap(),
+            &resolved.objects,
+            purpose.claim.as_ref(),
+        );
+        let report = check(&domain, &world, plan, &purpose);
+        let violations = report.violations.iter();
+        violations
+            .map(|v| v.message(&domain, &world, report.plan.steps(), None))
+            .collect()
+    };
+    let lifted = ["move_hand()", "grasp_object()", "detach_from_plane()", "move_object()"];
+    assert_eq!(
+        told(&[&lifted[..], &["attach_to_plane()", "release_object()"]].concat()),
+        Vec::<String>::new()
+    );
+    // Without being put down, the cup can only have been dropped into the bin.
+    assert_eq!(
+        told(&[&lifted[..], &["release_object()"]].concat()),
+        ["at the end, this is claimed and not so: the cup is on the table"]
+    );
+}
