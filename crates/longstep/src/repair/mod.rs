@@ -28,6 +28,9 @@ use crate::world::{EntityId, Fact, World};
 /// never depends on the speed of the machine.
 pub const LIMIT: usize = 6_000;
 
+/// Drafts with more steps than this are not repaired: no instruction needs as many, and each state would take long.
+const LONGEST: usize = 500;
+
 /// How far it looks for something cheaper in the rest of the world, once it knows a way.
 const PROOF: usize = 200;
 
@@ -117,6 +120,15 @@ fn repair_within(limit: usize, domain: &Domain, world: &World, draft: &Resolved,
     if let Some(why) = unclear(domain, world, draft, purpose) {
         return Outcome::Unclear { why };
     }
+    if draft.steps.len() > LONGEST {
+        return Outcome::GaveUp {
+            why: format!(
+                "the plan has {} steps, and repair looks at {LONGEST} at most",
+                draft.steps.len()
+            ),
+            expanded: 0,
+        };
+    }
     let meant = target::meant(domain, world, draft, purpose, &as_if);
     let (asked, about) = compile::asked(domain, draft, &meant);
     let mut search = Search {
@@ -183,6 +195,12 @@ impl Search<'_> {
             false => self.within(&near, limit, None),
         };
         if !whole.is_bearable(self.domain) {
+            if !matches!(best, Found::Path(_)) {
+                let far = Scope::around(self.domain, self.world, asked, about, true);
+                if far.is_bearable(self.domain) {
+                    best = self.within(&far, limit, None);
+                }
+            }
             // What surrounds the plan proves nothing about the rest.
             return match best {
                 Found::Nothing => Found::Limit,

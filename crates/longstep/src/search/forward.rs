@@ -111,6 +111,7 @@ pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<
     let mut heuristic = LandmarkCut::new(task);
     let mut search = Search::new(task, &mut heuristic, 1, limit);
     search.below = below;
+    search.free_first = true;
     if below.is_some() {
         search.dominance = Some(Dominance::new(task));
     }
@@ -119,7 +120,10 @@ pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<
 
 /// Some way to the goal, rather soon than cheaply.
 pub(crate) fn greedy(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
-    Search::new(task, &mut LandmarkCut::new(task), GREED, limit).run()
+    let mut heuristic = LandmarkCut::new(task);
+    let mut search = Search::new(task, &mut heuristic, GREED, limit);
+    search.free_first = true;
+    search.run()
 }
 
 /// What one search came to.
@@ -156,6 +160,8 @@ struct Search<'a> {
     below: Option<u32>,
     /// Leaves out states that are no better than others.
     dominance: Option<Dominance>,
+    /// Whether operators cost different amounts, some nothing.
+    free_first: bool,
     nodes: Vec<Node>,
     known: FxHashMap<Bits, u32>,
     open: BinaryHeap<Entry>,
@@ -172,6 +178,7 @@ impl<'a> Search<'a> {
             limit,
             below: None,
             dominance: None,
+            free_first: false,
             nodes: Vec::new(),
             known: FxHashMap::default(),
             open: BinaryHeap::new(),
@@ -237,7 +244,14 @@ impl<'a> Search<'a> {
 
     fn entry(&self, number: u32, preferred: bool) -> Entry {
         let node = &self.nodes[number as usize];
-        Reverse((self.promise(node), node.estimate, !preferred, number))
+        let closeness = match node.parent {
+            // What costs nothing is looked at before what costs something and promises as much.
+            Some((_, operator)) if self.free_first && !node.estimated => {
+                node.estimate + self.task.operators[operator as usize].cost
+            }
+            _ => node.estimate,
+        };
+        Reverse((self.promise(node), closeness, !preferred, number))
     }
 
     fn expand(&mut self, number: u32) {

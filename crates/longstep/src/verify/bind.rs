@@ -16,6 +16,9 @@ use crate::world::{Claim, Difference, EntityId, State, World};
 /// States that are looked at before the best choice so far is taken.
 const LIMIT: usize = 20_000;
 
+/// Plans with more steps than this are bound step by step, by what lacks the least: each step more is a call deeper.
+const LONGEST: usize = 2_000;
+
 /// Binds every open argument. A plan that cannot be executed whatever they are is bound as far as it goes,
 /// so that [`super::check`] can tell why.
 pub fn bind(
@@ -47,7 +50,9 @@ pub fn bind(
         all.map(|candidate| (step.action, candidate.arguments)).collect()
     };
     binder.candidates = steps.iter().map(complete).collect();
-    binder.descend(&world.state);
+    if steps.len() <= LONGEST {
+        binder.descend(&world.state);
+    }
     let Some((_, arguments)) = binder.best.take() else {
         let plan = binder.as_far_as_it_goes(steps);
         return (plan, Vec::new());
