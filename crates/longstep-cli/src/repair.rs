@@ -8,8 +8,7 @@ use longstep::repair::Outcome;
 
 use crate::arguments::RepairArguments;
 use crate::draft::Draft;
-use crate::solve::milliseconds;
-use crate::{inputs, show};
+use crate::solve::{finish, milliseconds};
 
 pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
     let started = Instant::now();
@@ -19,18 +18,7 @@ pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
         None => answer(&draft),
     };
     answer.timings_ms.total = milliseconds(started);
-    if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
-        inputs::save(path, &answer.plan)?;
-    }
-    if arguments.json {
-        show::json(&answer)?;
-    } else {
-        show::answer(&answer, &[]);
-        if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
-            anstream::eprintln!("saved to {}", path.display());
-        }
-    }
-    Ok(answer.status.exit_code())
+    finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
 }
 
 fn answer(draft: &Draft) -> Answer {

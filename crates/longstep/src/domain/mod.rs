@@ -26,6 +26,7 @@ pub use starter::starter;
 pub use template::{Template, with_article};
 
 use crate::prompt::Example;
+use crate::world::{EntityId, Fact};
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -473,6 +474,17 @@ impl Domain {
     /// The predicate with this id.
     pub fn predicate(&self, id: PredicateId) -> &Predicate {
         &self.predicates[id.index()]
+    }
+
+    /// The entities that a fact is about, in order.
+    pub(crate) fn arguments(&self, fact: Fact) -> impl Iterator<Item = EntityId> + use<> {
+        let arity = self.predicate(fact.predicate()).parameters.len();
+        (0..arity).map(move |place| fact.argument(place))
+    }
+
+    /// Whether a fact relates several things rather than telling a property of one.
+    pub(crate) fn is_relation(&self, fact: Fact) -> bool {
+        self.predicate(fact.predicate()).parameters.len() > 1
     }
 
     /// The words of the predicate with this id.

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use super::target::Meant;
-use crate::domain::{ActionId, Domain, RuleTime};
+use crate::domain::{ActionId, Domain};
 use crate::goal::wanted_fact;
 use crate::plan::{DraftStep, Resolved};
 use crate::search::{Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
@@ -106,22 +106,13 @@ impl Compiled<'_> {
 
 /// What a repair of the draft can need, and the things that it is about.
 pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked, Vec<EntityId>) {
-    let mut asked = Asked::default();
+    let mut asked = Asked::of(domain, &meant.required);
     let mut about = draft.objects.clone();
-    for wanted in &meant.required {
-        asked.condition(&wanted.condition, &wanted.bindings);
-        about.extend(&wanted.bindings);
-    }
-    for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
-        asked.condition(&rule.everywhere(), &[]);
-    }
+    about.extend(meant.required.iter().flat_map(|wanted| &wanted.bindings));
     for fact in meant.kept.iter().chain(meant.promised()) {
         asked.literal(fact.predicate(), true);
     }
-    for fact in meant.promised() {
-        let arity = domain.predicate(fact.predicate()).parameters.len();
-        about.extend((0..arity).map(|place| fact.argument(place)));
-    }
+    about.extend(meant.promised().flat_map(|fact| domain.arguments(*fact)));
     for step in draft.steps.iter().flatten() {
         let action = domain.action(step.action);
         action

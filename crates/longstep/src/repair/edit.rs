@@ -2,10 +2,10 @@
 
 use super::compile::{Move, Reason};
 use super::target::Meant;
-use crate::domain::{Domain, RuleTime};
+use crate::domain::Domain;
 use crate::plan::{Plan, Resolved, Step};
 use crate::search::GroundAction;
-use crate::verify::{Change, Purpose, Report, Violation, apply, broken_bindings, unmet};
+use crate::verify::{Change, Purpose, Report, Violation, apply, broken_at_end, unmet};
 use crate::world::{Fact, Moment, State, World, fact_text, holds};
 
 /// What kind of change an [`Edit`] is.
@@ -244,22 +244,9 @@ impl Reasons<'_> {
     /// What is wrong with a last state.
     fn at_end(&self, state: &State) -> Option<String> {
         let (domain, world) = (self.domain, self.world);
-        for (number, rule) in domain.rules.iter().enumerate() {
-            let binds = rule.time == RuleTime::End || (rule.time == RuleTime::Tidy && self.purpose.from_goal);
-            let broken = if binds {
-                broken_bindings(rule, world, state)
-            } else {
-                Vec::new()
-            };
-            let waived = |bindings: &Vec<_>| {
-                self.purpose
-                    .waivers
-                    .iter()
-                    .any(|waiver| waiver.covers(number, bindings))
-            };
-            if let Some(bindings) = broken.into_iter().find(|bindings| !waived(bindings)) {
-                return Some(rule.says.fill(|slot| world.entity(bindings[slot]).with_article()));
-            }
+        if let Some(broken) = broken_at_end(domain, world, state, self.purpose).find(|broken| broken.binds) {
+            let says = &domain.rules[broken.rule].says;
+            return Some(says.fill(|slot| world.entity(broken.bindings[slot]).with_article()));
         }
         // What holds after the repair and would not without the step.
         let failing = |fact: &&Fact| self.report.after.holds(**fact) && !state.holds(**fact);

@@ -187,7 +187,7 @@ impl Search<'_> {
     /// with everything that there is.
     fn way(&mut self, limit: usize, asked: &Asked, about: &[EntityId]) -> Found<Way> {
         let whole = Scope::whole(self.domain, self.world, asked);
-        let near = Scope::around(self.domain, self.world, asked, about, false);
+        let near = whole.around(self.domain, self.world, asked, about, false);
         // With little more in the world than that, there is nothing to gain by looking twice.
         let small = 2 * near.len() >= whole.len();
         let mut best = match small {
@@ -196,7 +196,7 @@ impl Search<'_> {
         };
         if !whole.is_bearable(self.domain) {
             if !matches!(best, Found::Path(_)) {
-                let far = Scope::around(self.domain, self.world, asked, about, true);
+                let far = whole.around(self.domain, self.world, asked, about, true);
                 if far.is_bearable(self.domain) {
                     best = self.within(&far, limit, None);
                 }

@@ -57,17 +57,14 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
         }
         None => {
             // Nobody says that things stay where they are.
-            let property = |fact: &Fact| domain.predicate(fact.predicate()).parameters.len() == 1;
+            let property = |fact: &Fact| !domain.is_relation(*fact);
             let before = differences(domain, &State::default(), &world.state).into_iter();
             let properties = before.map(|difference| difference.fact).filter(property);
             (done.clone(), properties.collect())
         }
     };
     // What is said of a thing in one respect.
-    let respect = |fact: &Fact| {
-        let relation = domain.predicate(fact.predicate()).parameters.len() > 1;
-        (subject_of(domain, *fact), relation)
-    };
+    let respect = |fact: &Fact| (subject_of(domain, *fact), domain.is_relation(*fact));
     // Where the claim says how a thing ends, or takes the opposite for granted, the draft's own steps say nothing more.
     let mut spoken_of: FxHashSet<EntityId> = claimed.iter().map(|fact| subject_of(domain, *fact)).collect();
     let contradicted = stays.iter().filter(|fact| !as_if.holds(**fact));
@@ -106,13 +103,12 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
 
 /// The other relations that an environment can tell between the things of a fact.
 fn others(domain: &Domain, world: &World, fact: Fact) -> Vec<Fact> {
-    let arity = domain.predicate(fact.predicate()).parameters.len();
-    let arguments: Vec<EntityId> = (0..arity).map(|place| fact.argument(place)).collect();
+    let arguments: Vec<EntityId> = domain.arguments(fact).collect();
     let mut others: Vec<Fact> = Vec::new();
-    for word in domain.states.iter().filter(|_| arity > 1) {
+    for word in domain.states.iter().filter(|_| domain.is_relation(fact)) {
         let predicate = word.atom.predicate;
         let parameters = &domain.predicate(predicate).parameters;
-        let fits = parameters.len() == arity
+        let fits = parameters.len() == arguments.len()
             && parameters
                 .iter()
                 .zip(&arguments)

@@ -132,14 +132,7 @@ impl LandmarkCut {
             self.improve(self.start[index], 0);
         }
         let mut distance = 0;
-        while distance < self.buckets.len() {
-            let Some(proposition) = self.buckets[distance].pop() else {
-                distance += 1;
-                continue;
-            };
-            if self.value[proposition as usize] != distance as u32 {
-                continue;
-            }
+        while let Some(proposition) = self.next(&mut distance) {
             for at in 0..self.relaxed.needed_by.of(proposition).len() {
                 let rule = self.relaxed.needed_by.of(proposition)[at];
                 let missing = &mut self.missing[rule as usize];
@@ -167,14 +160,7 @@ impl LandmarkCut {
             }
         }
         let mut distance = 0;
-        while distance < self.buckets.len() {
-            let Some(proposition) = self.buckets[distance].pop() else {
-                distance += 1;
-                continue;
-            };
-            if self.value[proposition as usize] != distance as u32 {
-                continue;
-            }
+        while let Some(proposition) = self.next(&mut distance) {
             for at in 0..self.relaxed.needed_by.of(proposition).len() {
                 let rule = self.relaxed.needed_by.of(proposition)[at];
                 let known = self.reached_at[rule as usize];
@@ -195,6 +181,19 @@ impl LandmarkCut {
                 }
             }
         }
+    }
+
+    /// Takes the next proposition to look at from the buckets, going on from the distance.
+    fn next(&mut self, distance: &mut usize) -> Option<u32> {
+        while let Some(bucket) = self.buckets.get_mut(*distance) {
+            match bucket.pop() {
+                Some(proposition) if self.value[proposition as usize] == *distance as u32 => return Some(proposition),
+                // A cheaper way to it was found since.
+                Some(_) => {}
+                None => *distance += 1,
+            }
+        }
+        None
     }
 
     /// Lowers the values of what a rule gives.

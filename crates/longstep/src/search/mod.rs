@@ -21,7 +21,7 @@ pub(crate) use relevance::reduce;
 pub(crate) use scope::{Asked, Scope};
 pub(crate) use task::{GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition};
 
-use crate::domain::{ActionId, Condition, Domain, RuleTime};
+use crate::domain::{ActionId, Condition, Domain};
 use crate::verify::apply;
 use crate::world::{EntityId, Moment, World, holds};
 
@@ -90,19 +90,13 @@ pub enum Outcome {
 /// assert!(shortest && steps.len() == 6);
 /// ```
 pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
-    let mut asked = Asked::default();
-    for wanted in wanted {
-        asked.condition(&wanted.condition, &wanted.bindings);
-    }
-    for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
-        asked.condition(&rule.everywhere(), &[]);
-    }
+    let asked = Asked::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
         .collect();
     let whole = Scope::whole(domain, world, &asked);
-    let around = |far: &bool| Scope::around(domain, world, &asked, &about, *far);
+    let around = |far: &bool| whole.around(domain, world, &asked, &about, *far);
     let scopes = match whole.is_bearable(domain) {
         true => vec![whole],
         false => [false, true]

@@ -8,8 +8,9 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::domain::{Action, Atom, Condition, Domain, PredicateId, TypeId};
-use crate::world::{Bindings, EntityId, Fact, Moment, World, ever_candidates};
+use super::Wanted;
+use crate::domain::{Action, Atom, Condition, Domain, PredicateId, RuleTime, TypeId};
+use crate::world::{Bindings, EntityId, Moment, World, ever_candidates};
 
 /// Grounding that makes more effects than this is not done for a whole world.
 const BEARABLE: u64 = 300_000;
@@ -40,15 +41,14 @@ impl Scope {
     }
 
     /// What surrounds the things that are asked about; with those that share their places if it is `far`.
-    pub(crate) fn around(domain: &Domain, world: &World, asked: &Asked, about: &[EntityId], far: bool) -> Self {
-        let whole = Self::whole(domain, world, asked);
-        let mut things = asked.by_kind(domain, world, &whole.actions);
+    pub(crate) fn around(&self, domain: &Domain, world: &World, asked: &Asked, about: &[EntityId], far: bool) -> Self {
+        let mut things = asked.by_kind(domain, world, &self.actions);
         things.extend(about);
         let near = around(domain, world, things, false);
         if far {
-            whole.only(&around(domain, world, near, true))
+            self.only(&around(domain, world, near, true))
         } else {
-            whole.only(&near)
+            self.only(&near)
         }
     }
 
@@ -132,8 +132,20 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
+    /// Asks for everything that is wanted, and for the rules that hold in every state.
+    pub(crate) fn of(domain: &Domain, wanted: &[Wanted]) -> Self {
+        let mut asked = Self::default();
+        for wanted in wanted {
+            asked.condition(&wanted.condition, &wanted.bindings);
+        }
+        for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+            asked.condition(&rule.everywhere(), &[]);
+        }
+        asked
+    }
+
     /// Asks for a condition, with its first slots bound.
-    pub(crate) fn condition(&mut self, condition: &Condition, bindings: &[EntityId]) {
+    fn condition(&mut self, condition: &Condition, bindings: &[EntityId]) {
         condition.for_each_atom(&mut |atom, holds| {
             self.literals.insert((atom.predicate, holds));
         });
@@ -237,7 +249,7 @@ fn around(domain: &Domain, world: &World, things: FxHashSet<EntityId>, far: bool
     for index in 0..domain.predicates.len() {
         let facts = world.state.of_predicate(PredicateId::new(index));
         if facts.len() <= 3 && domain.predicate_words[index].fluent {
-            found.extend(facts.iter().flat_map(|fact| arguments(domain, *fact)));
+            found.extend(facts.iter().flat_map(|fact| domain.arguments(*fact)));
         }
     }
     let mut queue: Vec<EntityId> = found.iter().copied().collect();
@@ -251,7 +263,7 @@ fn around(domain: &Domain, world: &World, things: FxHashSet<EntityId>, far: bool
         {
             let id = PredicateId::new(index);
             for fact in world.state.of_first(id, thing) {
-                queue.extend(arguments(domain, *fact).filter(|other| found.insert(*other)));
+                queue.extend(domain.arguments(*fact).filter(|other| found.insert(*other)));
             }
             let backwards = far || !domain.words(id).fluent;
             if backwards && predicate.parameters.len() == 2 {
@@ -273,9 +285,4 @@ fn around(domain: &Domain, world: &World, things: FxHashSet<EntityId>, far: bool
         }
     }
     found
-}
-
-fn arguments(domain: &Domain, fact: Fact) -> impl Iterator<Item = EntityId> {
-    let arity = domain.predicate(fact.predicate()).parameters.len();
-    (0..arity).map(move |place| fact.argument(place))
 }

@@ -150,10 +150,8 @@ pub(crate) fn claimed_places(
 ) -> FxHashSet<EntityId> {
     let mut places = FxHashSet::default();
     for fact in claim.map_or_else(Vec::new, |claim| claim.promises(domain, world)) {
-        let arity = domain.predicate(fact.predicate()).parameters.len();
-        let arguments = || (0..arity).map(|place| fact.argument(place));
-        if arguments().any(|entity| objects.contains(&entity)) {
-            places.extend(arguments());
+        if domain.arguments(fact).any(|entity| objects.contains(&entity)) {
+            places.extend(domain.arguments(fact));
         }
     }
     places

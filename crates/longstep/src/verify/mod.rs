@@ -17,8 +17,8 @@ pub use bind::bind;
 pub(crate) use bind::{Candidate, candidates, claimed_places};
 pub use explain::feedback;
 pub(crate) use possible::{can_apply, can_be_brought_about};
-pub(crate) use rules::wanted_at_end;
 pub use rules::{Waiver, broken_bindings};
+pub(crate) use rules::{broken_at_end, wanted_at_end};
 pub use simulate::{apply, unmet};
 pub use trace::{Change, Trace};
 pub use violation::{Assumption, Missing, Violation};
@@ -256,28 +256,21 @@ impl Walk<'_> {
             .flatten()
             .map(|fact| subject_of(self.domain, *fact))
             .collect();
-        let rules = self.domain.rules.iter().enumerate();
-        for (number, rule) in rules.filter(|(_, rule)| matches!(rule.time, RuleTime::End | RuleTime::Tidy)) {
-            for bindings in broken_bindings(rule, self.world, state) {
-                if purpose.waivers.iter().any(|waiver| waiver.covers(number, &bindings)) {
-                    continue;
-                }
-                let binds = rule.time == RuleTime::End || purpose.from_goal;
-                // What the plan says it changes is not untidy.
-                if !binds && bindings.iter().any(|entity| meant.contains(entity)) {
-                    continue;
-                }
-                let list = if binds {
-                    &mut self.violations
-                } else {
-                    &mut self.warnings
-                };
-                list.push(Violation::Rule {
-                    step: None,
-                    rule: number,
-                    bindings,
-                });
+        for broken in broken_at_end(self.domain, self.world, state, purpose) {
+            // What the plan says it changes is not untidy.
+            if !broken.binds && broken.bindings.iter().any(|entity| meant.contains(entity)) {
+                continue;
             }
+            let list = if broken.binds {
+                &mut self.violations
+            } else {
+                &mut self.warnings
+            };
+            list.push(Violation::Rule {
+                step: None,
+                rule: broken.rule,
+                bindings: broken.bindings,
+            });
         }
         let moment = Moment {
             world: self.world,
@@ -320,8 +313,9 @@ pub(crate) fn hides_places(domain: &Domain, action: ActionId) -> bool {
 pub(crate) fn places_claimed(domain: &Domain, world: &World, claim: &Claim, handled: &[EntityId]) -> Vec<Fact> {
     let mut places = claim.kept(domain, world);
     places.retain(|fact| {
-        let relation = domain.predicate(fact.predicate()).parameters.len() > 1;
-        relation && domain.words(fact.predicate()).fluent && handled.contains(&subject_of(domain, *fact))
+        domain.is_relation(*fact)
+            && domain.words(fact.predicate()).fluent
+            && handled.contains(&subject_of(domain, *fact))
     });
     places
 }
@@ -331,7 +325,7 @@ fn moved_unasked(domain: &Domain, world: &World, after: &State, instruction: &st
     let spoken = Spoken::of(domain, world, instruction);
     let mut moved: Vec<EntityId> = differences(domain, &world.state, after)
         .into_iter()
-        .filter(|difference| domain.predicate(difference.fact.predicate()).parameters.len() > 1)
+        .filter(|difference| domain.is_relation(difference.fact))
         .map(|difference| difference.fact.argument(0))
         .filter(|entity| world.is_of_kind(*entity, domain.environment.object) && !spoken.entities.contains(entity))
         .collect();

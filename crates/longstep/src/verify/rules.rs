@@ -1,5 +1,6 @@
 //! Rules, and the bindings that break them.
 
+use super::Purpose;
 use crate::domain::{Atom, Condition, Domain, Rule, RuleTime, Term};
 use crate::search::Wanted;
 use crate::world::{Bindings, EntityId, Moment, State, World, holds};
@@ -14,7 +15,7 @@ pub struct Waiver {
 }
 
 impl Waiver {
-    pub(crate) fn covers(&self, rule: usize, bindings: &[EntityId]) -> bool {
+    fn covers(&self, rule: usize, bindings: &[EntityId]) -> bool {
         self.rule == rule && (bindings.is_empty() || bindings.contains(&self.entity))
     }
 }
@@ -105,6 +106,38 @@ fn complete(
         complete(rule, world, state, partial, bindings, broken);
         bindings.pop();
     }
+}
+
+/// A rule that is broken in the last state of a plan.
+pub(crate) struct Broken {
+    /// The rule's place in the domain's list.
+    pub(crate) rule: usize,
+    /// The entities for which it is.
+    pub(crate) bindings: Bindings,
+    /// Whether the plan has to keep it; it is only remarked on otherwise.
+    pub(crate) binds: bool,
+}
+
+/// The rules that are broken in a last state and that the purpose does not set aside, in the domain's order.
+pub(crate) fn broken_at_end<'a>(
+    domain: &'a Domain,
+    world: &'a World,
+    state: &'a State,
+    purpose: &'a Purpose,
+) -> impl Iterator<Item = Broken> + 'a {
+    let rules = domain.rules.iter().enumerate();
+    let at_end = rules.filter(|(_, rule)| matches!(rule.time, RuleTime::End | RuleTime::Tidy));
+    at_end.flat_map(move |(number, rule)| {
+        let waived = move |bindings: &Bindings| purpose.waivers.iter().any(|waiver| waiver.covers(number, bindings));
+        let broken = broken_bindings(rule, world, state).into_iter();
+        broken
+            .filter(move |bindings| !waived(bindings))
+            .map(move |bindings| Broken {
+                rule: number,
+                bindings,
+                binds: rule.time == RuleTime::End || purpose.from_goal,
+            })
+    })
 }
 
 /// What the rules ask of the last state of a plan; those for tidiness only if it is made from a goal.
