@@ -42,7 +42,9 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     options.threads = arguments.threads.map(usize::from);
     let mut model = open(&reference, &options, &mut |progress| spinner.show(&progress))?;
     let mut dialogue = GoalDialogue::new(&domain, &world, instruction, model.constraint_kind());
-    let understood = understand(model.as_mut(), &mut dialogue, &mut |progress| spinner.show(&progress))?;
+    let understood = understand(model.as_mut(), &domain, &world, &mut dialogue, &mut |progress| {
+        spinner.show(&progress)
+    })?;
     drop(spinner);
     let model_time = milliseconds(asked);
     let (mut answer, goal, notes) = match understood {

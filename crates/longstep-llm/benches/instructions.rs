@@ -26,7 +26,7 @@ use longstep::prompt::GoalDialogue;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{self, Report};
 use longstep::world::{self, Environment, World, differences};
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, cache_directory, catalogue, open, understand};
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open, understand};
 use serde_json::Value;
 
 fn read(file: &str) -> Value {
@@ -51,7 +51,7 @@ struct Made {
 fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: &str) -> Made {
     let started = Instant::now();
     let mut dialogue = GoalDialogue::new(domain, world, instruction, model.constraint_kind());
-    let understanding = match understand(model, &mut dialogue, &mut |_| {}) {
+    let understanding = match understand(model, domain, world, &mut dialogue, &mut |_: Progress| {}) {
         Ok(understanding) => Some(understanding),
         Err(error) => {
             println!("    {error}");

@@ -87,6 +87,9 @@ pub enum ModelError {
         /// The size of the context in tokens.
         limit: usize,
     },
+    /// Whoever waited for the answer called it off.
+    #[error("stopped")]
+    Stopped,
     /// The engine failed while it computed.
     #[error("the engine of {model} failed: {reason}")]
     Engine {
@@ -158,7 +161,11 @@ impl ModelError {
             Self::BadAnswer { .. } => {
                 Some("check that the address is that of a server with OpenAI's chat completions".into())
             }
-            Self::UnknownReference { .. } | Self::Unsupported { .. } | Self::Grammar(_) | Self::Engine { .. } => None,
+            Self::UnknownReference { .. }
+            | Self::Unsupported { .. }
+            | Self::Grammar(_)
+            | Self::Stopped
+            | Self::Engine { .. } => None,
         }
     }
 

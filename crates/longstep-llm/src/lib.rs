@@ -19,7 +19,7 @@
 //!     constraint: Constraint::Lark(r#"start: "yes" | "no""#.into()),
 //!     max_tokens: 8,
 //! };
-//! let reply = model.chat(&request, &mut |progress| eprintln!("{progress:?}"))?;
+//! let reply = model.chat(&request, &mut |progress: longstep_llm::Progress| eprintln!("{progress:?}"))?;
 //! assert!(["yes", "no"].contains(&reply.text.as_str()));
 //! # Ok(())
 //! # }
@@ -39,6 +39,6 @@ mod understand;
 
 pub use cache::cache_directory;
 pub use error::ModelError;
-pub use model::{ChatModel, OpenOptions, Progress, open};
+pub use model::{ChatModel, OpenOptions, Progress, Watch, open};
 pub use reference::ModelReference;
 pub use understand::{UnderstandError, understand};

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use longstep::prompt::{ChatRequest, ConstraintKind, Reply};
+use longstep::prompt::{ChatRequest, ConstraintKind, Reply, TokenCounter};
 
 use crate::embedded::EmbeddedModel;
 use crate::openai::OpenAiModel;
 use crate::{ModelError, ModelReference, store};
 
-/// A language model that answers one request at a time.
-pub trait ChatModel {
+/// A language model that answers one request at a time, and counts tokens as it does.
+pub trait ChatModel: TokenCounter {
     /// What to call it in reports: the catalogue name, the file's name, or the server's name
     /// for it.
     fn name(&self) -> &str;
@@ -21,9 +21,32 @@ pub trait ChatModel {
     ///
     /// # Errors
     ///
-    /// A [`ModelError`] that says what failed; a refused or cut-off answer is not an error
+    /// A [`ModelError`] that says what failed, or [`ModelError::Stopped`]; a refused or cut-off answer is not an error
     /// but a [`Finish`](longstep::prompt::Finish).
-    fn chat(&mut self, request: &ChatRequest, progress: &mut dyn FnMut(Progress)) -> Result<Reply, ModelError>;
+    fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError>;
+
+    /// How many tokens prompt and answer may have together; none if nobody knows.
+    fn context_tokens(&self) -> Option<u64>;
+}
+
+/// Whoever waits for a model: is told what it does, and may call it off.
+///
+/// Any `FnMut(Progress)` is one that never does.
+pub trait Watch {
+    /// Hears what the model is doing.
+    fn tell(&mut self, progress: Progress);
+
+    /// Whether the answer is not wanted any more. Asked at least ten times a second; the call then ends with
+    /// [`ModelError::Stopped`], and the model can be asked again.
+    fn stop(&self) -> bool {
+        false
+    }
+}
+
+impl<F: FnMut(Progress)> Watch for F {
+    fn tell(&mut self, progress: Progress) {
+        self(progress);
+    }
 }
 
 /// What a model is doing, told while it does it.

@@ -1,9 +1,11 @@
 //! Carries out a goal dialogue with a model.
 
+use longstep::domain::Domain;
 use longstep::goal::Understanding;
 use longstep::prompt::{DialogueError, GoalDialogue, Turn};
+use longstep::world::World;
 
-use crate::{ChatModel, ModelError, Progress};
+use crate::{ChatModel, ModelError, Watch};
 
 /// Why an instruction was not understood.
 #[derive(Debug, thiserror::Error)]
@@ -23,12 +25,14 @@ pub enum UnderstandError {
 /// When the model fails, or answers something that cannot be used.
 pub fn understand(
     model: &mut dyn ChatModel,
-    dialogue: &mut GoalDialogue<'_>,
-    progress: &mut dyn FnMut(Progress),
+    domain: &Domain,
+    world: &World,
+    dialogue: &mut GoalDialogue,
+    watch: &mut dyn Watch,
 ) -> Result<Understanding, UnderstandError> {
     loop {
-        let reply = model.chat(&dialogue.request(), progress)?;
-        if let Turn::Done(understanding) = dialogue.supply(&reply)? {
+        let reply = model.chat(&dialogue.request(domain, world), watch)?;
+        if let Turn::Done(understanding) = dialogue.supply(domain, world, &reply)? {
             return Ok(understanding);
         }
     }

@@ -33,7 +33,7 @@ fn load(cache: &Path) -> Box<dyn ChatModel> {
 }
 
 fn ask(model: &mut dyn ChatModel, request: &ChatRequest) -> Reply {
-    model.chat(request, &mut |_| {}).unwrap()
+    model.chat(request, &mut |_: Progress| {}).unwrap()
 }
 
 /// A fixed part that is long enough to be worth saving, and a question.
@@ -121,7 +121,10 @@ fn a_schema_and_no_constraint_at_all_are_served() {
     let cut = ask(&mut *model, &short);
     assert_eq!((cut.finish, cut.usage.completion_tokens), (Finish::Length, 5));
 
-    let wrong = model.chat(&request("?", Constraint::Lark("start: (".into())), &mut |_| {});
+    let wrong = model.chat(
+        &request("?", Constraint::Lark("start: (".into())),
+        &mut |_: Progress| {},
+    );
     let error = wrong.unwrap_err();
     assert!(matches!(error, ModelError::Grammar(_)), "{error}");
     assert!(!error.to_string().contains('\n'), "{error}");
@@ -226,7 +229,7 @@ fn a_state_that_cannot_be_saved_is_a_warning() {
     let cache = tempfile::NamedTempFile::new().unwrap();
     let mut model = load(cache.path());
     let mut warnings = Vec::new();
-    let reply = model.chat(&colours("What colour is the sea?"), &mut |progress| {
+    let reply = model.chat(&colours("What colour is the sea?"), &mut |progress: Progress| {
         if let Progress::Warning(warning) = progress {
             warnings.push(warning);
         }
@@ -263,7 +266,7 @@ fn what_does_not_fit_is_refused_before_it_is_read() {
     let mut model = load_with(&model_path(), cache.path(), 512).unwrap();
     let mut long = colours(&"sea ".repeat(600));
     let mut told = 0;
-    let error = model.chat(&long, &mut |_| told += 1).unwrap_err();
+    let error = model.chat(&long, &mut |_: Progress| told += 1).unwrap_err();
     assert!(
         matches!(error, ModelError::TooLong { tokens, limit: 512 } if tokens > 600),
         "{error}"
@@ -272,7 +275,7 @@ fn what_does_not_fit_is_refused_before_it_is_read() {
     long = colours("What colour is the sea?");
     long.max_tokens = 10_000;
     assert!(matches!(
-        model.chat(&long, &mut |_| {}),
+        model.chat(&long, &mut |_: Progress| {}),
         Err(ModelError::TooLong { .. })
     ));
     long.max_tokens = 8;
@@ -293,4 +296,41 @@ fn a_model_that_is_cut_off_is_an_error() {
         assert!(matches!(error, ModelError::NotLoaded { .. }), "{error}");
         assert!(error.to_string().contains("cut.gguf") && error.hint().is_some());
     }
+}
+
+#[test]
+#[ignore = "needs LONGSTEP_TEST_MODEL"]
+fn counted_tokens_are_those_of_the_prompt() {
+    let cache = tempfile::tempdir().unwrap();
+    let mut model = load(cache.path());
+    for question in ["What colour is the sea?", "<|im_end|> \"{\\n}\" äöü 漢字", ""] {
+        let request = request(question, Constraint::Free);
+        let counted = model.tokens(&request.messages);
+        let reply = ask(model.as_mut(), &ChatRequest { max_tokens: 1, ..request });
+        assert_eq!(counted, reply.usage.prompt_tokens, "{question}");
+    }
+}
+
+#[test]
+#[ignore = "needs LONGSTEP_TEST_MODEL"]
+fn an_answer_that_is_not_wanted_any_more_is_stopped_and_the_next_one_comes() {
+    struct Impatient(usize);
+    impl longstep_llm::Watch for Impatient {
+        fn tell(&mut self, _: Progress) {
+            self.0 += 1;
+        }
+        fn stop(&self) -> bool {
+            self.0 > 1
+        }
+    }
+    let cache = tempfile::tempdir().unwrap();
+    let mut model = load(cache.path());
+    let long = ChatRequest {
+        max_tokens: 500,
+        ..request("Count to a thousand.", Constraint::Free)
+    };
+    let stopped = model.chat(&long, &mut Impatient(0));
+    assert!(matches!(stopped, Err(ModelError::Stopped)), "{stopped:?}");
+    let colours = Constraint::Lark(COLOURS.into());
+    assert!(!ask(model.as_mut(), &request("What colour is the sea?", colours)).text.is_empty());
 }

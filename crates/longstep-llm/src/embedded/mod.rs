@@ -12,19 +12,29 @@ mod prompt;
 mod state;
 mod worker;
 
+use std::collections::HashMap;
 use std::path::Path;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
-use longstep::prompt::{ChatRequest, ConstraintKind, Reply};
+use longstep::prompt::{ChatRequest, ConstraintKind, Counting, Message, Reply, Role, TokenCounter};
 
-use crate::{ChatModel, ModelError, OpenOptions, Progress};
+use crate::{ChatModel, ModelError, OpenOptions, Progress, Watch};
 use worker::Setting;
 
-/// A request on its way to the worker, with the line that the answer comes back on.
-struct Job {
-    request: ChatRequest,
-    events: Sender<Event>,
+/// What the worker is asked, with the line that the answer comes back on.
+enum Job {
+    /// To answer a request.
+    Chat(ChatRequest, Sender<Event>),
+    /// To count the tokens of a message, and of everything around messages.
+    Count(Message, Sender<Count>),
+}
+
+/// Tokens of a message, and of a conversation without any.
+struct Count {
+    message: u64,
+    frame: u64,
 }
 
 /// What the worker says about a job.
@@ -36,6 +46,10 @@ enum Event {
 /// A model that runs in this process.
 pub(crate) struct EmbeddedModel {
     name: String,
+    context_tokens: u32,
+    /// What has been counted: the same fixed parts are counted again and again.
+    counted: HashMap<Message, u64>,
+    frame: Option<u64>,
     /// `None` only while it is being dropped.
     jobs: Option<Sender<Job>>,
     thread: Option<JoinHandle<()>>,
@@ -61,6 +75,9 @@ impl EmbeddedModel {
             .map_err(|error| stopped(name, &format!("no thread could be started: {error}")))?;
         let model = Self {
             name: name.to_owned(),
+            context_tokens: options.context_tokens,
+            counted: HashMap::new(),
+            frame: None,
             jobs: Some(jobs),
             thread: Some(thread),
         };
@@ -81,27 +98,68 @@ impl ChatModel for EmbeddedModel {
         ConstraintKind::Grammar
     }
 
-    fn chat(&mut self, request: &ChatRequest, progress: &mut dyn FnMut(Progress)) -> Result<Reply, ModelError> {
+    fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
         let (events, answers) = channel();
-        let job = Job {
-            request: request.clone(),
-            events,
-        };
-        let sent = self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok());
-        if !sent {
+        if !self.send(Job::Chat(request.clone(), events)) {
             return Err(stopped(&self.name, "it has ended"));
         }
-        follow(&self.name, &answers, progress)
+        follow(&self.name, &answers, watch)
+    }
+
+    fn context_tokens(&self) -> Option<u64> {
+        Some(self.context_tokens.into())
     }
 }
 
-/// Passes progress on until the answer is there.
-fn follow(name: &str, answers: &Receiver<Event>, progress: &mut dyn FnMut(Progress)) -> Result<Reply, ModelError> {
+impl TokenCounter for EmbeddedModel {
+    fn message_tokens(&mut self, message: &Message) -> u64 {
+        if let Some(known) = self.counted.get(message) {
+            return *known;
+        }
+        let (answer, count) = channel();
+        let sent = self.send(Job::Count(message.clone(), answer));
+        // A worker that has ended says so at the next request, which cannot be missed.
+        let Some(count) = sent.then(|| count.recv().ok()).flatten() else {
+            return 0;
+        };
+        self.frame = Some(count.frame);
+        self.counted.insert(message.clone(), count.message);
+        count.message
+    }
+
+    fn frame_tokens(&mut self) -> u64 {
+        if self.frame.is_none() {
+            self.message_tokens(&Message::new(Role::User, ""));
+        }
+        self.frame.unwrap_or_default()
+    }
+
+    fn counting(&self) -> Counting {
+        Counting::Exact(format!("the tokenizer of {}", self.name))
+    }
+}
+
+impl EmbeddedModel {
+    fn send(&self, job: Job) -> bool {
+        self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok())
+    }
+}
+
+/// How often whoever waits is asked whether it still does.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Passes progress on until the answer is there. When the answer is not wanted any more, the worker finds that
+/// nobody listens and stops.
+fn follow(name: &str, answers: &Receiver<Event>, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
     loop {
-        match answers.recv() {
-            Ok(Event::Progress(step)) => progress(step),
+        if watch.stop() {
+            return Err(ModelError::Stopped);
+        }
+        match answers.recv_timeout(PATIENCE) {
+            Ok(Event::Progress(step)) => watch.tell(step),
             Ok(Event::Done(answer)) => return answer,
-            Err(_) => return Err(stopped(name, "it ended before it had answered")),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Err(stopped(name, "it ended before it had answered")),
         }
     }
 }

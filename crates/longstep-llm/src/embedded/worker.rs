@@ -8,14 +8,14 @@ use llama_cpp_2::model::LlamaModel;
 use llama_cpp_2::model::params::LlamaModelParams;
 use llama_cpp_2::token::LlamaToken;
 use llguidance::Matcher;
-use longstep::prompt::{ChatRequest, Finish, Message, Reply, Usage};
+use longstep::prompt::{ChatRequest, Constraint, Finish, Message, Reply, Role, Usage};
 
 use super::engine::{Engine, backend};
 use super::file::not_loaded;
 use super::grammar::Grammars;
 use super::prompt::{PromptTokens, Template};
 use super::state::States;
-use super::{Event, Job};
+use super::{Count, Event, Job};
 use crate::{ModelError, Progress};
 
 /// A state is saved when at least this many tokens had to be computed: reading fewer takes no
@@ -50,10 +50,19 @@ pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, job
         return;
     }
     while let Ok(job) = jobs.recv() {
-        let mut tell = |progress| job.events.send(Event::Progress(progress)).is_ok();
-        let answer = worker.answer(&job.request, &mut tell);
-        // The caller may have given up; the next job comes all the same.
-        let _ = job.events.send(Event::Done(answer));
+        // Whoever asked may have given up; the next job comes all the same.
+        match job {
+            Job::Chat(request, events) => {
+                let mut tell = |progress| events.send(Event::Progress(progress)).is_ok();
+                let answer = worker.answer(&request, &mut tell);
+                let _ = events.send(Event::Done(answer));
+            }
+            Job::Count(message, answer) => {
+                if let Ok(count) = worker.count(&message) {
+                    let _ = answer.send(count);
+                }
+            }
+        }
     }
 }
 
@@ -98,6 +107,30 @@ impl<'model> Worker<'model> {
             states: States::new(setting.states.clone(), setting.identity.clone(), size),
             limit: size as usize,
             last: None,
+        })
+    }
+
+    /// Tokens of a message among others, and of what is around them all.
+    fn count(&self, message: &Message) -> Result<Count, String> {
+        let tokens = |messages: Vec<Message>| -> Result<u64, String> {
+            let request = ChatRequest {
+                messages,
+                fixed: 0,
+                answer_so_far: String::new(),
+                constraint: Constraint::Free,
+                max_tokens: 0,
+            };
+            Ok(self.template.tokens(self.model, &request)?.tokens.len() as u64)
+        };
+        let empty = || Message::new(Role::User, "");
+        let (one, two) = (tokens(vec![empty()])?, tokens(vec![empty(), empty()])?);
+        let with = match message.role {
+            Role::System => tokens(vec![message.clone(), empty()])?,
+            Role::User | Role::Assistant => tokens(vec![empty(), message.clone()])?,
+        };
+        Ok(Count {
+            message: with.saturating_sub(one),
+            frame: (2 * one).saturating_sub(two),
         })
     }
 

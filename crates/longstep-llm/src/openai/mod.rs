@@ -4,10 +4,12 @@ mod secret;
 mod transport;
 mod wire;
 
-use longstep::prompt::{ChatRequest, Constraint, ConstraintKind, Reply};
+use longstep::prompt::{
+    ChatRequest, Constraint, ConstraintKind, Counting, EstimatedTokens, Message, Reply, TokenCounter,
+};
 use serde_json::Value;
 
-use crate::{ChatModel, ModelError, Progress};
+use crate::{ChatModel, ModelError, Progress, Watch};
 use secret::Secret;
 use transport::{Answer, Transport};
 use wire::Dialect;
@@ -71,7 +73,7 @@ impl ChatModel for OpenAiModel {
         ConstraintKind::JsonSchema
     }
 
-    fn chat(&mut self, request: &ChatRequest, progress: &mut dyn FnMut(Progress)) -> Result<Reply, ModelError> {
+    fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
         if !request.answer_so_far.is_empty() {
             return Err(self.unsupported("a server cannot go on with an answer that has begun"));
         }
@@ -80,8 +82,8 @@ impl ChatModel for OpenAiModel {
         }
         loop {
             let body = wire::body(&self.model, request, self.dialect);
-            progress(Progress::Waiting);
-            match self.transport.post(&body, progress)? {
+            watch.tell(Progress::Waiting);
+            match self.transport.post(&body, watch)? {
                 Answer::Ok(answer) => return self.read(&answer),
                 Answer::Rejected { status, message } => {
                     // What a server rejects is left out from now on, one thing at a time.
@@ -89,7 +91,7 @@ impl ChatModel for OpenAiModel {
                         Some((dialect, warning)) if status == 400 || status == 422 => {
                             self.dialect = dialect;
                             if let Some(warning) = warning {
-                                progress(Progress::Warning(warning.into()));
+                                watch.tell(Progress::Warning(warning.into()));
                             }
                         }
                         _ => {
@@ -103,6 +105,24 @@ impl ChatModel for OpenAiModel {
                 }
             }
         }
+    }
+
+    fn context_tokens(&self) -> Option<u64> {
+        None
+    }
+}
+
+impl TokenCounter for OpenAiModel {
+    fn message_tokens(&mut self, message: &Message) -> u64 {
+        EstimatedTokens::default().message_tokens(message)
+    }
+
+    fn frame_tokens(&mut self) -> u64 {
+        EstimatedTokens::default().frame_tokens()
+    }
+
+    fn counting(&self) -> Counting {
+        EstimatedTokens::default().counting()
     }
 }
 

@@ -60,7 +60,7 @@ fn model(server: &TestServer, dialect: Dialect) -> OpenAiModel {
 fn ask(answers: Vec<Vec<u8>>) -> (Result<Reply, ModelError>, Vec<String>, Vec<String>) {
     let server = TestServer::new(answers);
     let mut warnings = Vec::new();
-    let outcome = model(&server, Dialect::openai()).chat(&request(), &mut |progress| {
+    let outcome = model(&server, Dialect::openai()).chat(&request(), &mut |progress: Progress| {
         if let Progress::Warning(warning) = progress {
             warnings.push(warning);
         }
@@ -209,7 +209,7 @@ fn a_schema_that_is_rejected_is_left_out() {
     let server = TestServer::new(vec![no_schema, success(), success()]);
     let mut model = model(&server, Dialect::openai());
     let mut warnings = Vec::new();
-    let mut note = |progress| {
+    let mut note = |progress: Progress| {
         if let Progress::Warning(warning) = progress {
             warnings.push(warning);
         }
@@ -252,7 +252,11 @@ fn limits_and_temperatures_are_asked_for_as_the_server_likes() {
         ),
         success(),
     ]);
-    assert!(model(&server, Dialect::common()).chat(&request(), &mut |_| {}).is_ok());
+    assert!(
+        model(&server, Dialect::common())
+            .chat(&request(), &mut |_: Progress| {})
+            .is_ok()
+    );
     let requests = server.requests();
     assert_eq!(body(&requests[0])["max_tokens"], 50);
     assert_eq!(body(&requests[1])["max_completion_tokens"], 50);
@@ -293,7 +297,7 @@ fn a_server_that_is_not_there_is_an_error() {
     let mut model = OpenAiModel::new("m", &format!("http://user:word@{address}/v1"), None, Dialect::common());
     let mut warnings = 0;
     let error = model
-        .chat(&request(), &mut |progress| {
+        .chat(&request(), &mut |progress: Progress| {
             warnings += usize::from(matches!(progress, Progress::Warning(_)))
         })
         .unwrap_err();
@@ -341,13 +345,13 @@ fn what_a_server_cannot_do_is_said_before_it_is_asked() {
     let mut begun = request();
     begun.answer_so_far = "{".into();
     assert!(matches!(
-        model.chat(&begun, &mut |_| {}),
+        model.chat(&begun, &mut |_: Progress| {}),
         Err(ModelError::Unsupported { .. })
     ));
     let mut grammar = request();
     grammar.constraint = Constraint::Lark("start: \"x\"".into());
     assert!(matches!(
-        model.chat(&grammar, &mut |_| {}),
+        model.chat(&grammar, &mut |_: Progress| {}),
         Err(ModelError::Unsupported { .. })
     ));
 }

@@ -7,7 +7,7 @@ use ureq::Agent;
 use ureq::http::{Response, StatusCode, header};
 
 use super::secret::Secret;
-use crate::{ModelError, Progress};
+use crate::{ModelError, Progress, Watch};
 
 /// How often a request is tried again.
 const RETRIES: u32 = 2;
@@ -62,7 +62,7 @@ impl Transport {
     }
 
     /// Sends a request. Where the server is busy or the connection fails, it is sent again.
-    pub(super) fn post(&self, body: &Value, progress: &mut dyn FnMut(Progress)) -> Result<Answer, ModelError> {
+    pub(super) fn post(&self, body: &Value, watch: &mut dyn Watch) -> Result<Answer, ModelError> {
         let mut tries = 0;
         loop {
             let outcome = self.once(body);
@@ -77,7 +77,7 @@ impl Transport {
                 Ok(_) => String::new(),
                 Err(error) => error.to_string(),
             };
-            progress(Progress::Warning(format!(
+            watch.tell(Progress::Warning(format!(
                 "{}: {reason}; trying again in {:.1} s",
                 self.server,
                 pause.as_secs_f64()

@@ -46,10 +46,8 @@ pub enum Turn {
 
 /// Asks a model what an instruction wants.
 #[derive(Debug, Clone)]
-pub struct GoalDialogue<'a> {
-    domain: &'a Domain,
-    world: &'a World,
-    instruction: &'a str,
+pub struct GoalDialogue {
+    instruction: String,
     /// What the instruction speaks of.
     spoken: Spoken,
     kind: ConstraintKind,
@@ -61,9 +59,9 @@ pub struct GoalDialogue<'a> {
     pub usage: Usage,
 }
 
-impl<'a> GoalDialogue<'a> {
+impl GoalDialogue {
     /// Begins a conversation about `instruction` with a model of the given kind.
-    pub fn new(domain: &'a Domain, world: &'a World, instruction: &'a str, kind: ConstraintKind) -> Self {
+    pub fn new(domain: &Domain, world: &World, instruction: &str, kind: ConstraintKind) -> Self {
         let mut messages = fixed_turns(domain, kind);
         let fixed = messages.len();
         // When the instruction names a thing that is not here, nothing is taken to be meant for certain.
@@ -77,9 +75,7 @@ impl<'a> GoalDialogue<'a> {
             scene_and_instruction(&scene, &one_line(instruction)),
         ));
         Self {
-            domain,
-            world,
-            instruction,
+            instruction: instruction.to_owned(),
             spoken,
             kind,
             messages,
@@ -91,20 +87,20 @@ impl<'a> GoalDialogue<'a> {
     }
 
     /// What to send to the model now.
-    pub fn request(&self) -> ChatRequest {
-        let offers = offers(self.domain, self.world, &self.facts, &self.spoken);
+    pub fn request(&self, domain: &Domain, world: &World) -> ChatRequest {
+        let offers = offers(domain, world, &self.facts, &self.spoken);
         let constraint = match self.kind {
             ConstraintKind::Grammar => {
                 let more = self.facts.len() + 1 < GOAL_LIMIT;
                 let place = if self.answer.is_empty() {
-                    let question = !goal::is_plain(self.domain, &offers, &self.spoken);
+                    let question = !goal::is_plain(domain, &offers, &self.spoken);
                     Place::First { question }
                 } else {
                     Place::Next
                 };
-                Constraint::Lark(grammar(self.domain, self.world, &offers, place, more))
+                Constraint::Lark(grammar(domain, world, &offers, place, more))
             }
-            ConstraintKind::JsonSchema => Constraint::JsonSchema(schema(self.domain, self.world, &offers)),
+            ConstraintKind::JsonSchema => Constraint::JsonSchema(schema(domain, world, &offers)),
         };
         ChatRequest {
             messages: self.messages.clone(),
@@ -128,7 +124,7 @@ impl<'a> GoalDialogue<'a> {
     /// # Errors
     ///
     /// When the reply is cut off, refused, or not what was asked for.
-    pub fn supply(&mut self, reply: &Reply) -> Result<Turn, DialogueError> {
+    pub fn supply(&mut self, domain: &Domain, world: &World, reply: &Reply) -> Result<Turn, DialogueError> {
         self.usage += reply.usage;
         self.answer.push_str(&reply.text);
         match reply.finish {
@@ -137,15 +133,15 @@ impl<'a> GoalDialogue<'a> {
             Finish::Refused => return Err(DialogueError::Refused),
         }
         match self.kind {
-            ConstraintKind::Grammar => self.supply_part(&reply.text),
-            ConstraintKind::JsonSchema => self.supply_whole(&reply.text),
+            ConstraintKind::Grammar => self.supply_part(domain, world, &reply.text),
+            ConstraintKind::JsonSchema => self.supply_whole(domain, world, &reply.text),
         }
     }
 
-    fn supply_part(&mut self, text: &str) -> Result<Turn, DialogueError> {
+    fn supply_part(&mut self, domain: &Domain, world: &World, text: &str) -> Result<Turn, DialogueError> {
         if let Some(question) = self.answer.strip_prefix(goal::QUESTION) {
             let question = question.trim().to_owned();
-            return Ok(self.asked(question));
+            return Ok(self.asked(domain, world, question));
         }
         let text = text.trim();
         let (part, goes_on) = match text.strip_suffix(goal::JOINT.trim()) {
@@ -153,13 +149,13 @@ impl<'a> GoalDialogue<'a> {
             None => (text, false),
         };
         if !part.is_empty() {
-            self.facts.extend(goal::parse(self.domain, self.world, part)?.facts);
+            self.facts.extend(goal::parse(domain, world, part)?.facts);
         }
-        let more = goes_on && !offers(self.domain, self.world, &self.facts, &self.spoken).is_empty();
-        Ok(if more { Turn::GoOn } else { self.done() })
+        let more = goes_on && !offers(domain, world, &self.facts, &self.spoken).is_empty();
+        Ok(if more { Turn::GoOn } else { self.done(domain, world) })
     }
 
-    fn supply_whole(&mut self, text: &str) -> Result<Turn, DialogueError> {
+    fn supply_whole(&mut self, domain: &Domain, world: &World, text: &str) -> Result<Turn, DialogueError> {
         #[derive(Deserialize)]
         struct Answer {
             #[serde(default)]
@@ -176,21 +172,21 @@ impl<'a> GoalDialogue<'a> {
         let answer: Answer = serde_json::from_str(bare.trim())
             .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))?;
         if !answer.question.trim().is_empty() {
-            return Ok(self.asked(answer.question.trim().to_owned()));
+            return Ok(self.asked(domain, world, answer.question.trim().to_owned()));
         }
         for part in answer.goals.iter().take(GOAL_LIMIT) {
-            for fact in goal::parse(self.domain, self.world, part)?.facts {
+            for fact in goal::parse(domain, world, part)?.facts {
                 if !self.facts.contains(&fact) {
                     self.facts.push(fact);
                 }
             }
         }
-        Ok(self.done())
+        Ok(self.done(domain, world))
     }
 
     /// The model asks back. If what the instruction asks for holds already, that is what puzzles it.
-    fn asked(&self, question: String) -> Turn {
-        let facts = goal::already(self.domain, self.world, &self.spoken);
+    fn asked(&self, domain: &Domain, world: &World, question: String) -> Turn {
+        let facts = goal::already(domain, world, &self.spoken);
         Turn::Done(if facts.is_empty() {
             Understanding::Question(question)
         } else {
@@ -198,11 +194,11 @@ impl<'a> GoalDialogue<'a> {
         })
     }
 
-    fn done(&mut self) -> Turn {
+    fn done(&mut self, domain: &Domain, world: &World) -> Turn {
         let goal = Goal {
             facts: std::mem::take(&mut self.facts),
         };
-        Turn::Done(understand(self.domain, self.world, self.instruction, goal))
+        Turn::Done(understand(domain, world, &self.instruction, goal))
     }
 }
 
