@@ -12,18 +12,20 @@ use crate::solve::milliseconds;
 
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     let started = Instant::now();
-    let draft = Draft::read(&arguments.draft)?;
+    let Draft { domain, world, attempt } = Draft::read(&arguments.draft)?;
     let verifying = Instant::now();
-    let mut answer = draft.verdict();
+    let mut answer = attempt.verdict(&domain, &world);
     answer.timings_ms.verify = milliseconds(verifying);
     answer.timings_ms.total = milliseconds(started);
     if arguments.json {
         show::json(&answer)?;
     } else if arguments.feedback && answer.status == Status::Invalid {
-        anstream::print!("{}", draft.feedback());
+        anstream::print!("{}", attempt.feedback(&domain, &world));
     } else if !arguments.feedback || answer.status == Status::Question {
         show::answer(&answer, &[]);
-        let advice = (answer.status == Status::Invalid).then(|| draft.advice()).flatten();
+        let advice = (answer.status == Status::Invalid)
+            .then(|| attempt.advice(&domain, &world))
+            .flatten();
         if let Some(advice) = advice {
             show::hint(&advice);
         }

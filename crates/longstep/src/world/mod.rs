@@ -1,5 +1,6 @@
 //! One state of the world: as facts, and as the paper's JSON.
 
+mod carry;
 mod claim;
 mod diff;
 mod environment;
@@ -23,6 +24,8 @@ pub(crate) use read::ENTITY_LIMIT;
 pub use read::read;
 pub(crate) use write::word_for;
 pub use write::write;
+
+use std::sync::Arc;
 
 use indexmap::IndexMap;
 
@@ -55,9 +58,10 @@ pub enum Ground {
 /// A world: its entities and what holds at the start of an instruction.
 #[derive(Debug, Clone)]
 pub struct World {
-    entities: Vec<Entity>,
-    by_identifier: IndexMap<String, EntityId>,
-    by_kind: Vec<Vec<EntityId>>,
+    // Shared with the worlds that follow: a session holds one for each instruction.
+    entities: Arc<[Entity]>,
+    by_identifier: Arc<IndexMap<String, EntityId>>,
+    by_kind: Arc<[Vec<EntityId>]>,
     /// What holds, assumptions included.
     pub state: State,
     /// What of it is assumed, and why.
@@ -82,8 +86,8 @@ impl World {
         };
         Self {
             by_kind: (0..types.len()).map(of_kind).collect(),
-            entities,
-            by_identifier,
+            entities: entities.into(),
+            by_identifier: Arc::new(by_identifier),
             state: State::default(),
             assumed: rustc_hash::FxHashMap::default(),
             environment,

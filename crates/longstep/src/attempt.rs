@@ -1,0 +1,194 @@
+//! A plan that somebody wrote, against the world that it is for: what `longstep verify`, `longstep repair` and the
+//! direct strategy share.
+
+use crate::answer::{Answer, Claims, EditAnswer, Status, compare_claims};
+use crate::domain::Domain;
+use crate::plan::{self, Plan, PlanFile, Resolved, resolve};
+use crate::repair::{Outcome, Repaired, repair};
+use crate::verify::{Assumption, Purpose, Report, bind, check, feedback};
+use crate::world::{Claim, Voice, World};
+
+/// More changes than this are counted rather than told in a hint.
+const TOLD: usize = 4;
+
+/// A plan as it was written, resolved, with what it claims.
+#[derive(Debug, Clone)]
+pub struct Attempt {
+    /// The plan as it was written.
+    pub file: PlanFile,
+    /// The same in terms of domain and world.
+    pub resolved: Resolved,
+    /// What it is for, as far as it says.
+    pub purpose: Purpose,
+    /// What was read leniently, and what of the claim means nothing.
+    notes: Vec<String>,
+}
+
+impl Attempt {
+    /// Resolves a draft. `instruction` is what was asked for, if that is known from elsewhere than the plan's own
+    /// summary.
+    ///
+    /// ```
+    /// use longstep::{attempt::Attempt, domain, json, plan, world};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let text = r#"{"objects": ["<pen>"], "assets": ["<desk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// let environment = world::Environment::from_json(text).unwrap();
+    /// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#);
+    /// let attempt = Attempt::new(&household, &world, draft.unwrap(), None);
+    /// let answer = attempt.verdict(&household, &world);
+    /// assert_eq!(answer.status.exit_code(), 10);
+    /// assert_eq!(answer.violations[0].message, "step 1: grasp_object() needs that the hand is at the pen");
+    /// ```
+    pub fn new(domain: &Domain, world: &World, draft: plan::Draft, instruction: Option<&str>) -> Self {
+        let file = draft.file;
+        let mut notes: Vec<String> = draft.leniencies.iter().map(|leniency| leniency.message()).collect();
+        let claim = file
+            .environment_after
+            .as_ref()
+            .map(|environment| Claim::read(domain, world, environment));
+        for ignored in claim.iter().flat_map(|claim| &claim.ignored) {
+            notes.push(format!("`environment_after` was compared without {ignored}"));
+        }
+        let resolved = resolve(domain, world, &file.task_cohesion);
+        let asked = instruction.unwrap_or(&file.instruction_summary).trim();
+        let purpose = Purpose {
+            claim,
+            instruction: (!asked.is_empty()).then(|| asked.to_owned()),
+            ..Purpose::default()
+        };
+        Self {
+            file,
+            resolved,
+            purpose,
+            notes,
+        }
+    }
+
+    /// The question that is asked back instead of a plan.
+    pub fn question(&self) -> Option<&str> {
+        let question = self.file.question.trim();
+        (self.resolved.written.is_empty() && !question.is_empty()).then_some(question)
+    }
+
+    /// Simulates the plan, if its words mean something; with it, what its open arguments were taken to be.
+    fn simulate(&self, domain: &Domain, world: &World) -> Option<(Report, Vec<Assumption>)> {
+        let steps = self.resolved.complete().ok()?;
+        let claim = self.purpose.claim.as_ref();
+        let (plan, open) = bind(domain, world, &steps, &self.resolved.objects, claim);
+        Some((check(domain, world, plan, &self.purpose), open))
+    }
+
+    /// The answer to the plan as it stands.
+    pub fn verdict(&self, domain: &Domain, world: &World) -> Answer {
+        if let Some(question) = self.question() {
+            return Answer::without_plan(Status::Question, world, &self.file.instruction_summary, question);
+        }
+        match self.simulate(domain, world) {
+            Some((report, open)) => self.answer(domain, world, &report, &open),
+            None => {
+                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved.issues);
+                self.remark(domain, world, &mut answer);
+                answer
+            }
+        }
+    }
+
+    /// The answer to a simulated plan.
+    fn answer(&self, domain: &Domain, world: &World, report: &Report, open: &[Assumption]) -> Answer {
+        let mut answer = Answer::of_report(domain, world, report, None, &self.file.instruction_summary);
+        answer.assumptions.extend(open.iter().map(|a| a.message(domain, world)));
+        let claim = self.purpose.claim.as_ref();
+        answer.claims = claim.map_or_else(Claims::default, |claim| {
+            compare_claims(domain, world, claim, &report.after)
+        });
+        self.remark(domain, world, &mut answer);
+        answer
+    }
+
+    fn remark(&self, domain: &Domain, world: &World, answer: &mut Answer) {
+        answer.plan.question.clone_from(&self.file.question);
+        let readings = self.resolved.readings.iter();
+        let told = readings.map(|reading| reading.message(domain, world));
+        answer.assumptions.splice(0..0, told);
+        answer.notes.splice(0..0, self.notes.iter().cloned());
+    }
+
+    /// The least change that makes the plan valid.
+    pub fn repair(&self, domain: &Domain, world: &World) -> Outcome {
+        repair(domain, world, &self.resolved, &self.purpose)
+    }
+
+    /// The answer to what came of a repair.
+    pub fn repaired(&self, domain: &Domain, world: &World, outcome: Outcome) -> Answer {
+        let mut answer = match &outcome {
+            Outcome::Repaired(repaired) => self.answer(domain, world, repaired.plan.report(), &[]),
+            _ => self.verdict(domain, world),
+        };
+        match outcome {
+            Outcome::Valid(_) => {}
+            Outcome::Repaired(repaired) => {
+                answer.edits = repaired.edits.iter().map(EditAnswer::from).collect();
+                if !repaired.cheapest {
+                    let note = "a smaller change may exist: the search for it was cut short";
+                    answer.notes.push(note.to_owned());
+                }
+                // What is wrong with a step shows as an edit; the rest was put right without one.
+                let whole = self.resolved.issues.iter().filter(|issue| issue.step().is_none());
+                let told = whole.map(|issue| issue.message(domain, world, &[], None));
+                answer.notes.extend(told);
+                let given_up = given_up(domain, world, &repaired).into_iter();
+                let told = given_up.map(|fact| format!("claimed and given up: {fact}"));
+                answer.notes.extend(told);
+            }
+            Outcome::Unclear { why } => {
+                let note = format!("not repaired, since that would be guessing: {why}");
+                answer.notes.push(note);
+            }
+            Outcome::ProvenUnsolvable { .. } => answer.status = Status::Unsolvable,
+            Outcome::GaveUp { why, .. } => {
+                answer.status = Status::GaveUp;
+                answer.notes.push(why);
+            }
+        }
+        answer
+    }
+
+    /// What repair would do to an invalid plan, if it can mend it.
+    pub fn advice(&self, domain: &Domain, world: &World) -> Option<String> {
+        let Outcome::Repaired(repaired) = self.repair(domain, world) else {
+            return None;
+        };
+        let length = self.resolved.written.len();
+        let mut told: Vec<String> = match repaired.edits.len() {
+            0..=TOLD => repaired.edits.iter().map(|edit| edit.told(length)).collect(),
+            many => vec![format!("{many} changes")],
+        };
+        let given_up = given_up(domain, world, &repaired).into_iter();
+        told.extend(given_up.map(|fact| format!("give up that {fact}")));
+        if told.is_empty() {
+            told.push("its steps stay as they are".to_owned());
+        }
+        Some(format!("`longstep repair` makes it valid: {}", told.join("; ")))
+    }
+
+    /// What a model would be told about the plan.
+    pub fn feedback(&self, domain: &Domain, world: &World) -> String {
+        let (violations, steps) = match self.simulate(domain, world) {
+            Some((report, _)) => (report.violations, report.plan),
+            None => (self.resolved.issues.clone(), Plan::default()),
+        };
+        let edits = match self.repair(domain, world) {
+            Outcome::Repaired(repaired) => repaired.edits,
+            _ => Vec::new(),
+        };
+        let length = self.resolved.written.len();
+        feedback(domain, world, &violations, steps.steps(), length, &edits)
+    }
+}
+
+/// What a repaired plan does without although it was claimed, as sentences.
+fn given_up(domain: &Domain, world: &World, repaired: &Repaired) -> Vec<String> {
+    let told = |fact: &_| Voice::Person.fact(domain, world, *fact, true);
+    repaired.given_up.iter().map(told).collect()
+}
