@@ -6,6 +6,7 @@ use anyhow::Result;
 use longstep::answer::{Answer, Status};
 use longstep::goal::Understanding;
 use longstep::prompt::GoalDialogue;
+use longstep::solution;
 use longstep_llm::{ModelReference, OpenOptions, cache_directory, open, understand};
 
 use crate::arguments::PlanArguments;
@@ -47,19 +48,19 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     })?;
     drop(spinner);
     let model_time = milliseconds(asked);
-    let (mut answer, goal, notes) = match understood {
+    let (mut answer, goal) = match understood {
         Understanding::Question(question) => {
             let answer = Answer::without_plan(Status::Question, &world, instruction, &question);
-            (answer, Vec::new(), Vec::new())
+            (answer, Vec::new())
         }
         Understanding::Goal(goal, left_out) => {
-            let (mut answer, notes) = solve::answer(&domain, &world, &goal, instruction);
+            let mut answer = solution::of_goal(&domain, &world, &goal, instruction, solve::stopwatch).answer;
             answer.tell_left_out(&domain, &world, &left_out);
-            (answer, solve::goal_lines(&domain, &world, &goal), notes)
+            (answer, solve::goal_lines(&domain, &world, &goal))
         }
     };
     answer.usage = dialogue.usage.into();
     answer.timings_ms.model = model_time;
     answer.timings_ms.total = milliseconds(started);
-    solve::finish(&answer, &goal, &notes, arguments.save.as_deref(), arguments.json)
+    solve::finish(&answer, &goal, arguments.save.as_deref(), arguments.json)
 }

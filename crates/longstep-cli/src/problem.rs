@@ -7,10 +7,11 @@ use anyhow::Result;
 use longstep::answer::{Answer, Status};
 use longstep::domain;
 use longstep::pddl;
+use longstep::solution;
 use longstep::verify::Purpose;
 
 use crate::arguments::SolveArguments;
-use crate::solve::{milliseconds, plan_for};
+use crate::solve::{milliseconds, stopwatch};
 use crate::{inputs, show};
 
 pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8> {
@@ -28,7 +29,8 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
         wanted: problem.wanted.clone(),
         ..Purpose::default()
     };
-    let (mut answer, notes) = plan_for(&domain, &problem.world, &problem.wanted, &purpose, None, &problem.name);
+    let (world, wanted) = (&problem.world, &problem.wanted);
+    let mut answer = solution::of_wanted(&domain, world, wanted, &purpose, None, &problem.name, stopwatch).answer;
     answer.goal = pddl::write_goal(&domain, &problem.world, &problem.wanted);
     answer.timings_ms.total = milliseconds(started);
     if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
@@ -37,20 +39,21 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
     if arguments.json {
         show::json(&answer)?;
     } else {
-        print(&answer, &notes);
+        print(&answer);
     }
     Ok(answer.status.exit_code())
 }
 
 /// The plan, one step to a line; everything else is a comment, so that other programs read it as a plan.
-fn print(answer: &Answer, notes: &[String]) {
+fn print(answer: &Answer) {
     for step in &answer.steps {
         let words: Vec<&str> = std::iter::once(step.action.as_str())
             .chain(step.arguments.iter().map(String::as_str))
             .collect();
         anstream::println!("({})", words.join(" "));
     }
-    for note in notes
+    for note in answer
+        .notes
         .iter()
         .chain(answer.violations.iter().map(|violation| &violation.message))
     {

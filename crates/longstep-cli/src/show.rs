@@ -9,7 +9,7 @@ pub(crate) fn heading(text: &str) {
 }
 
 /// Prints an answer: the steps, what changed, what was assumed, and the verdict.
-pub(crate) fn answer(answer: &Answer, notes: &[String]) {
+pub(crate) fn answer(answer: &Answer) {
     if answer.status == Status::Question {
         anstream::println!("{} {}", "Question:".yellow().bold(), answer.plan.question);
         return;
@@ -64,8 +64,7 @@ pub(crate) fn answer(answer: &Answer, notes: &[String]) {
         })
         .collect();
     list("The plan claims something else than was simulated", &differing);
-    let notes: Vec<String> = answer.notes.iter().chain(notes).cloned().collect();
-    list("Notes", &notes);
+    list("Notes", &answer.notes);
     let violations: Vec<String> = answer
         .violations
         .iter()

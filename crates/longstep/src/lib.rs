@@ -48,5 +48,6 @@ pub mod plan;
 pub mod prompt;
 pub mod repair;
 pub mod search;
+pub mod solution;
 pub mod verify;
 pub mod world;
