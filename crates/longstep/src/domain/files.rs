@@ -127,7 +127,10 @@ mod tests {
         check("Role.md", "did you mean `role.md`?");
         check("querry.md", "did you mean `query.md`?");
         check("plan.toml", "did you mean `plans.toml`?");
-        check("notes.txt", "known are role.md, actions.md, environment.md, format.md, plans.toml, query.md, goal.md, examples.toml");
+        check(
+            "notes.txt",
+            "known are role.md, actions.md, environment.md, format.md, plans.toml, query.md, goal.md, examples.toml",
+        );
     }
 
     #[test]

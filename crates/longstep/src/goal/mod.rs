@@ -98,7 +98,10 @@ impl GoalFact {
         Some(match self {
             Self::Word { word, arguments } => Self::Word {
                 word: *word,
-                arguments: arguments.iter().map(|entity| there(*entity)).collect::<Option<Vec<_>>>()?,
+                arguments: arguments
+                    .iter()
+                    .map(|entity| there(*entity))
+                    .collect::<Option<Vec<_>>>()?,
             },
             Self::Plain(fact) => {
                 let arguments = domain.arguments(*fact).map(there).collect::<Option<Vec<_>>>()?;

@@ -93,7 +93,12 @@ pub fn fit(
         rounds,
         now,
     } = conversation;
-    let mut count = |messages: &[Message]| messages.iter().map(|message| counter.message_tokens(message)).sum::<u64>();
+    let mut count = |messages: &[Message]| {
+        messages
+            .iter()
+            .map(|message| counter.message_tokens(message))
+            .sum::<u64>()
+    };
     let mut messages: Vec<Message> = Vec::new();
     let mut costs = Vec::new();
     for part in fixed {
@@ -217,7 +222,10 @@ mod tests {
 
     #[test]
     fn what_is_too_long_says_by_how_much() {
-        let over = OverBudget { needed: 4100, room: 4000 };
+        let over = OverBudget {
+            needed: 4100,
+            room: 4000,
+        };
         assert_eq!(
             over.to_string(),
             "the prompt needs 4100 tokens, which is 100 more than the 4000 that the model has room for"

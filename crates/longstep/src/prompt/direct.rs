@@ -3,8 +3,8 @@
 use super::query::{contained_json, query_text};
 use super::reply::StateLists;
 use super::{
-    ChatRequest, Constraint, Conversation, Exchange, Fitted, Message, OverBudget, PartCost, PromptError, Role,
-    TokenCounter, direct_schema, fit, fixed_parts, focus,
+    ChatRequest, Constraint, Conversation, Exchange, Fitted, Message, PartCost, PromptError, Role, TokenCounter,
+    direct_schema, fit, fixed_parts, focus,
 };
 use crate::diagnostic::Diagnostics;
 use crate::domain::Domain;
@@ -68,7 +68,7 @@ pub fn direct_request(
     let fixed = fixed_parts(domain)?;
     // A query that cannot be rendered for this world can be rendered for no part of it either.
     query_text(domain, &world.environment, instruction).map_err(|finding| Diagnostics(vec![finding]))?;
-    let mut attempt = |shown: &World, history: &[Exchange], counter: &mut dyn TokenCounter| {
+    let attempt = |shown: &World, history: &[Exchange], counter: &mut dyn TokenCounter| {
         let query = query_text(domain, &shown.environment, instruction).unwrap_or_default();
         let turns: Vec<&str> = std::iter::once(query.as_str())
             .chain(rounds.iter().map(|round| round.feedback.as_str()))
@@ -85,19 +85,17 @@ pub fn direct_request(
         };
         fit(conversation, room, counter)
     };
-    match attempt(world, history, counter) {
-        Ok(fitted) => return Ok(prepared(domain, world, fitted, 0, counter)),
-        Err(_) => {}
+    if let Ok(fitted) = attempt(world, history, counter) {
+        return Ok(prepared(domain, world, fitted, 0, counter));
     }
     let focus = focus(domain, world, instruction);
-    let all = focus.ranked.len();
-    let (part, kept) = focus.most(all, |keep| {
+    let (part, mut fitted) = focus.most(focus.ranked.len(), |keep| {
         let part = world.narrowed(domain, keep);
         attempt(&part, &[], counter).map(|fitted| (part, fitted))
     })?;
-    let (part, mut fitted) = part;
     fitted.dropped = history.len();
-    Ok(prepared(domain, &part, fitted, all - kept, counter))
+    let left_out = world.entities().count() - part.entities().count();
+    Ok(prepared(domain, &part, fitted, left_out, counter))
 }
 
 fn prepared(

@@ -82,14 +82,14 @@ impl GoalDialogue {
             });
         }
         let focus = focus(domain, world, instruction);
-        let ((part, (dialogue, costs)), kept) = focus.most(SCENE, |keep| {
+        let (part, (dialogue, costs)) = focus.most(SCENE, |keep| {
             let part = world.narrowed(domain, keep);
             attempt(&part).map(|made| (part, made))
         })?;
         Ok(FittedDialogue {
             dialogue,
+            left_out: all - part.entities().count(),
             narrowed: Some(part),
-            left_out: all - kept,
             costs,
         })
     }

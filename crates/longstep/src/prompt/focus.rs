@@ -103,7 +103,7 @@ impl Focus {
         &self,
         at_most: usize,
         mut attempt: impl FnMut(&[EntityId]) -> Result<T, OverBudget>,
-    ) -> Result<(T, usize), OverBudget> {
+    ) -> Result<T, OverBudget> {
         let mut good = self.needed.min(self.ranked.len());
         let mut bad = at_most.clamp(good, self.ranked.len()) + 1;
         let mut made = attempt(&self.ranked[..good])?;
@@ -114,7 +114,7 @@ impl Focus {
                 Err(_) => bad = middle,
             }
         }
-        Ok((made, good))
+        Ok(made)
     }
 }
 
@@ -192,7 +192,9 @@ fn named(domain: &Domain, world: &World, instruction: &str, near: &Nearness) -> 
     let exactly = |id: EntityId| {
         let entity = world.entity(id);
         let name = plain_words(&entity.name);
-        let numbered = name.last().is_some_and(|word| word.starts_with(|c: char| c.is_ascii_digit()));
+        let numbered = name
+            .last()
+            .is_some_and(|word| word.starts_with(|c: char| c.is_ascii_digit()));
         // A name without a number is that of its kind: nothing more exact can be said.
         instruction.contains(&entity.identifier) || (numbered && words.windows(name.len()).any(|part| part == name))
     };

@@ -17,9 +17,9 @@ mod parts;
 mod query;
 mod reply;
 mod scene;
-mod told;
 #[cfg(test)]
 mod tests;
+mod told;
 mod worked;
 
 pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};

@@ -110,7 +110,13 @@ impl Default for PartTexts {
         ];
         let source = |(name, text): (&str, &str)| {
             let path = format!("longstep's own {name}");
-            (name.to_owned(), Source { path, text: text.to_owned() })
+            (
+                name.to_owned(),
+                Source {
+                    path,
+                    text: text.to_owned(),
+                },
+            )
         };
         Self {
             sources: own.into_iter().map(source).collect(),
@@ -179,7 +185,14 @@ pub(crate) fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
         Err(PromptError::Broken(Diagnostics(findings))) => findings,
         _ => Vec::new(),
     };
-    findings.extend(render(domain, "query.md", context! { environment => "{}", instruction => "\"\"" }).err());
+    findings.extend(
+        render(
+            domain,
+            "query.md",
+            context! { environment => "{}", instruction => "\"\"" },
+        )
+        .err(),
+    );
     Diagnostics::sorted(findings).0
 }
 

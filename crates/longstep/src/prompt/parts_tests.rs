@@ -44,14 +44,23 @@ fn everything_that_the_domain_has_is_told_once() {
     let parts = fixed_parts(&domain).unwrap();
     let actions = &parts[1].messages[0].text;
     for action in &domain.actions {
-        assert_eq!(actions.matches(&format!("\n- {}(", action.call)).count(), 1, "{}", action.call);
+        assert_eq!(
+            actions.matches(&format!("\n- {}(", action.call)).count(),
+            1,
+            "{}",
+            action.call
+        );
         assert!(actions.contains(&action.means));
     }
     let environment = &parts[2].messages[0].text;
     for state in &domain.states {
         assert!(environment.contains(&state.means));
     }
-    assert!(parts[3].messages[0].text.contains("must be closed again after something was put into it"));
+    assert!(
+        parts[3].messages[0]
+            .text
+            .contains("must be closed again after something was put into it")
+    );
 }
 
 #[test]
@@ -59,7 +68,10 @@ fn every_answer_that_is_shown_can_be_read() {
     for name in shipped_names() {
         let domain = shipped(name).unwrap().unwrap();
         let parts = fixed_parts(&domain).unwrap();
-        let answers = parts[4].messages.iter().filter(|message| message.role == Role::Assistant);
+        let answers = parts[4]
+            .messages
+            .iter()
+            .filter(|message| message.role == Role::Assistant);
         let mut questions = 0;
         for answer in answers {
             let draft = plan::read(&answer.text).unwrap();
@@ -75,7 +87,10 @@ fn every_answer_that_is_shown_can_be_read() {
 #[test]
 fn a_folder_of_one_s_own_replaces_one_part_and_no_other() {
     let domain = household("role.md", "You work for {{ name }}.");
-    let (ours, theirs) = (fixed_parts(&domain).unwrap(), fixed_parts(&shipped("household").unwrap().unwrap()).unwrap());
+    let (ours, theirs) = (
+        fixed_parts(&domain).unwrap(),
+        fixed_parts(&shipped("household").unwrap().unwrap()).unwrap(),
+    );
     assert_eq!(ours[0].messages[0].text, "You work for household.");
     assert_eq!(ours[1..], theirs[1..]);
 }
@@ -83,9 +98,21 @@ fn a_folder_of_one_s_own_replaces_one_part_and_no_other() {
 #[test]
 fn broken_templates_are_told_with_file_and_line() {
     check("role.md", "You are {{ name }}.", "");
-    check("role.md", "You are\n{{ nobody }}.", "mine/role.md:2:1: undefined value");
-    check("format.md", "a\n\n{% for %}", "mine/format.md:3:1: unexpected end of block, expected identifier");
-    check("query.md", "{{ environment }} {{ instructon }}", "mine/query.md:1:1: undefined value");
+    check(
+        "role.md",
+        "You are\n{{ nobody }}.",
+        "mine/role.md:2:1: `nobody` is undefined",
+    );
+    check(
+        "format.md",
+        "a\n\n{% for %}",
+        "mine/format.md:3:1: unexpected end of block, expected in",
+    );
+    check(
+        "query.md",
+        "{{ environment }} {{ instructon }}",
+        "mine/query.md:1:1: `instructon` is undefined",
+    );
 }
 
 const SCENE: &str = "[example.environment]\nassets = [\"<sill>\", \"<crate>\"]\nobjects = [\"<pear>\"]\n\
@@ -121,7 +148,8 @@ fn examples_that_are_none_are_told_with_file_and_line() {
     let pear = "move_hand(), grasp_object(), detach_from_plane(), move_object(), attach_to_plane()";
     let reply = |calls: &str| {
         let calls: Vec<String> = calls.split(", ").map(|call| format!("\"{call}\"")).collect();
-        let after = r#"{"assets": [], "objects": ["<pear>"], "object_states": {"<pear>": "inside_something(<crate>)"}}"#;
+        let after =
+            r#"{"assets": [], "objects": ["<pear>"], "object_states": {"<pear>": "inside_something(<crate>)"}}"#;
         example(&format!(
             "reply = '''{{\"task_cohesion\": {{\"task_sequence\": [{}], \"step_instructions\": [], \
              \"object_name\": \"<pear>\"}}, \"environment_after\": {after}}}'''",
@@ -132,7 +160,7 @@ fn examples_that_are_none_are_told_with_file_and_line() {
     check(
         "plans.toml",
         &reply(pear),
-        "mine/plans.toml:3:9: the pear must be released",
+        "mine/plans.toml:3:9: at the end: the pear must be released",
     );
 }
 

@@ -30,11 +30,7 @@ pub fn query(domain: &Domain, world: &World, instruction: &str) -> Result<String
     query_text(domain, &world.environment, instruction).map_err(|finding| Diagnostics(vec![finding]).into())
 }
 
-pub(super) fn query_text(
-    domain: &Domain,
-    environment: &Environment,
-    instruction: &str,
-) -> Result<String, Diagnostic> {
+pub(super) fn query_text(domain: &Domain, environment: &Environment, instruction: &str) -> Result<String, Diagnostic> {
     let given = context! {
         environment => Value::from(contained_json(environment)),
         instruction => Value::from(contained_json(instruction)),
@@ -50,7 +46,18 @@ pub(super) fn contained_json(value: &(impl Serialize + ?Sized)) -> String {
 
 /// Names in angle brackets that models' templates give a meaning to; things are hardly ever called so.
 const MARKERS: [&str; 12] = [
-    "s", "bos", "eos", "pad", "unk", "user", "system", "assistant", "model", "start_of_turn", "end_of_turn", "sep",
+    "s",
+    "bos",
+    "eos",
+    "pad",
+    "unk",
+    "user",
+    "system",
+    "assistant",
+    "model",
+    "start_of_turn",
+    "end_of_turn",
+    "sep",
 ];
 
 /// Escapes what could be taken for the end of a fence or for the marker of a turn. The JSON stays the same value,

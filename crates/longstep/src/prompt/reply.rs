@@ -43,7 +43,10 @@ impl StateLists {
         let states = |identifiers: &[String]| {
             let entry = |identifier: &String| {
                 let said = both.iter().filter_map(|states| states.get(identifier));
-                (identifier.clone(), said.flat_map(|words| words.as_slice().to_vec()).collect())
+                (
+                    identifier.clone(),
+                    said.flat_map(|words| words.as_slice().to_vec()).collect(),
+                )
             };
             identifiers.iter().map(entry).collect()
         };
@@ -105,7 +108,11 @@ pub fn direct_schema(domain: &Domain, world: &World) -> Value {
         None => json!({"type": "string"}),
     };
     let identifier = |nullable: bool| {
-        let kind = if nullable { json!(["string", "null"]) } else { json!("string") };
+        let kind = if nullable {
+            json!(["string", "null"])
+        } else {
+            json!("string")
+        };
         let mut all: Vec<Value> = assets.iter().chain(objects).map(|name| json!(name)).collect();
         if !small || all.is_empty() {
             return json!({"type": kind});
@@ -146,8 +153,10 @@ pub fn direct_schema(domain: &Domain, world: &World) -> Value {
 /// An object with exactly these keys.
 fn closed(entries: &[(&str, Value)]) -> Value {
     let required: Vec<&str> = entries.iter().map(|(key, _)| *key).collect();
-    let properties: serde_json::Map<String, Value> =
-        entries.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect();
+    let properties: serde_json::Map<String, Value> = entries
+        .iter()
+        .map(|(key, value)| ((*key).to_owned(), value.clone()))
+        .collect();
     json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
 }
 
@@ -155,7 +164,10 @@ fn closed(entries: &[(&str, Value)]) -> Value {
 fn calls(domain: &Domain, world: &World) -> Option<Vec<String>> {
     let mut all = Vec::new();
     for action in &domain.actions {
-        let kinds = action.explicit.iter().map(|parameter| action.parameters[*parameter].kind);
+        let kinds = action
+            .explicit
+            .iter()
+            .map(|parameter| action.parameters[*parameter].kind);
         let mut choices: Vec<Vec<String>> = vec![Vec::new()];
         for kind in kinds {
             let fitting = world.of_kind(kind);

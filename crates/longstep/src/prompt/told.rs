@@ -8,7 +8,11 @@ use crate::domain::{Action, Condition, Domain, RuleTime, Slot, Term, TypeId};
 /// and `properties` (`word`, `means`), `rules` (`name`, `when`, `says`), `objects_matter` (calls leave out what they
 /// handle) and `something_hidden` (they leave out more).
 pub(super) fn context(domain: &Domain) -> Value {
-    let actions: Vec<Value> = domain.actions.iter().map(|action| told_action(domain, action)).collect();
+    let actions: Vec<Value> = domain
+        .actions
+        .iter()
+        .map(|action| told_action(domain, action))
+        .collect();
     let states: Vec<Value> = domain
         .states
         .iter()
@@ -33,7 +37,9 @@ pub(super) fn context(domain: &Domain) -> Value {
         .rules
         .iter()
         .map(|rule| {
-            let says = rule.says.fill(|variable| format!("<{}>", rule.variables[variable].name));
+            let says = rule
+                .says
+                .fill(|variable| format!("<{}>", rule.variables[variable].name));
             let when = match rule.time {
                 RuleTime::Start => "in every environment",
                 RuleTime::Always => "at every step",
@@ -43,7 +49,10 @@ pub(super) fn context(domain: &Domain) -> Value {
             context! { name => &rule.name, when, says }
         })
         .collect();
-    let something_hidden = domain.actions.iter().any(|action| action.implicit().any(|p| action.object != Some(p)));
+    let something_hidden = domain
+        .actions
+        .iter()
+        .any(|action| action.implicit().any(|p| action.object != Some(p)));
     let objects_matter = domain.actions.iter().any(|action| action.object.is_some());
     context! { name => &domain.name, about => &domain.about, actions, states, properties, rules, objects_matter, something_hidden }
 }
@@ -59,7 +68,10 @@ fn told_action(domain: &Domain, action: &Action) -> Value {
     let name = |parameter: usize| action.parameters[parameter].name.clone();
     let hidden = action.implicit().filter(|parameter| action.object != Some(*parameter));
     let object = action.object.filter(|parameter| !action.explicit.contains(parameter));
-    let names = action.parameters.iter().map(|parameter| format!("<{}>", parameter.name));
+    let names = action
+        .parameters
+        .iter()
+        .map(|parameter| format!("<{}>", parameter.name));
     context! {
         call => call(&action.call, action.explicit.iter().map(|parameter| action.parameters[*parameter].name.as_str())),
         means => &action.means,
@@ -104,7 +116,11 @@ fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String 
             let words = domain.words(atom.predicate);
             let template = if *holds { &words.says } else { &words.denies };
             let said = template.fill(|place| called(domain, atom.terms[place], names));
-            if *initially { format!("{said} at the start") } else { said }
+            if *initially {
+                format!("{said} at the start")
+            } else {
+                said
+            }
         }
         Condition::Equal { left, right, holds } => {
             let (left, right) = (called(domain, *left, names), called(domain, *right, names));
@@ -165,8 +181,14 @@ mod tests {
     fn check(domain: &str, call: &str, expected: &[&str]) {
         let domain = shipped(domain).unwrap().unwrap();
         let action = domain.actions.iter().find(|action| action.call == call).unwrap();
-        let names = action.parameters.iter().map(|parameter| format!("<{}>", parameter.name));
-        assert_eq!(needs(&domain, &action.precondition, &names.collect::<Vec<_>>()), expected);
+        let names = action
+            .parameters
+            .iter()
+            .map(|parameter| format!("<{}>", parameter.name));
+        assert_eq!(
+            needs(&domain, &action.precondition, &names.collect::<Vec<_>>()),
+            expected
+        );
     }
 
     #[test]

@@ -74,7 +74,11 @@ fn answer(domain: &Domain, source: &Source, entry: &Entry) -> Result<AnswerText,
     let place = &entry.instruction;
     let world = world::read(domain, &entry.environment, "", "", &json::Path::default()).map_err(|findings| {
         let told: Vec<&str> = findings.0.iter().map(|finding| finding.message.as_str()).collect();
-        at(source, place, format!("the environment of this example: {}", told.join("; ")))
+        at(
+            source,
+            place,
+            format!("the environment of this example: {}", told.join("; ")),
+        )
     })?;
     let summary = entry.summary.as_ref().unwrap_or(entry.instruction.get_ref());
     match (&entry.goal, &entry.reply, &entry.question) {
@@ -126,7 +130,13 @@ fn verified(domain: &Domain, world: &World, text: &str, summary: &str) -> Result
     } = draft.file;
     if !question.is_empty() {
         let lists = StateLists::of(&world.environment);
-        return Ok(AnswerText::new(TaskCohesion::default(), world, lists, summary, &question));
+        return Ok(AnswerText::new(
+            TaskCohesion::default(),
+            world,
+            lists,
+            summary,
+            &question,
+        ));
     }
     let resolved = plan::resolve(domain, world, &task_cohesion);
     let issue = |issues: &[crate::verify::Violation]| {
@@ -153,7 +163,10 @@ fn shown(
 ) -> Result<AnswerText, String> {
     let verified = check(domain, world, plan, purpose).into_verified().map_err(|report| {
         let steps = report.plan.steps();
-        let told = report.violations.iter().map(|violation| violation.message(domain, world, steps, None));
+        let told = report
+            .violations
+            .iter()
+            .map(|violation| violation.message(domain, world, steps, None));
         told.collect::<Vec<_>>().join("; ")
     })?;
     let after = world::write(domain, world, verified.after());

@@ -49,7 +49,9 @@ impl World {
             part.state.set(fact, true);
         }
         let assumed = self.assumed.iter();
-        part.assumed = assumed.filter_map(|(fact, ground)| Some((carried(*fact)?, *ground))).collect();
+        part.assumed = assumed
+            .filter_map(|(fact, ground)| Some((carried(*fact)?, *ground)))
+            .collect();
         part
     }
 }
@@ -58,15 +60,22 @@ impl Environment {
     /// What the environment says of these entities and of nothing else.
     fn only(&self, identifiers: &FxHashSet<&str>) -> Self {
         let listed = |all: &[String]| -> Vec<String> {
-            let kept = all.iter().filter(|identifier| identifiers.contains(identifier.as_str()));
+            let kept = all
+                .iter()
+                .filter(|identifier| identifiers.contains(identifier.as_str()));
             kept.cloned().collect()
         };
         let about = |text: &String| match Call::parse(text) {
-            Ok(call) => call.arguments.iter().all(|argument| identifiers.contains(argument.as_str())),
+            Ok(call) => call
+                .arguments
+                .iter()
+                .all(|argument| identifiers.contains(argument.as_str())),
             Err(_) => true,
         };
         let said = |all: &IndexMap<String, Words>| -> IndexMap<String, Words> {
-            let kept = all.iter().filter(|(identifier, _)| identifiers.contains(identifier.as_str()));
+            let kept = all
+                .iter()
+                .filter(|(identifier, _)| identifiers.contains(identifier.as_str()));
             let words = kept.map(|(identifier, words)| {
                 let words = match words {
                     Words::One(word) if about(word) => Words::One(word.clone()),
@@ -78,8 +87,11 @@ impl Environment {
             words.filter(|(_, words)| !words.as_slice().is_empty()).collect()
         };
         let names = |all: &IndexMap<String, String>| -> IndexMap<String, String> {
-            let kept = all.iter().filter(|(identifier, _)| identifiers.contains(identifier.as_str()));
-            kept.map(|(identifier, name)| (identifier.clone(), name.clone())).collect()
+            let kept = all
+                .iter()
+                .filter(|(identifier, _)| identifiers.contains(identifier.as_str()));
+            kept.map(|(identifier, name)| (identifier.clone(), name.clone()))
+                .collect()
         };
         Self {
             assets: listed(&self.assets),
@@ -108,7 +120,14 @@ mod tests {
     #[track_caller]
     fn check(keep: &[&str], environment: &str, facts: &[&str]) {
         let domain = shipped("household").unwrap().unwrap();
-        let whole = read(&domain, &Environment::from_json(TEXT).unwrap(), "", "", &Path::default()).unwrap();
+        let whole = read(
+            &domain,
+            &Environment::from_json(TEXT).unwrap(),
+            "",
+            "",
+            &Path::default(),
+        )
+        .unwrap();
         let ids: Vec<EntityId> = keep.iter().map(|identifier| whole.find(identifier).unwrap()).collect();
         let part = whole.narrowed(&domain, &ids);
         assert_eq!(serde_json::to_string(&part.environment).unwrap(), environment);
@@ -120,7 +139,9 @@ mod tests {
             assert_eq!(whole.entity(whole.find(&entity.identifier).unwrap()), entity);
         }
         for fact in part.state.iter() {
-            let arguments = domain.arguments(fact).map(|id| whole.find(&part.entity(id).identifier).unwrap());
+            let arguments = domain
+                .arguments(fact)
+                .map(|id| whole.find(&part.entity(id).identifier).unwrap());
             let there = Fact::new(fact.predicate(), arguments);
             assert!(whole.state.holds(there));
             assert_eq!(whole.assumed(there), part.assumed(fact));

@@ -130,11 +130,15 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     findings.extend(reads::findings(domain, &reads, &places));
     findings.extend(names::findings(domain, &reach, &places));
     findings.extend(explanations::findings(domain, &reach, &places));
-    findings.extend(crate::prompt::broken_parts(domain).into_iter().map(|diagnostic| Finding {
-        lint: Lint::BrokenPrompt,
-        of: Vec::new(),
-        diagnostic,
-    }));
+    findings.extend(
+        crate::prompt::broken_parts(domain)
+            .into_iter()
+            .map(|diagnostic| Finding {
+                lint: Lint::BrokenPrompt,
+                of: Vec::new(),
+                diagnostic,
+            }),
+    );
     let mut findings = without_accepted(findings, &places);
     findings.sort_by(|left, right| (&left.diagnostic, left.lint).cmp(&(&right.diagnostic, right.lint)));
     findings

@@ -1,0 +1,3 @@
+mod injected;
+mod large;
+mod requests;
