@@ -15,14 +15,23 @@ pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usi
     let digits = explanation.total.to_string().len();
     for part in &explanation.parts {
         let share = format!("{:>3}.{} %", part.per_mille / 10, part.per_mille % 10);
-        anstream::println!("  {:width$}  {:>digits$} tokens  {}", part.name, part.tokens, share.dimmed());
+        anstream::println!(
+            "  {:width$}  {:>digits$} tokens  {}",
+            part.name,
+            part.tokens,
+            share.dimmed()
+        );
     }
     anstream::println!("  {}", explanation.summary());
     if dropped > 0 {
         anstream::println!("  left out for want of room: {}", count(dropped, "earlier exchange"));
     }
     if left_out > 0 {
-        let things = if left_out == 1 { "1 entity".to_owned() } else { format!("{left_out} entities") };
+        let things = if left_out == 1 {
+            "1 entity".to_owned()
+        } else {
+            format!("{left_out} entities")
+        };
         anstream::println!("  not shown, since the instruction hardly concerns them: {things}");
     }
     for (number, message) in messages.iter().enumerate() {

@@ -232,3 +232,69 @@ fn named(domain: &Domain, world: &World, instruction: &str, near: &Nearness) -> 
     }
     named
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::shipped;
+    use crate::json::Path;
+    use crate::world::{Environment, read};
+
+    const BOAT: &str = r#"{"assets": ["<deck>", "<cabin>", "<galley_table>", "<locker>", "<trash_bin>"],
+        "asset_states": {"<galley_table>": "on_something(<cabin>)"},
+        "objects": ["<rope>", "<locker_handle>", "<flag>", "<map>", "<spoon>",
+                    "<can_1>", "<can_2>", "<can_3>", "<can_4>", "<can_5>", "<can_6>", "<can_7>", "<can_8>",
+                    "<can_9>", "<can_10>", "<can_11>", "<can_12>", "<can_13>", "<can_14>"],
+        "object_states": {"<rope>": "inside_something(<locker>)", "<locker_handle>": "closed()",
+                          "<flag>": "inside_hand()", "<map>": "on_something(<galley_table>)",
+                          "<spoon>": "on_something(<galley_table>)", "<can_13>": "on_something(<galley_table>)"}}"#;
+
+    /// What must be shown of the boat, by identifier.
+    #[track_caller]
+    fn check(instruction: &str, expected: &str) {
+        let domain = shipped("household").unwrap().unwrap();
+        let world = read(
+            &domain,
+            &Environment::from_json(BOAT).unwrap(),
+            "",
+            "",
+            &Path::default(),
+        )
+        .unwrap();
+        let found = focus(&domain, &world, instruction);
+        let named: Vec<&str> = found.ranked[..found.needed]
+            .iter()
+            .map(|id| world.entity(*id).identifier.trim_matches(['<', '>']))
+            .collect();
+        assert_eq!(named.join(" "), expected);
+        assert_eq!(found.ranked.len(), world.entities().count());
+    }
+
+    #[test]
+    fn what_is_named_brings_what_it_needs() {
+        check("Hoist something", "locker_handle locker flag");
+        check("Get the rope", "rope locker locker_handle flag");
+        check("Read the map", "map galley_table cabin locker_handle locker flag");
+        check(
+            "Lay the spoon on the deck",
+            "deck spoon galley_table cabin locker_handle locker flag",
+        );
+        check("Throw the rope away", "trash_bin rope locker locker_handle flag");
+        check("Hand me can 5", "can_5 locker_handle locker flag");
+        check("Hand me <can_11>", "can_11 locker_handle locker flag");
+    }
+
+    #[test]
+    fn of_many_alike_those_at_a_named_place_come_first() {
+        check(
+            "Take the can from the galley table",
+            "galley_table cabin can_13 can_1 can_2 can_3 can_4 can_5 can_6 can_7 can_8 can_9 can_10 can_11 \
+             locker_handle locker flag",
+        );
+        check(
+            "Take all cans",
+            "can_1 can_2 can_3 can_4 can_5 can_6 can_7 can_8 can_9 can_10 can_11 can_12 can_13 galley_table cabin can_14 \
+             locker_handle locker flag",
+        );
+    }
+}
