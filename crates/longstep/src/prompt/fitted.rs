@@ -4,9 +4,9 @@ use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, TokenCounter, fo
 use crate::domain::Domain;
 use crate::world::World;
 
-/// Entities of a scene at most. Goals are offered for pairs of things, and a model that is shown more than this reads
-/// none of it well.
-const SCENE: usize = 150;
+/// Entities of a scene at most, unless the instruction names more. Goals are offered for pairs of things: a grammar for a
+/// hundred has some 70 KiB where nothing is named, and a model that is shown more reads none of it well.
+const SCENE: usize = 100;
 
 /// A goal dialogue, and the part of the world that it is about.
 #[derive(Debug, Clone)]

@@ -11,6 +11,10 @@ use crate::world::{EntityId, World};
 
 /// Of a kind of which the instruction means one thing without saying which, so many are taken to be needed.
 const CANDIDATES: usize = 12;
+/// Of a kind of which it means all, so many at most: a model cannot count further anyway.
+const ALL: usize = 100;
+/// Never more than this is needed.
+const NEEDED: usize = 200;
 /// Of what is on or in a thing, so much is near it.
 const NEIGHBOURS: usize = 30;
 /// What stands on what, so many times over.
@@ -36,7 +40,7 @@ pub struct Focus {
 /// one, since a tool or a place that nobody named is hardly ever the twentieth of its kind.
 ///
 /// Of things that share a name, one that is called by its number or identifier is meant; if none is, those that are at
-/// a place that is named come first.
+/// a place that is named come first. Of a great many things that are all meant only the first are needed.
 ///
 /// ```
 /// use longstep::{domain, json, prompt, world};
@@ -64,7 +68,7 @@ pub fn focus(domain: &Domain, world: &World, instruction: &str) -> Focus {
     for id in handled(domain, world) {
         ranking.push(id, DEPTH);
     }
-    let needed = ranking.ranked.len();
+    let needed = ranking.ranked.len().min(NEEDED);
     for id in ranking.ranked.clone() {
         for other in near.held_by.get(&id).into_iter().flatten().take(NEIGHBOURS) {
             ranking.push(*other, DEPTH);
@@ -216,7 +220,7 @@ fn named(domain: &Domain, world: &World, instruction: &str, near: &Nearness) -> 
         if !exact.is_empty() {
             named.extend(exact);
         } else if members.len() <= CANDIDATES || several() {
-            named.extend(members);
+            named.extend(members.into_iter().take(ALL));
         } else {
             open.push(members);
         }
@@ -243,11 +247,11 @@ mod tests {
     const BOAT: &str = r#"{"assets": ["<deck>", "<cabin>", "<galley_table>", "<locker>", "<trash_bin>"],
         "asset_states": {"<galley_table>": "on_something(<cabin>)"},
         "objects": ["<rope>", "<locker_handle>", "<flag>", "<map>", "<spoon>",
-                    "<can_1>", "<can_2>", "<can_3>", "<can_4>", "<can_5>", "<can_6>", "<can_7>", "<can_8>",
-                    "<can_9>", "<can_10>", "<can_11>", "<can_12>", "<can_13>", "<can_14>"],
+                    "<tin_1>", "<tin_2>", "<tin_3>", "<tin_4>", "<tin_5>", "<tin_6>", "<tin_7>", "<tin_8>",
+                    "<tin_9>", "<tin_10>", "<tin_11>", "<tin_12>", "<tin_13>", "<tin_14>"],
         "object_states": {"<rope>": "inside_something(<locker>)", "<locker_handle>": "closed()",
                           "<flag>": "inside_hand()", "<map>": "on_something(<galley_table>)",
-                          "<spoon>": "on_something(<galley_table>)", "<can_13>": "on_something(<galley_table>)"}}"#;
+                          "<spoon>": "on_something(<galley_table>)", "<tin_13>": "on_something(<galley_table>)"}}"#;
 
     /// What must be shown of the boat, by identifier.
     #[track_caller]
@@ -280,20 +284,20 @@ mod tests {
             "deck spoon galley_table cabin locker_handle locker flag",
         );
         check("Throw the rope away", "trash_bin rope locker locker_handle flag");
-        check("Hand me can 5", "can_5 locker_handle locker flag");
-        check("Hand me <can_11>", "can_11 locker_handle locker flag");
+        check("Hand me tin 5", "tin_5 locker_handle locker flag");
+        check("Hand me <tin_11>", "tin_11 locker_handle locker flag");
     }
 
     #[test]
     fn of_many_alike_those_at_a_named_place_come_first() {
         check(
-            "Take the can from the galley table",
-            "galley_table cabin can_13 can_1 can_2 can_3 can_4 can_5 can_6 can_7 can_8 can_9 can_10 can_11 \
+            "Take the tin from the galley table",
+            "galley_table cabin tin_13 tin_1 tin_2 tin_3 tin_4 tin_5 tin_6 tin_7 tin_8 tin_9 tin_10 tin_11 \
              locker_handle locker flag",
         );
         check(
-            "Take all cans",
-            "can_1 can_2 can_3 can_4 can_5 can_6 can_7 can_8 can_9 can_10 can_11 can_12 can_13 galley_table cabin can_14 \
+            "Take all tins",
+            "tin_1 tin_2 tin_3 tin_4 tin_5 tin_6 tin_7 tin_8 tin_9 tin_10 tin_11 tin_12 tin_13 galley_table cabin tin_14 \
              locker_handle locker flag",
         );
     }

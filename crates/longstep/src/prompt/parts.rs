@@ -185,14 +185,22 @@ pub(crate) fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
         Err(PromptError::Broken(Diagnostics(findings))) => findings,
         _ => Vec::new(),
     };
-    findings.extend(
-        render(
-            domain,
-            "query.md",
-            context! { environment => "{}", instruction => "\"\"" },
-        )
-        .err(),
-    );
+    let shown = ["{environment}", "{instruction}"];
+    match render(
+        domain,
+        "query.md",
+        context! { environment => shown[0], instruction => shown[1] },
+    ) {
+        Ok(text) => {
+            let source = domain.parts.source("query.md");
+            let left_out = shown.iter().filter(|variable| !text.contains(**variable));
+            findings.extend(left_out.map(|variable| {
+                let message = format!("the query does not show `{}`", variable.trim_matches(['{', '}']));
+                Diagnostic::whole(&source.path, message).hint(format!("write `{{{variable}}}` where it belongs"))
+            }));
+        }
+        Err(finding) => findings.push(finding),
+    }
     Diagnostics::sorted(findings).0
 }
 

@@ -113,6 +113,11 @@ fn broken_templates_are_told_with_file_and_line() {
         "{{ environment }} {{ instructon }}",
         "mine/query.md:1:1: `instructon` is undefined",
     );
+    check(
+        "query.md",
+        "Do this: {{ instruction }}",
+        "mine/query.md: the query does not show `environment`\n  hint: write `{{environment}}` where it belongs",
+    );
 }
 
 const SCENE: &str = "[example.environment]\nassets = [\"<sill>\", \"<crate>\"]\nobjects = [\"<pear>\"]\n\

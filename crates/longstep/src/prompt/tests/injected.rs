@@ -208,3 +208,16 @@ fn what_is_usual_is_left_as_it_is() {
         assert!(messages[fixed].text.ends_with(&format!("\nInstruction: {text}")));
     }
 }
+
+#[test]
+fn everyday_names_that_are_more_than_words_are_refused() {
+    let domain = household();
+    for text in INJECTED {
+        let environment = serde_json::json!({"objects": ["<pear>"], "names": {"<pear>": text}});
+        let environment = Environment::from_json(&environment.to_string()).unwrap();
+        assert!(
+            world::read(&domain, &environment, "", "", &Path::default()).is_err(),
+            "{text:?}"
+        );
+    }
+}
