@@ -233,7 +233,3 @@ pub(super) fn render(domain: &Domain, file: &str, more: Value) -> Result<String,
             Diagnostic::at(&source.path, Position { line, column: 1 }, message)
         })
 }
-
-#[cfg(test)]
-#[path = "parts_tests.rs"]
-mod tests;

@@ -5,14 +5,14 @@ use serde_json::{Map, Value, json};
 use crate::domain::{Domain, shipped};
 use crate::goal::{self, Understanding};
 use crate::json::Path;
-use crate::plan::{Plan, Step};
+use crate::plan::{Plan, Step, read, resolve};
 use crate::prompt::{
     ChatRequest, ConstraintKind, EstimatedTokens, Finish, GoalDialogue, Reply, TokenCounter, Turn, Usage,
     direct_request, focus,
 };
 use crate::search::{Limits, Outcome, solve};
-use crate::verify::check as verify;
-use crate::world::{self, Environment, World};
+use crate::verify::{Purpose, bind, check as verify};
+use crate::world::{self, Claim, Environment, Words, World};
 
 const ROOM: u64 = 4000;
 
@@ -150,6 +150,53 @@ fn plans_in_a_world_of_five_thousand_things() {
     for named in ["\"<teapot_9999>\":[\"ON(<trolley_1234>)\"]", bench] {
         assert!(turn.contains(named), "{named} is in {turn}");
     }
+}
+
+#[test]
+fn a_reply_about_a_part_leaves_the_rest_of_the_world_as_it_was() {
+    let domain = shipped("virtualhome").unwrap().unwrap();
+    let depot = depot(&domain);
+    let bench = depot.entity(depot.find_name("bench 12").unwrap()).identifier.clone();
+    let mut counter = EstimatedTokens::default();
+    let instruction = "Put the teapot on bench 12";
+    let prepared = direct_request(&domain, &depot, instruction, &[], &[], Some(ROOM), &mut counter).unwrap();
+    let turn = &prepared.request.messages.last().unwrap().text;
+    let shown: Value = serde_json::from_str(turn.split("```").nth(1).unwrap().trim_start_matches("json")).unwrap();
+    // What a model that was shown only this would claim.
+    let mut after = shown["environment"].clone();
+    after["object_states"]["<teapot_9999>"] = json!([format!("ON({bench})")]);
+    let reply = json!({
+        "task_cohesion": {
+            "task_sequence": [
+                "Walktowards(<teapot_9999>)", "Grab(<teapot_9999>)",
+                format!("Walktowards({bench})"), format!("Put(<teapot_9999>, {bench})"),
+            ],
+            "step_instructions": [], "object_name": null, "object_names": [],
+        },
+        "environment_before": shown["environment"], "environment_after": after,
+        "instruction_summary": "", "question": "",
+    });
+    let draft = read(&reply.to_string()).unwrap();
+    let resolved = resolve(&domain, &depot, &draft.file.task_cohesion);
+    let claim = Claim::read(&domain, &depot, &draft.file.environment_after.unwrap());
+    assert_eq!(claim.ignored, Vec::<String>::new());
+    let (plan, _) = bind(
+        &domain,
+        &depot,
+        &resolved.complete().unwrap(),
+        &resolved.objects,
+        Some(&claim),
+    );
+    let purpose = Purpose {
+        claim: Some(claim),
+        ..Purpose::default()
+    };
+    let report = verify(&domain, &depot, plan, &purpose);
+    assert!(report.violations.is_empty());
+    let carried = world::write(&domain, &depot, &report.after);
+    let mut expected = depot.environment.clone();
+    expected.object_states["<teapot_9999>"] = Words::Many(vec![format!("ON({bench})")]);
+    assert_eq!(carried, expected);
 }
 
 #[test]

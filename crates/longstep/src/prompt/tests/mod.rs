@@ -1,3 +1,4 @@
 mod injected;
 mod large;
+mod parts;
 mod requests;

@@ -1,8 +1,10 @@
+//! The fixed parts: complete, replaceable, and checked.
+
 use std::collections::BTreeMap;
 
-use super::*;
-use crate::domain::{Files, load, shipped, shipped_files, shipped_names, starter};
+use crate::domain::{Domain, Files, load, shipped, shipped_files, shipped_names, starter};
 use crate::plan;
+use crate::prompt::{Message, PartName, PromptError, Role, broken_parts, fixed_parts};
 
 fn household(file: &str, text: &str) -> Domain {
     let mut files = shipped_files("household").unwrap();
