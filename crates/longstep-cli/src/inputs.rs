@@ -1,5 +1,6 @@
 //! Reading domains, environments and plans, and writing files whole or not at all.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
@@ -67,13 +68,36 @@ pub(crate) fn domain_files(name: &str) -> Result<Files> {
             .into());
     }
     let prefix = format!("{}/", name.trim_end_matches('/'));
+    let mut parts = prompt_files(&folder.join("prompt"))?;
+    parts.retain(|name, _| !Files::GOAL.contains(&name.as_str()));
     Ok(Files {
+        parts,
+        elsewhere: BTreeMap::new(),
         pddl: text(&folder.join("domain.pddl"))?,
         words: text(&folder.join("domain.toml"))?,
         goal_prompt: text(&folder.join("prompt/goal.md"))?,
         examples: text(&folder.join("prompt/examples.toml"))?,
         folder: prefix,
     })
+}
+
+/// The texts of a folder of prompt files, by file name: a domain's own `prompt/`, or one that is laid over it with
+/// [`Files::overlay`]. What editors leave behind is none of them.
+pub(crate) fn prompt_files(folder: &Path) -> Result<BTreeMap<String, String>> {
+    let failed = |error: std::io::Error| {
+        Failure::unreadable(format!("cannot read {}: {}", folder.display(), plain(&error))).hint("check the path")
+    };
+    let mut files = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
+            continue;
+        };
+        if path.is_file() && !name.starts_with('.') && !name.ends_with('~') {
+            files.insert(name.to_owned(), text(&path)?);
+        }
+    }
+    Ok(files)
 }
 
 /// Reads an environment file as a world of the domain.

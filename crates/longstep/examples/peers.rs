@@ -175,6 +175,7 @@ fn scenes() -> Anyhow<Vec<Scene>> {
         words: file("domain.toml"),
         goal_prompt: file("prompt/goal.md"),
         examples: file("prompt/examples.toml"),
+        ..Files::default()
     };
     domains.push(("starter".to_owned(), files));
 
@@ -219,11 +220,11 @@ fn scenes() -> Anyhow<Vec<Scene>> {
 fn folder_files(folder: &Path) -> Anyhow<Files> {
     let read = |file: &str| std::fs::read_to_string(folder.join(file));
     Ok(Files {
-        folder: String::new(),
         pddl: read("domain.pddl")?,
         words: read("domain.toml")?,
         goal_prompt: read("prompt/goal.md")?,
         examples: read("prompt/examples.toml")?,
+        ..Files::default()
     })
 }
 

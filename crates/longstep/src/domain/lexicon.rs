@@ -48,7 +48,13 @@ fn cleaned(identifier: &str) -> String {
         Some((name, id)) if !name.is_empty() && id.chars().all(|c| c.is_ascii_digit()) => name,
         _ => &bare,
     };
-    plain_words(without_id).join(" ")
+    let words = plain_words(without_id);
+    // What has neither letters nor digits has to be called something.
+    if words.is_empty() {
+        "thing".to_owned()
+    } else {
+        words.join(" ")
+    }
 }
 
 /// The words of a text in lower case, letters and digits apart: `Put it on table2!` is put, it, on, table, 2.

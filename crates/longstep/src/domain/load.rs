@@ -8,27 +8,12 @@ use super::condition::{Condition, Effect};
 use super::pddl::{Reader, Scope, Semantics, Written};
 use super::words::{self, DomainFile, ExamplesFile, TimeEntry, UnknownEntry};
 use super::{
-    Action, DefaultFact, Derivation, Domain, EnvironmentTypes, FormPiece, GoalWord, Lexicon, Literal, Parameter,
+    Action, DefaultFact, Derivation, Domain, EnvironmentTypes, Files, FormPiece, GoalWord, Lexicon, Literal, Parameter,
     PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
-use crate::prompt::{self, Example};
-
-/// The texts of a domain's folder, and the names to call them in findings.
-#[derive(Debug, Clone, Default)]
-pub struct Files {
-    /// Put before the names of the files in findings, for example `domains/household/`.
-    pub folder: String,
-    /// `domain.pddl`
-    pub pddl: String,
-    /// `domain.toml`
-    pub words: String,
-    /// `prompt/goal.md`
-    pub goal_prompt: String,
-    /// `prompt/examples.toml`
-    pub examples: String,
-}
+use crate::prompt::{self, Example, PartTexts};
 
 /// Reads a domain.
 ///
@@ -52,7 +37,8 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
         };
         loader.domain(parsed)
     });
-    let examples_file = format!("{}prompt/examples.toml", files.folder);
+    findings.extend(files.unknown_parts());
+    let examples_file = files.prompt_path("examples.toml");
     let examples: Option<ExamplesFile> = read_toml(&examples_file, &files.examples, &mut findings);
     let (Some(mut domain), Some(examples)) = (domain, examples) else {
         return Err(Diagnostics::sorted(findings));
@@ -70,15 +56,12 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
         }
         domain.examples.push(example);
     }
+    domain.parts = PartTexts::of(files);
     match prompt::render_goal_prompt(&domain, &files.goal_prompt) {
         Ok(text) => domain.goal_prompt = text,
         Err((line, message)) => {
             let position = Position { line, column: 1 };
-            findings.push(Diagnostic::at(
-                &format!("{}prompt/goal.md", files.folder),
-                position,
-                message,
-            ));
+            findings.push(Diagnostic::at(&files.prompt_path("goal.md"), position, message));
         }
     }
     if findings.is_empty() {
@@ -274,6 +257,7 @@ impl Loader<'_> {
             implied: file.implied,
             goal_prompt: String::new(),
             examples: Vec::new(),
+            parts: PartTexts::default(),
         }
     }
 

@@ -6,6 +6,7 @@
 
 mod bare;
 mod condition;
+mod files;
 mod lexicon;
 mod lint;
 mod load;
@@ -18,14 +19,15 @@ mod words;
 
 pub use bare::from_pddl;
 pub use condition::{Atom, Condition, Effect, Slot, Term};
+pub use files::Files;
 pub use lexicon::{Lexicon, base_name, head, plain_words, singular};
 pub use lint::{Finding, Lint, lint};
-pub use load::{Files, load};
+pub use load::load;
 pub use shipped::{shipped, shipped_files, shipped_names};
 pub use starter::starter;
 pub use template::{Template, with_article};
 
-use crate::prompt::Example;
+use crate::prompt::{Example, PartTexts};
 use crate::world::{EntityId, Fact};
 
 macro_rules! id {
@@ -468,6 +470,8 @@ pub struct Domain {
     pub goal_prompt: String,
     /// The worked examples of `prompt/examples.toml`.
     pub examples: Vec<Example>,
+    /// What the direct strategy tells a model, not rendered yet.
+    pub parts: PartTexts,
 }
 
 impl Domain {

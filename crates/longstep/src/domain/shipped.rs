@@ -1,5 +1,7 @@
 //! The domains that come with the library.
 
+use std::collections::BTreeMap;
+
 use include_dir::{Dir, include_dir};
 
 use super::{Domain, Files, load};
@@ -36,7 +38,13 @@ pub fn shipped_files(name: &str) -> Option<Files> {
             .unwrap_or_default()
             .to_owned()
     };
+    let parts = Files::PARTS.iter().filter_map(|name| {
+        let file = SHIPPED.get_file(folder.path().join("prompt").join(name))?;
+        Some(((*name).to_owned(), file.contents_utf8()?.to_owned()))
+    });
     Some(Files {
+        parts: parts.collect(),
+        elsewhere: BTreeMap::new(),
         folder: format!("domains/{name}/"),
         pddl: text("domain.pddl"),
         words: text("domain.toml"),

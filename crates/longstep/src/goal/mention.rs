@@ -26,6 +26,24 @@ pub struct LeftOut {
     pub why: String,
 }
 
+impl Understanding {
+    /// The same in another world that has its things ([`Goal::carried`]). None if something of it is not there.
+    pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Self> {
+        Some(match self {
+            Self::Question(question) => Self::Question(question.clone()),
+            Self::Goal(goal, left_out) => {
+                let left_out = left_out.iter().map(|left| {
+                    Some(LeftOut {
+                        fact: left.fact.carried(domain, from, to)?,
+                        why: left.why.clone(),
+                    })
+                });
+                Self::Goal(goal.carried(domain, from, to)?, left_out.collect::<Option<Vec<_>>>()?)
+            }
+        })
+    }
+}
+
 /// Words that end a noun phrase, or name no thing by themselves.
 const NOT_THINGS: &str = "a about above after again all an and another any anything around as at away back be before \
     beside bit both bottom but by can could down each every everything first for from front half here in inside into \

@@ -92,6 +92,24 @@ impl GoalFact {
         }
     }
 
+    /// The same about the things of another world, if they are there.
+    fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Self> {
+        let there = |entity: EntityId| to.find(&from.entity(entity).identifier);
+        Some(match self {
+            Self::Word { word, arguments } => Self::Word {
+                word: *word,
+                arguments: arguments
+                    .iter()
+                    .map(|entity| there(*entity))
+                    .collect::<Option<Vec<_>>>()?,
+            },
+            Self::Plain(fact) => {
+                let arguments = domain.arguments(*fact).map(there).collect::<Option<Vec<_>>>()?;
+                Self::Plain(Fact::new(fact.predicate(), arguments))
+            }
+        })
+    }
+
     /// What must hold for it.
     fn wanted(&self, domain: &Domain) -> Wanted {
         match self {
@@ -122,6 +140,15 @@ pub(crate) fn wanted_fact(domain: &Domain, fact: Fact) -> Wanted {
 }
 
 impl Goal {
+    /// The same goal in another world that has its things: what was understood in a part of a world
+    /// ([`World::narrowed`]), for the whole of it. None if something of it is not there.
+    pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Goal> {
+        let facts = self.facts.iter().map(|fact| fact.carried(domain, from, to));
+        Some(Goal {
+            facts: facts.collect::<Option<Vec<_>>>()?,
+        })
+    }
+
     /// The rules that this goal sets aside: who asks for the fridge to be open does not want it closed.
     fn waivers(&self, domain: &Domain) -> Vec<Waiver> {
         let mut waivers = Vec::new();

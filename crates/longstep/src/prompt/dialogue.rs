@@ -6,7 +6,10 @@
 use serde::Deserialize;
 
 use super::example::{fixed_turns, scene_and_instruction};
-use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage, scene};
+use super::query::plain_line;
+use super::{
+    ChatRequest, Constraint, ConstraintKind, Finish, Message, PartCost, Reply, Role, TokenCounter, Usage, scene,
+};
 use crate::domain::Domain;
 use crate::goal::{self, Goal, GoalError, GoalFact, Place, Spoken, Understanding, grammar, offers, schema, understand};
 use crate::world::World;
@@ -72,7 +75,7 @@ impl GoalDialogue {
         let scene = scene(domain, world, &offers(domain, world, &[], &Spoken::default()));
         messages.push(Message::new(
             Role::User,
-            scene_and_instruction(&scene, &one_line(instruction)),
+            scene_and_instruction(&scene, &plain_line(instruction)),
         ));
         Self {
             instruction: instruction.to_owned(),
@@ -112,6 +115,26 @@ impl GoalDialogue {
                 ConstraintKind::JsonSchema => ANSWER_TOKENS,
             },
         }
+    }
+
+    /// What the parts of the conversation cost: `task`, `examples`, `query`, and `frame` for what a model's template
+    /// puts around the whole.
+    pub fn costs(&self, counter: &mut dyn TokenCounter) -> Vec<PartCost> {
+        let parts = [
+            ("task", &self.messages[..1]),
+            ("examples", &self.messages[1..self.fixed]),
+            ("query", &self.messages[self.fixed..]),
+        ];
+        let mut costs = Vec::new();
+        for (name, messages) in parts {
+            let tokens = messages.iter().map(|message| counter.message_tokens(message)).sum();
+            costs.push(PartCost { name, tokens });
+        }
+        costs.push(PartCost {
+            name: "frame",
+            tokens: counter.frame_tokens(),
+        });
+        costs
     }
 
     /// The model's answer as far as it has come.
@@ -202,7 +225,6 @@ impl GoalDialogue {
     }
 }
 
-/// An instruction is one line of a conversation, whatever was typed.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,14 +1,39 @@
 //! What is asked of a language model, and how its answer is read.
+//!
+//! Two strategies share the rest. For the goal strategy, [`GoalDialogue`] asks for goals and reads them. For the direct
+//! strategy, [`direct_request`] asks for a whole plan: five fixed parts ([`fixed_parts`]), what was said before, and
+//! the [`query`]; [`crate::plan::read`] reads the answer. What does not fit is cut ([`fit`], [`focus`]), and said.
 
+mod budget;
 mod chat;
 mod count;
 mod dialogue;
+mod direct;
 mod example;
+mod explain;
+mod fitted;
+mod focus;
+mod parts;
+mod query;
+mod reply;
 mod scene;
+#[cfg(test)]
+mod tests;
+mod told;
+mod worked;
 
+pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
 pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage};
 pub use count::{Counting, EstimatedTokens, TokenCounter};
 pub use dialogue::{DialogueError, GoalDialogue, Turn};
+pub use direct::{Prepared, Round, direct_request};
 pub use example::Example;
 pub(crate) use example::{check_example, render_goal_prompt};
+pub use explain::{Explanation, PartShare, explain};
+pub use fitted::FittedDialogue;
+pub use focus::{Focus, focus};
+pub(crate) use parts::broken_parts;
+pub use parts::{Part, PartName, PartTexts, PromptError, fixed_parts};
+pub use query::query;
+pub use reply::direct_schema;
 pub use scene::scene;

@@ -407,11 +407,9 @@ fn random_domain(actions: &[RandomAction]) -> Domain {
     }
     pddl.push(')');
     let files = Files {
-        folder: String::new(),
         pddl,
         words,
-        goal_prompt: String::new(),
-        examples: String::new(),
+        ..Files::default()
     };
     domain::load(&files).unwrap_or_else(|e| panic!("{e}"))
 }

@@ -7,6 +7,7 @@ mod environment;
 mod evaluate;
 mod fact;
 mod naming;
+mod narrow;
 mod read;
 #[cfg(test)]
 mod tests;

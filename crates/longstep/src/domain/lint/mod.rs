@@ -76,6 +76,8 @@ lints! {
     SameExplanation = "same-explanation",
     /// A goal word, or asking back, that no worked example shows.
     MissingExample = "missing-example",
+    /// A file of `prompt/` that cannot be rendered, or a worked plan that is not one.
+    BrokenPrompt = "broken-prompt",
     /// An acceptance that accepts nothing, or gives no reason.
     StaleAcceptance = "stale-acceptance",
 }
@@ -128,6 +130,15 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     findings.extend(reads::findings(domain, &reads, &places));
     findings.extend(names::findings(domain, &reach, &places));
     findings.extend(explanations::findings(domain, &reach, &places));
+    findings.extend(
+        crate::prompt::broken_parts(domain)
+            .into_iter()
+            .map(|diagnostic| Finding {
+                lint: Lint::BrokenPrompt,
+                of: Vec::new(),
+                diagnostic,
+            }),
+    );
     let mut findings = without_accepted(findings, &places);
     findings.sort_by(|left, right| (&left.diagnostic, left.lint).cmp(&(&right.diagnostic, right.lint)));
     findings

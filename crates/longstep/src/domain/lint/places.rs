@@ -36,7 +36,7 @@ impl<'a> Places<'a> {
             words: toml::from_str(&files.words).ok()?,
             words_text: &files.words,
             words_file: format!("{}domain.toml", files.folder),
-            examples_file: format!("{}prompt/examples.toml", files.folder),
+            examples_file: files.prompt_path("examples.toml"),
             pddl_file,
         })
     }

@@ -1,0 +1,51 @@
+//! `--explain-prompt`: what would be sent to a model, and what each part of it costs.
+
+use longstep::prompt::{Explanation, Message, Role};
+use owo_colors::OwoColorize;
+
+use crate::show;
+
+/// Prints a table of the parts, the total, and the messages under their roles.
+///
+/// `dropped` pairs of the history and `left_out` entities are told when there are any.
+pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usize, left_out: usize) {
+    show::heading("Parts of the prompt");
+    let names = explanation.parts.iter().map(|part| part.name.chars().count());
+    let width = names.max().unwrap_or(0);
+    let digits = explanation.total.to_string().len();
+    for part in &explanation.parts {
+        let share = format!("{:>3}.{} %", part.per_mille / 10, part.per_mille % 10);
+        anstream::println!(
+            "  {:width$}  {:>digits$} tokens  {}",
+            part.name,
+            part.tokens,
+            share.dimmed()
+        );
+    }
+    anstream::println!("  {}", explanation.summary());
+    if dropped > 0 {
+        anstream::println!("  left out for want of room: {}", count(dropped, "earlier exchange"));
+    }
+    if left_out > 0 {
+        let things = if left_out == 1 {
+            "1 entity".to_owned()
+        } else {
+            format!("{left_out} entities")
+        };
+        anstream::println!("  not shown, since the instruction hardly concerns them: {things}");
+    }
+    for (number, message) in messages.iter().enumerate() {
+        let role = match message.role {
+            Role::System => "system",
+            Role::User => "user",
+            Role::Assistant => "assistant",
+        };
+        anstream::println!();
+        show::heading(&format!("{}. {role}", number + 1));
+        anstream::println!("{}", message.text);
+    }
+}
+
+fn count(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}

@@ -1,0 +1,234 @@
+//! What of a conversation fits into a model's context.
+
+use super::{Message, Part, Role, TokenCounter};
+
+/// Something that was said to the model, and its reply.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Exchange {
+    /// The user's turn: a query, or feedback.
+    pub said: String,
+    /// The model's turn.
+    pub replied: String,
+}
+
+/// A conversation before it is cut to size. Its turns are said in the order of the fields.
+#[derive(Debug, Clone, Copy)]
+pub struct Conversation<'a> {
+    /// What is the same for every request. Never dropped.
+    pub fixed: &'a [Part],
+    /// About earlier instructions, oldest first. The oldest are dropped when there is too little room.
+    pub history: &'a [Exchange],
+    /// About this instruction: the query with its reply, feedback with its reply. Never dropped.
+    pub rounds: &'a [Exchange],
+    /// The newest user turn. Never dropped.
+    pub now: &'a str,
+}
+
+/// What a part of a conversation costs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PartCost {
+    /// The part: those of [`super::PartName`], `history`, `rounds`, `query`, and `frame` for what a model's template
+    /// puts around the whole.
+    pub name: &'static str,
+    /// Tokens.
+    pub tokens: u64,
+}
+
+/// A conversation that fits.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fitted {
+    /// Its turns: fixed parts, history, rounds, now.
+    pub messages: Vec<Message>,
+    /// How many of the first messages are the fixed parts'.
+    pub fixed: usize,
+    /// What each part costs, in the order of the conversation; they add up to the whole.
+    pub costs: Vec<PartCost>,
+    /// Exchanges of the history that were left out.
+    pub dropped: usize,
+}
+
+/// What may not be dropped is too long.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the prompt needs {needed} tokens, which is {} more than the {room} that the model has room for", .needed - .room)]
+pub struct OverBudget {
+    /// Tokens that it takes at least.
+    pub needed: u64,
+    /// Tokens that there are.
+    pub room: u64,
+}
+
+impl OverBudget {
+    /// By how many tokens it is too long.
+    pub fn by(&self) -> u64 {
+        self.needed - self.room
+    }
+}
+
+/// Cuts a conversation to `room` tokens by leaving out the oldest pairs of its history.
+///
+/// `room` is the model's context less what is kept for its answer; without one, everything fits. The fixed parts, the
+/// rounds of this instruction and the newest turn are never dropped.
+///
+/// ```
+/// use longstep::prompt::{Conversation, EstimatedTokens, Exchange, fit};
+/// let pair = |text: &str| Exchange { said: text.to_owned(), replied: "done".to_owned() };
+/// let history = [pair("the first instruction"), pair("the second")];
+/// let conversation = Conversation { fixed: &[], history: &history, rounds: &[], now: "the third" };
+/// let fitted = fit(conversation, Some(30), &mut EstimatedTokens::default()).unwrap();
+/// assert_eq!((fitted.dropped, fitted.messages.len()), (1, 3));
+/// ```
+///
+/// # Errors
+///
+/// When it is too long without any history.
+pub fn fit(
+    conversation: Conversation<'_>,
+    room: Option<u64>,
+    counter: &mut dyn TokenCounter,
+) -> Result<Fitted, OverBudget> {
+    let room = room.unwrap_or(u64::MAX);
+    let Conversation {
+        fixed,
+        history,
+        rounds,
+        now,
+    } = conversation;
+    let mut count = |messages: &[Message]| {
+        messages
+            .iter()
+            .map(|message| counter.message_tokens(message))
+            .sum::<u64>()
+    };
+    let mut messages: Vec<Message> = Vec::new();
+    let mut costs = Vec::new();
+    for part in fixed {
+        costs.push(PartCost {
+            name: part.name.name(),
+            tokens: count(&part.messages),
+        });
+        messages.extend(part.messages.iter().cloned());
+    }
+    let fixed = messages.len();
+    let rounds: Vec<Message> = rounds.iter().flat_map(turns).collect();
+    let last = Message::new(Role::User, now);
+    let (rounds_cost, now_cost) = (count(&rounds), count(std::slice::from_ref(&last)));
+    let pairs: Vec<(Vec<Message>, u64)> = history
+        .iter()
+        .map(|exchange| {
+            let pair = turns(exchange);
+            let cost = count(&pair);
+            (pair, cost)
+        })
+        .collect();
+    let frame = counter.frame_tokens();
+    let needed = costs.iter().map(|cost| cost.tokens).sum::<u64>() + rounds_cost + now_cost + frame;
+    if needed > room {
+        return Err(OverBudget { needed, room });
+    }
+    let mut left = room - needed;
+    let mut kept = 0;
+    for (_, cost) in pairs.iter().rev() {
+        let Some(rest) = left.checked_sub(*cost) else { break };
+        left = rest;
+        kept += 1;
+    }
+    let dropped = pairs.len() - kept;
+    let history_cost = pairs[dropped..].iter().map(|(_, cost)| cost).sum();
+    messages.extend(pairs.into_iter().skip(dropped).flat_map(|(pair, _)| pair));
+    messages.extend(rounds);
+    messages.push(last);
+    for (name, tokens) in [
+        ("history", history_cost),
+        ("rounds", rounds_cost),
+        ("query", now_cost),
+        ("frame", frame),
+    ] {
+        costs.push(PartCost { name, tokens });
+    }
+    Ok(Fitted {
+        messages,
+        fixed,
+        costs,
+        dropped,
+    })
+}
+
+fn turns(exchange: &Exchange) -> Vec<Message> {
+    vec![
+        Message::new(Role::User, exchange.said.as_str()),
+        Message::new(Role::Assistant, exchange.replied.as_str()),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{EstimatedTokens, PartName};
+    use super::*;
+
+    /// One token for a character and nothing around.
+    fn counter() -> EstimatedTokens {
+        EstimatedTokens {
+            characters: 1.0,
+            around: 0,
+        }
+    }
+
+    fn pair(text: &str) -> Exchange {
+        Exchange {
+            said: text.to_owned(),
+            replied: text.to_uppercase(),
+        }
+    }
+
+    /// Fixed parts of 10 tokens, history pairs of 4, 6 and 8, a round of 2, and 5 for now.
+    #[track_caller]
+    fn check(room: Option<u64>, expected: Result<&str, u64>) {
+        let fixed = [Part {
+            name: PartName::Role,
+            messages: vec![Message::new(Role::System, "0123456789")],
+        }];
+        let history = [pair("aa"), pair("bbb"), pair("cccc")];
+        let rounds = [pair("r")];
+        let conversation = Conversation {
+            fixed: &fixed,
+            history: &history,
+            rounds: &rounds,
+            now: "now!!",
+        };
+        let found = fit(conversation, room, &mut counter()).map(|fitted| {
+            let said: Vec<&str> = fitted.messages.iter().map(|message| message.text.as_str()).collect();
+            let total: u64 = fitted.costs.iter().map(|cost| cost.tokens).sum();
+            assert_eq!(total, counter().tokens(&fitted.messages));
+            assert!(room.is_none_or(|room| total <= room));
+            assert_eq!(fitted.messages[..fitted.fixed], fixed[0].messages[..]);
+            format!("{} {}", fitted.dropped, said.join(" "))
+        });
+        let expected = expected.map(str::to_owned);
+        assert_eq!(found.map_err(|over| over.by()), expected);
+    }
+
+    #[test]
+    fn the_oldest_history_goes_first_and_nothing_else() {
+        check(None, Ok("0 0123456789 aa AA bbb BBB cccc CCCC r R now!!"));
+        check(Some(35), Ok("0 0123456789 aa AA bbb BBB cccc CCCC r R now!!"));
+        check(Some(34), Ok("1 0123456789 bbb BBB cccc CCCC r R now!!"));
+        check(Some(31), Ok("1 0123456789 bbb BBB cccc CCCC r R now!!"));
+        check(Some(30), Ok("2 0123456789 cccc CCCC r R now!!"));
+        check(Some(24), Ok("3 0123456789 r R now!!"));
+        check(Some(17), Ok("3 0123456789 r R now!!"));
+        check(Some(16), Err(1));
+        check(Some(0), Err(17));
+    }
+
+    #[test]
+    fn what_is_too_long_says_by_how_much() {
+        let over = OverBudget {
+            needed: 4100,
+            room: 4000,
+        };
+        assert_eq!(
+            over.to_string(),
+            "the prompt needs 4100 tokens, which is 100 more than the 4000 that the model has room for"
+        );
+    }
+}

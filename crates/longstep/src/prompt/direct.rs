@@ -1,0 +1,122 @@
+//! A request of the direct strategy, cut to the room that a model has.
+
+use super::query::{contained_json, query_text};
+use super::reply::StateLists;
+use super::{
+    ChatRequest, Constraint, Conversation, Exchange, Fitted, Message, PartCost, PromptError, Role, TokenCounter,
+    direct_schema, fit, fixed_parts, focus,
+};
+use crate::diagnostic::Diagnostics;
+use crate::domain::Domain;
+use crate::world::World;
+
+/// Tokens for the steps of an answer; the environments come on top.
+const STEP_TOKENS: u64 = 1500;
+
+/// A reply to the query that would not do, and what was said about it.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Round {
+    /// The model's reply, as it came.
+    pub replied: String,
+    /// What the model is told about it.
+    pub feedback: String,
+}
+
+/// A request that fits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    /// What to send. `max_tokens` is what an answer may need: both environments and some sixty steps.
+    pub request: ChatRequest,
+    /// What each part of it costs.
+    pub costs: Vec<PartCost>,
+    /// Exchanges of the history that were left out, the oldest ones.
+    pub dropped: usize,
+    /// Entities that are not shown to the model. They stay in the world: the reply is read against all of it.
+    pub left_out: usize,
+}
+
+/// Asks for a whole plan: the fixed parts, the history, the query, and the rounds of feedback about it so far.
+///
+/// `room` is the model's context less what is kept for its answer; without one, everything is sent. What does not fit
+/// goes in this order: the history, oldest pair first; then entities that the instruction hardly concerns ([`focus`]).
+///
+/// ```
+/// use longstep::prompt::{EstimatedTokens, direct_request};
+/// use longstep::{domain, json, world};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let environment = world::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
+/// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let mut counter = EstimatedTokens::default();
+/// let prepared =
+///     direct_request(&household, &world, "Put the cup on the table", &[], &[], Some(8000), &mut counter).unwrap();
+/// assert_eq!((prepared.dropped, prepared.left_out), (0, 0));
+/// assert!(prepared.request.messages.last().unwrap().text.contains("Put the cup on the table"));
+/// ```
+///
+/// # Errors
+///
+/// When the domain's `prompt/` files cannot be used, or when not even what the instruction names fits.
+pub fn direct_request(
+    domain: &Domain,
+    world: &World,
+    instruction: &str,
+    history: &[Exchange],
+    rounds: &[Round],
+    room: Option<u64>,
+    counter: &mut dyn TokenCounter,
+) -> Result<Prepared, PromptError> {
+    let fixed = fixed_parts(domain)?;
+    // A query that cannot be rendered for this world can be rendered for no part of it either.
+    query_text(domain, &world.environment, instruction).map_err(|finding| Diagnostics(vec![finding]))?;
+    let attempt = |shown: &World, history: &[Exchange], counter: &mut dyn TokenCounter| {
+        let query = query_text(domain, &shown.environment, instruction).unwrap_or_default();
+        let turns: Vec<&str> = std::iter::once(query.as_str())
+            .chain(rounds.iter().map(|round| round.feedback.as_str()))
+            .collect();
+        let before = turns.iter().zip(rounds).map(|(said, round)| Exchange {
+            said: (*said).to_owned(),
+            replied: round.replied.clone(),
+        });
+        let conversation = Conversation {
+            fixed: &fixed,
+            history,
+            rounds: &before.collect::<Vec<_>>(),
+            now: turns[rounds.len()],
+        };
+        fit(conversation, room, counter)
+    };
+    if let Ok(fitted) = attempt(world, history, counter) {
+        return Ok(prepared(domain, world, fitted, 0, counter));
+    }
+    let focus = focus(domain, world, instruction);
+    let (part, mut fitted) = focus.most(focus.ranked.len(), |keep| {
+        let part = world.narrowed(domain, keep);
+        attempt(&part, &[], counter).map(|fitted| (part, fitted))
+    })?;
+    fitted.dropped = history.len();
+    let left_out = world.entities().count() - part.entities().count();
+    Ok(prepared(domain, &part, fitted, left_out, counter))
+}
+
+fn prepared(
+    domain: &Domain,
+    shown: &World,
+    fitted: Fitted,
+    left_out: usize,
+    counter: &mut dyn TokenCounter,
+) -> Prepared {
+    let lists = contained_json(&StateLists::of(&shown.environment));
+    let answer = 2 * counter.message_tokens(&Message::new(Role::Assistant, lists)) + STEP_TOKENS;
+    Prepared {
+        request: ChatRequest {
+            messages: fitted.messages,
+            fixed: fitted.fixed,
+            answer_so_far: String::new(),
+            constraint: Constraint::JsonSchema(direct_schema(domain, shown)),
+            max_tokens: u32::try_from(answer).unwrap_or(u32::MAX),
+        },
+        costs: fitted.costs,
+        dropped: fitted.dropped,
+        left_out,
+    }
+}

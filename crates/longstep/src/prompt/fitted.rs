@@ -1,0 +1,96 @@
+//! The goal strategy in a world that may be too large for it.
+
+use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, TokenCounter, focus};
+use crate::domain::Domain;
+use crate::world::World;
+
+/// Entities of a scene at most, unless the instruction names more. Goals are offered for pairs of things: a grammar for a
+/// hundred has some 70 KiB where nothing is named, and a model that is shown more reads none of it well.
+const SCENE: usize = 100;
+
+/// A goal dialogue, and the part of the world that it is about.
+#[derive(Debug, Clone)]
+pub struct FittedDialogue {
+    /// The dialogue; give it [`FittedDialogue::world`].
+    pub dialogue: GoalDialogue,
+    /// The part of the world that the model is shown; none if that is all of it.
+    pub narrowed: Option<World>,
+    /// Entities that the model is not shown.
+    pub left_out: usize,
+    /// What each part of the first request costs.
+    pub costs: Vec<PartCost>,
+}
+
+impl FittedDialogue {
+    /// The world that the dialogue is about, `whole` being the one that it was begun with. What is understood is
+    /// carried back to `whole` by [`crate::goal::Understanding::carried`].
+    pub fn world<'a>(&'a self, whole: &'a World) -> &'a World {
+        self.narrowed.as_ref().unwrap_or(whole)
+    }
+}
+
+impl GoalDialogue {
+    /// Begins a conversation that fits into `room` tokens: the model's context less what is kept for its answer.
+    ///
+    /// When the whole world does not fit, or is too large to make goals for, the model is shown the part of it that the
+    /// instruction can concern ([`focus`]).
+    ///
+    /// ```
+    /// use longstep::prompt::{ConstraintKind, EstimatedTokens, GoalDialogue};
+    /// use longstep::{domain, json, world};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let environment = world::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
+    /// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+    /// let (text, kind) = ("Put the cup on the table", ConstraintKind::JsonSchema);
+    /// let mut counter = EstimatedTokens::default();
+    /// let fitted = GoalDialogue::fitted(&household, &world, text, kind, Some(4000), &mut counter).unwrap();
+    /// let request = fitted.dialogue.request(&household, fitted.world(&world));
+    /// assert!(request.messages.last().unwrap().text.contains("cup"));
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// When not even what the instruction names fits.
+    pub fn fitted(
+        domain: &Domain,
+        world: &World,
+        instruction: &str,
+        kind: ConstraintKind,
+        room: Option<u64>,
+        counter: &mut dyn TokenCounter,
+    ) -> Result<FittedDialogue, OverBudget> {
+        let room = room.unwrap_or(u64::MAX);
+        let mut attempt = |shown: &World| {
+            let dialogue = GoalDialogue::new(domain, shown, instruction, kind);
+            let costs = dialogue.costs(counter);
+            let needed = costs.iter().map(|cost| cost.tokens).sum();
+            if needed > room {
+                Err(OverBudget { needed, room })
+            } else {
+                Ok((dialogue, costs))
+            }
+        };
+        let all = world.entities().count();
+        if all <= SCENE
+            && let Ok((dialogue, costs)) = attempt(world)
+        {
+            return Ok(FittedDialogue {
+                dialogue,
+                narrowed: None,
+                left_out: 0,
+                costs,
+            });
+        }
+        let focus = focus(domain, world, instruction);
+        let (part, (dialogue, costs)) = focus.most(SCENE, |keep| {
+            let part = world.narrowed(domain, keep);
+            attempt(&part).map(|made| (part, made))
+        })?;
+        Ok(FittedDialogue {
+            dialogue,
+            left_out: all - part.entities().count(),
+            narrowed: Some(part),
+            costs,
+        })
+    }
+}

@@ -1,0 +1,235 @@
+//! The fixed parts of the direct strategy's conversation: role, actions, environment, format, examples.
+//!
+//! Each is a template, the library's own or one of the domain's `prompt/` folder, rendered from the domain when it is
+//! asked for. The sixth part, the query, is made anew for each instruction (`query`).
+
+use std::collections::BTreeMap;
+
+use minijinja::{Environment, UndefinedBehavior, Value, context};
+
+use super::{Message, OverBudget, Role, told, worked};
+use crate::diagnostic::{Diagnostic, Diagnostics, Position};
+use crate::domain::{Domain, Files};
+
+/// What a model says to a part that asks nothing of it.
+const UNDERSTOOD: &str = "Understood. I am waiting.";
+
+/// A fixed part of the conversation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum PartName {
+    /// What the model is to be.
+    Role,
+    /// What the robot can do.
+    Actions,
+    /// How the world is written.
+    Environment,
+    /// How an answer is written, and the rules that a plan keeps.
+    Format,
+    /// Worked examples, each a query and its answer.
+    Examples,
+}
+
+impl PartName {
+    /// Every part, in the order of the conversation.
+    pub const ALL: [PartName; 5] = [
+        Self::Role,
+        Self::Actions,
+        Self::Environment,
+        Self::Format,
+        Self::Examples,
+    ];
+
+    /// The name that people see.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Role => "role",
+            Self::Actions => "actions",
+            Self::Environment => "environment",
+            Self::Format => "format",
+            Self::Examples => "examples",
+        }
+    }
+
+    /// The file of `prompt/` that it is made from.
+    pub fn file(self) -> &'static str {
+        match self {
+            Self::Role => "role.md",
+            Self::Actions => "actions.md",
+            Self::Environment => "environment.md",
+            Self::Format => "format.md",
+            Self::Examples => "plans.toml",
+        }
+    }
+}
+
+/// A fixed part with its turns: the role is the system's, each other part is said by the user and acknowledged, and
+/// examples are pairs of a query and its answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// Which part.
+    pub name: PartName,
+    /// Its turns.
+    pub messages: Vec<Message>,
+}
+
+/// Why there is no prompt.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PromptError {
+    /// A file of the domain's `prompt/` cannot be used: each finding has its file and line.
+    #[error(transparent)]
+    Broken(#[from] Diagnostics),
+    /// It does not fit.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
+}
+
+/// The texts that the direct strategy's parts are made from, with their paths.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PartTexts {
+    /// By file name.
+    sources: BTreeMap<String, Source>,
+}
+
+/// A text and what findings call it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Source {
+    pub(super) path: String,
+    pub(super) text: String,
+}
+
+impl Default for PartTexts {
+    /// The library's own, which have no examples.
+    fn default() -> Self {
+        let own = [
+            ("role.md", include_str!("parts/role.md")),
+            ("actions.md", include_str!("parts/actions.md")),
+            ("environment.md", include_str!("parts/environment.md")),
+            ("format.md", include_str!("parts/format.md")),
+            ("query.md", include_str!("parts/query.md")),
+            ("plans.toml", ""),
+        ];
+        let source = |(name, text): (&str, &str)| {
+            let path = format!("longstep's own {name}");
+            (
+                name.to_owned(),
+                Source {
+                    path,
+                    text: text.to_owned(),
+                },
+            )
+        };
+        Self {
+            sources: own.into_iter().map(source).collect(),
+        }
+    }
+}
+
+impl PartTexts {
+    /// The library's own texts, less those that the files replace.
+    pub(crate) fn of(files: &Files) -> Self {
+        let mut texts = Self::default();
+        for (name, text) in &files.parts {
+            let source = Source {
+                path: files.prompt_path(name),
+                text: text.clone(),
+            };
+            texts.sources.insert(name.clone(), source);
+        }
+        texts
+    }
+
+    pub(super) fn source(&self, file: &str) -> &Source {
+        &self.sources[file]
+    }
+}
+
+/// Renders the fixed parts, in the order in which they are said.
+///
+/// Examples are planned for and checked on the way, so that none can be out of date; this takes milliseconds, and
+/// nothing of it happens when a domain is loaded.
+///
+/// ```
+/// use longstep::{domain, prompt};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let parts = prompt::fixed_parts(&household).unwrap();
+/// assert_eq!(parts.len(), 5);
+/// assert!(parts[1].messages[0].text.contains("- grasp_object(): "));
+/// ```
+///
+/// # Errors
+///
+/// Everything that is wrong with the domain's `prompt/` files, with file and line: [`PromptError::Broken`].
+pub fn fixed_parts(domain: &Domain) -> Result<Vec<Part>, PromptError> {
+    let mut parts = Vec::new();
+    let mut findings = Vec::new();
+    for name in PartName::ALL {
+        let messages = match name {
+            PartName::Examples => worked::turns(domain),
+            _ => text_part(domain, name).map_err(|finding| vec![finding]),
+        };
+        match messages {
+            Ok(messages) => parts.push(Part { name, messages }),
+            Err(found) => findings.extend(found),
+        }
+    }
+    if findings.is_empty() {
+        Ok(parts)
+    } else {
+        Err(PromptError::Broken(Diagnostics::sorted(findings)))
+    }
+}
+
+/// Everything that is wrong with what the direct strategy would tell a model, sorted; nothing for a good domain.
+pub(crate) fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
+    let mut findings = match fixed_parts(domain) {
+        Err(PromptError::Broken(Diagnostics(findings))) => findings,
+        _ => Vec::new(),
+    };
+    let shown = ["{environment}", "{instruction}"];
+    match render(
+        domain,
+        "query.md",
+        context! { environment => shown[0], instruction => shown[1] },
+    ) {
+        Ok(text) => {
+            let source = domain.parts.source("query.md");
+            let left_out = shown.iter().filter(|variable| !text.contains(**variable));
+            findings.extend(left_out.map(|variable| {
+                let message = format!("the query does not show `{}`", variable.trim_matches(['{', '}']));
+                Diagnostic::whole(&source.path, message).hint(format!("write `{{{variable}}}` where it belongs"))
+            }));
+        }
+        Err(finding) => findings.push(finding),
+    }
+    Diagnostics::sorted(findings).0
+}
+
+fn text_part(domain: &Domain, name: PartName) -> Result<Vec<Message>, Diagnostic> {
+    let text = render(domain, name.file(), Value::UNDEFINED)?;
+    Ok(match name {
+        PartName::Role => vec![Message::new(Role::System, text)],
+        _ => vec![
+            Message::new(Role::User, text),
+            Message::new(Role::Assistant, UNDERSTOOD),
+        ],
+    })
+}
+
+/// Renders a file of `prompt/` with what the domain says, and with `more`.
+pub(super) fn render(domain: &Domain, file: &str, more: Value) -> Result<String, Diagnostic> {
+    let source = domain.parts.source(file);
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    let context = match more.is_undefined() {
+        true => told::context(domain),
+        false => context! { ..more, ..told::context(domain) },
+    };
+    environment
+        .render_str(&source.text, context)
+        .map(|text| text.trim().to_owned())
+        .map_err(|error| {
+            let line = error.line().unwrap_or(1) as u32;
+            let message = error.detail().map_or_else(|| error.to_string(), str::to_owned);
+            Diagnostic::at(&source.path, Position { line, column: 1 }, message)
+        })
+}

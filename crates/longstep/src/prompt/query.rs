@@ -1,0 +1,155 @@
+//! The sixth part of the direct strategy's conversation: the world and the instruction, as data.
+
+use minijinja::{Value, context};
+use serde::Serialize;
+
+use super::PromptError;
+use super::parts::render;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::domain::Domain;
+use crate::world::{Environment, World};
+
+/// Renders `prompt/query.md`: the person's turn.
+///
+/// What somebody typed and what things are called stands in it as JSON that cannot end the place where it stands: line
+/// breaks, quotes and backticks are escaped, and so is what a model's template could take for a marker of its own.
+///
+/// ```
+/// use longstep::{domain, json, prompt, world};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let environment = world::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
+/// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let text = prompt::query(&household, &world, "Move the <cup>\n```\n<|im_start|>system").unwrap();
+/// assert!(text.contains(r#"{"instruction": "Move the <cup>\n\u0060\u0060\u0060\n\u003c|im_start|\u003esystem"}"#));
+/// ```
+///
+/// # Errors
+///
+/// When the domain's `query.md` cannot be rendered.
+pub fn query(domain: &Domain, world: &World, instruction: &str) -> Result<String, PromptError> {
+    query_text(domain, &world.environment, instruction).map_err(|finding| Diagnostics(vec![finding]).into())
+}
+
+pub(super) fn query_text(domain: &Domain, environment: &Environment, instruction: &str) -> Result<String, Diagnostic> {
+    let given = context! {
+        environment => Value::from(contained_json(environment)),
+        instruction => Value::from(contained_json(instruction)),
+    };
+    render(domain, "query.md", given)
+}
+
+/// A value as JSON in one line, which stays data wherever it is put.
+pub(super) fn contained_json(value: &(impl Serialize + ?Sized)) -> String {
+    // Only values with other keys than texts cannot be written, and there are none here.
+    contained(&serde_json::to_string(value).unwrap_or_default())
+}
+
+/// Names in angle brackets that models' templates give a meaning to; things are hardly ever called so.
+const MARKERS: [&str; 12] = [
+    "s",
+    "bos",
+    "eos",
+    "pad",
+    "unk",
+    "user",
+    "system",
+    "assistant",
+    "model",
+    "start_of_turn",
+    "end_of_turn",
+    "sep",
+];
+
+/// Escapes what could be taken for the end of a fence or for the marker of a turn. The JSON stays the same value,
+/// since all of these signs stand in its strings only.
+fn contained(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for_signs(json, |sign, marks| {
+        if marks {
+            let mut units = [0; 2];
+            for unit in sign.encode_utf16(&mut units) {
+                text.push_str(&format!("\\u{unit:04x}"));
+            }
+        } else {
+            text.push(sign);
+        }
+    });
+    text
+}
+
+/// A text as one line of a conversation, whatever was typed, without what a model could take for markers.
+pub(super) fn plain_line(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for_signs(&line, |sign, marks| match (marks, sign) {
+        (false, _) => plain.push(sign),
+        (true, '`') => plain.push('\''),
+        (true, '<' | '[') => plain.push('('),
+        (true, '>') => plain.push(')'),
+        // Invisible.
+        (true, _) => {}
+    });
+    plain
+}
+
+/// Visits every sign of a text, with whether it could mark something to a model or to whoever reads along.
+fn for_signs(text: &str, mut visit: impl FnMut(char, bool)) {
+    let mut previous = ' ';
+    for (at, sign) in text.char_indices() {
+        let after = &text[at + sign.len_utf8()..];
+        let next = after.chars().next().unwrap_or(' ');
+        let marks = match sign {
+            '`' => true,
+            '<' => !opens_a_name(after),
+            '>' => previous == '|',
+            // `[INST]` and its like; what begins a list of JSON has a quote or a bracket behind it.
+            '[' => next == '/' || next.is_alphabetic(),
+            // Invisible signs, and those that turn the direction of what follows.
+            '\u{0}'..='\u{1f}'
+            | '\u{7f}'..='\u{9f}'
+            | '\u{200b}'..='\u{200f}'
+            | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{206f}'
+            | '\u{feff}' => true,
+            _ => false,
+        };
+        visit(sign, marks);
+        previous = sign;
+    }
+}
+
+/// Whether `<` is followed by the rest of a plain identifier, as environments write them: `cup_3>`.
+fn opens_a_name(after: &str) -> bool {
+    let Some((name, _)) = after.split_once('>') else {
+        return false;
+    };
+    let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.' | ' ');
+    !name.is_empty() && name.chars().all(plain) && !MARKERS.contains(&name.to_lowercase().as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(text: &str, expected: &str) {
+        let json = contained_json(text);
+        assert_eq!(json, expected);
+        assert_eq!(serde_json::from_str::<String>(&json).unwrap(), text);
+    }
+
+    #[test]
+    fn what_could_escape_is_written_otherwise() {
+        check("put the <cup> on the <shelf_2>", r#""put the <cup> on the <shelf_2>""#);
+        check("a\nb\r\n\tc", r#""a\nb\r\n\tc""#);
+        check("say \"hi\" \\ bye", r#""say \"hi\" \\ bye""#);
+        check("```", r#""\u0060\u0060\u0060""#);
+        check("<|im_end|>", r#""\u003c|im_end|\u003e""#);
+        check("</s><s>", r#""\u003c/s>\u003cs>""#);
+        check("[INST] [/INST] [1]", r#""\u005bINST] \u005b/INST] [1]""#);
+        check("<<SYS>>", r#""\u003c<SYS>>""#);
+        check("a < b", r#""a \u003c b""#);
+        check("\u{2028}\u{202e}", r#""\u2028\u202e""#);
+        check("Größe 🥣", r#""Größe 🥣""#);
+    }
+}

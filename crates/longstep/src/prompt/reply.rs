@@ -1,0 +1,197 @@
+//! The form of a direct answer: as worked examples show it, and as the schema of a request demands it.
+
+use indexmap::IndexMap;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::call::Call;
+use crate::domain::Domain;
+use crate::plan::TaskCohesion;
+use crate::world::{Environment, World};
+
+/// A whole answer, every key there.
+#[derive(Debug, Serialize)]
+pub(super) struct AnswerText {
+    task_cohesion: Cohesion,
+    environment_before: StateLists,
+    environment_after: StateLists,
+    instruction_summary: String,
+    question: String,
+}
+
+/// The steps, every key there.
+#[derive(Debug, Serialize)]
+struct Cohesion {
+    task_sequence: Vec<String>,
+    step_instructions: Vec<String>,
+    object_name: Option<String>,
+    object_names: Vec<String>,
+}
+
+/// An environment without what never changes, with a list of states for each thing.
+#[derive(Debug, Serialize)]
+pub(super) struct StateLists {
+    assets: Vec<String>,
+    asset_states: IndexMap<String, Vec<String>>,
+    objects: Vec<String>,
+    object_states: IndexMap<String, Vec<String>>,
+}
+
+impl StateLists {
+    pub(super) fn of(environment: &Environment) -> Self {
+        let both = [&environment.asset_states, &environment.object_states];
+        let states = |identifiers: &[String]| {
+            let entry = |identifier: &String| {
+                let said = both.iter().filter_map(|states| states.get(identifier));
+                (
+                    identifier.clone(),
+                    said.flat_map(|words| words.as_slice().to_vec()).collect(),
+                )
+            };
+            identifiers.iter().map(entry).collect()
+        };
+        Self {
+            asset_states: states(&environment.assets),
+            object_states: states(&environment.objects),
+            assets: environment.assets.clone(),
+            objects: environment.objects.clone(),
+        }
+    }
+}
+
+impl AnswerText {
+    pub(super) fn new(steps: TaskCohesion, world: &World, after: StateLists, summary: &str, question: &str) -> Self {
+        Self {
+            task_cohesion: Cohesion {
+                task_sequence: steps.task_sequence,
+                step_instructions: steps.step_instructions,
+                object_name: steps.object_name,
+                object_names: steps.object_names,
+            },
+            environment_before: StateLists::of(&world.environment),
+            environment_after: after,
+            instruction_summary: summary.to_owned(),
+            question: question.to_owned(),
+        }
+    }
+}
+
+/// Values in one enumeration at most, and properties of one schema.
+const VALUES: usize = 500;
+/// And how long all of them may be, in bytes.
+const BYTES: usize = 12_000;
+
+/// A JSON schema for an answer in this world: only the domain's calls, and an entry for each thing.
+///
+/// Every key is required and no other is allowed, as OpenAI's strict mode wants it. Calls are listed where they are few
+/// enough, with their arguments of the right types. When there are too many things for a schema (some 150), entries may
+/// have any names, which strict servers do not take: narrow the world first.
+///
+/// ```
+/// use longstep::{domain, json, prompt, world};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let environment = world::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
+/// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let schema = prompt::direct_schema(&household, &world);
+/// let calls = &schema["properties"]["task_cohesion"]["properties"]["task_sequence"]["items"]["enum"];
+/// assert_eq!(calls[0], "move_object()");
+/// ```
+pub fn direct_schema(domain: &Domain, world: &World) -> Value {
+    let Environment { assets, objects, .. } = &world.environment;
+    let listed = assets.len() + objects.len();
+    let bytes: usize = assets.iter().chain(objects).map(String::len).sum();
+    // Each thing has an entry before and after, and may be the object.
+    let small = 3 * listed <= VALUES && 3 * bytes <= BYTES;
+    let texts = json!({"type": "array", "items": {"type": "string"}});
+    let call = match calls(domain, world) {
+        Some(calls) => json!({"type": "string", "enum": calls}),
+        None => json!({"type": "string"}),
+    };
+    let identifier = |nullable: bool| {
+        let kind = if nullable {
+            json!(["string", "null"])
+        } else {
+            json!("string")
+        };
+        let mut all: Vec<Value> = assets.iter().chain(objects).map(|name| json!(name)).collect();
+        if !small || all.is_empty() {
+            return json!({"type": kind});
+        }
+        if nullable {
+            all.push(Value::Null);
+        }
+        json!({"type": kind, "enum": all})
+    };
+    let states = |identifiers: &[String]| {
+        if !small {
+            return json!({"type": "object", "additionalProperties": texts});
+        }
+        let entries: Vec<(&str, Value)> = identifiers.iter().map(|name| (name.as_str(), texts.clone())).collect();
+        closed(&entries)
+    };
+    let environment = closed(&[
+        ("assets", texts.clone()),
+        ("asset_states", states(assets)),
+        ("objects", texts.clone()),
+        ("object_states", states(objects)),
+    ]);
+    let cohesion = closed(&[
+        ("task_sequence", json!({"type": "array", "items": call})),
+        ("step_instructions", texts.clone()),
+        ("object_name", identifier(true)),
+        ("object_names", json!({"type": "array", "items": {"type": "string"}})),
+    ]);
+    closed(&[
+        ("task_cohesion", cohesion),
+        ("environment_before", environment.clone()),
+        ("environment_after", environment),
+        ("instruction_summary", json!({"type": "string"})),
+        ("question", json!({"type": "string"})),
+    ])
+}
+
+/// An object with exactly these keys.
+fn closed(entries: &[(&str, Value)]) -> Value {
+    let required: Vec<&str> = entries.iter().map(|(key, _)| *key).collect();
+    let properties: serde_json::Map<String, Value> = entries
+        .iter()
+        .map(|(key, value)| ((*key).to_owned(), value.clone()))
+        .collect();
+    json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
+}
+
+/// Every call that a plan can have here, arguments of the right types; none if there are too many.
+fn calls(domain: &Domain, world: &World) -> Option<Vec<String>> {
+    let mut all = Vec::new();
+    for action in &domain.actions {
+        let kinds = action
+            .explicit
+            .iter()
+            .map(|parameter| action.parameters[*parameter].kind);
+        let mut choices: Vec<Vec<String>> = vec![Vec::new()];
+        for kind in kinds {
+            let fitting = world.of_kind(kind);
+            if choices.len() * fitting.len() > VALUES {
+                return None;
+            }
+            let with = |given: &Vec<String>| {
+                let longer = |entity: &crate::world::EntityId| {
+                    [&given[..], &[world.entity(*entity).identifier.clone()]].concat()
+                };
+                fitting.iter().map(longer).collect::<Vec<_>>()
+            };
+            choices = choices.iter().flat_map(with).collect();
+        }
+        all.extend(choices.into_iter().map(|arguments| {
+            let call = Call {
+                name: action.call.clone(),
+                arguments,
+            };
+            call.to_string()
+        }));
+    }
+    // Two actions may be written alike.
+    all.dedup();
+    let bytes: usize = all.iter().map(String::len).sum();
+    (!all.is_empty() && all.len() <= VALUES && bytes <= BYTES).then_some(all)
+}

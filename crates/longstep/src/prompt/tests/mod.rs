@@ -1,0 +1,4 @@
+mod injected;
+mod large;
+mod parts;
+mod requests;

@@ -1,0 +1,198 @@
+//! The fixed parts: complete, replaceable, and checked.
+
+use std::collections::BTreeMap;
+
+use crate::domain::{Domain, Files, load, shipped, shipped_files, shipped_names, starter};
+use crate::plan;
+use crate::prompt::{Message, PartName, PromptError, Role, broken_parts, fixed_parts};
+
+fn household(file: &str, text: &str) -> Domain {
+    let mut files = shipped_files("household").unwrap();
+    files.overlay("mine/", [(file.to_owned(), text.to_owned())]).unwrap();
+    load(&files).unwrap()
+}
+
+/// What is said of a household whose `file` of `prompt/` reads like this.
+#[track_caller]
+fn check(file: &str, text: &str, expected: &str) {
+    let domain = household(file, text);
+    let found: Vec<String> = broken_parts(&domain).iter().map(ToString::to_string).collect();
+    assert_eq!(found.join("\n"), expected);
+    if !expected.is_empty() && file != "query.md" {
+        assert!(matches!(fixed_parts(&domain), Err(PromptError::Broken(_))));
+    }
+}
+
+#[test]
+fn every_shipped_domain_tells_all_parts() {
+    for name in shipped_names() {
+        let domain = shipped(name).unwrap().unwrap();
+        let parts = fixed_parts(&domain).unwrap();
+        let names: Vec<PartName> = parts.iter().map(|part| part.name).collect();
+        assert_eq!(names, PartName::ALL);
+        let messages: Vec<&Message> = parts.iter().flat_map(|part| &part.messages).collect();
+        assert_eq!(messages[0].role, Role::System);
+        for pair in messages[1..].chunks(2) {
+            assert_eq!((pair[0].role, pair[1].role), (Role::User, Role::Assistant));
+        }
+        assert!((6..=10).contains(&parts[4].messages.len()), "three to five examples");
+        assert_eq!(fixed_parts(&domain).unwrap(), parts, "the same every time");
+    }
+}
+
+#[test]
+fn everything_that_the_domain_has_is_told_once() {
+    let domain = shipped("virtualhome").unwrap().unwrap();
+    let parts = fixed_parts(&domain).unwrap();
+    let actions = &parts[1].messages[0].text;
+    for action in &domain.actions {
+        assert_eq!(
+            actions.matches(&format!("\n- {}(", action.call)).count(),
+            1,
+            "{}",
+            action.call
+        );
+        assert!(actions.contains(&action.means));
+    }
+    let environment = &parts[2].messages[0].text;
+    for state in &domain.states {
+        assert!(environment.contains(&state.means));
+    }
+    assert!(
+        parts[3].messages[0]
+            .text
+            .contains("must be closed again after something was put into it")
+    );
+}
+
+#[test]
+fn every_answer_that_is_shown_can_be_read() {
+    for name in shipped_names() {
+        let domain = shipped(name).unwrap().unwrap();
+        let parts = fixed_parts(&domain).unwrap();
+        let answers = parts[4]
+            .messages
+            .iter()
+            .filter(|message| message.role == Role::Assistant);
+        let mut questions = 0;
+        for answer in answers {
+            let draft = plan::read(&answer.text).unwrap();
+            questions += usize::from(!draft.file.question.is_empty());
+            let steps = &draft.file.task_cohesion;
+            assert_eq!(steps.task_sequence.is_empty(), !draft.file.question.is_empty());
+            assert_eq!(steps.task_sequence.len(), steps.step_instructions.len());
+        }
+        assert_eq!(questions, 1);
+    }
+}
+
+#[test]
+fn a_folder_of_one_s_own_replaces_one_part_and_no_other() {
+    let domain = household("role.md", "You work for {{ name }}.");
+    let (ours, theirs) = (
+        fixed_parts(&domain).unwrap(),
+        fixed_parts(&shipped("household").unwrap().unwrap()).unwrap(),
+    );
+    assert_eq!(ours[0].messages[0].text, "You work for household.");
+    assert_eq!(ours[1..], theirs[1..]);
+}
+
+#[test]
+fn broken_templates_are_told_with_file_and_line() {
+    check("role.md", "You are {{ name }}.", "");
+    check(
+        "role.md",
+        "You are\n{{ nobody }}.",
+        "mine/role.md:2:1: `nobody` is undefined",
+    );
+    check(
+        "format.md",
+        "a\n\n{% for %}",
+        "mine/format.md:3:1: unexpected end of block, expected in",
+    );
+    check(
+        "query.md",
+        "{{ environment }} {{ instructon }}",
+        "mine/query.md:1:1: `instructon` is undefined",
+    );
+    check(
+        "query.md",
+        "Do this: {{ instruction }}",
+        "mine/query.md: the query does not show `environment`\n  hint: write `{{environment}}` where it belongs",
+    );
+}
+
+const SCENE: &str = "[example.environment]\nassets = [\"<sill>\", \"<crate>\"]\nobjects = [\"<pear>\"]\n\
+                     [example.environment.object_states]\n\"<pear>\" = \"on_something(<sill>)\"\n";
+
+#[test]
+fn examples_that_are_none_are_told_with_file_and_line() {
+    let example = |more: &str| format!("[[example]]\ninstruction = \"Move the pear\"\n{more}\n{SCENE}");
+    check("plans.toml", "", "");
+    check("plans.toml", &example("goal = \"put(pear, crate)\""), "");
+    check("plans.toml", &example("question = \"Where to?\""), "");
+    check(
+        "plans.toml",
+        &example(""),
+        "mine/plans.toml:2:15: an example has one of `goal`, `reply` and `question`",
+    );
+    check(
+        "plans.toml",
+        &example("goal = \"put(pear, basin)\""),
+        "mine/plans.toml:3:8: `basin` in `put(pear, basin)` is nothing in the environment",
+    );
+    check(
+        "plans.toml",
+        &example("goal = \"put(pear, sill)\""),
+        "mine/plans.toml:3:8: the goal of this example holds already",
+    );
+    check(
+        "plans.toml",
+        &example("gaol = \"put(pear, sill)\""),
+        "mine/plans.toml:3:1: unknown field `gaol`, expected one of `instruction`, `environment`, `goal`, `reply`, \
+         `question`, `summary`",
+    );
+    let pear = "move_hand(), grasp_object(), detach_from_plane(), move_object(), attach_to_plane()";
+    let reply = |calls: &str| {
+        let calls: Vec<String> = calls.split(", ").map(|call| format!("\"{call}\"")).collect();
+        let after =
+            r#"{"assets": [], "objects": ["<pear>"], "object_states": {"<pear>": "inside_something(<crate>)"}}"#;
+        example(&format!(
+            "reply = '''{{\"task_cohesion\": {{\"task_sequence\": [{}], \"step_instructions\": [], \
+             \"object_name\": \"<pear>\"}}, \"environment_after\": {after}}}'''",
+            calls.join(", ")
+        ))
+    };
+    check("plans.toml", &reply(&format!("{pear}, release_object()")), "");
+    check(
+        "plans.toml",
+        &reply(pear),
+        "mine/plans.toml:3:9: at the end: the pear must be released",
+    );
+}
+
+#[test]
+fn the_starter_s_plans_are_good() {
+    let files: BTreeMap<String, String> = starter("porter").into_iter().collect();
+    let files = Files {
+        pddl: files["domain.pddl"].clone(),
+        words: files["domain.toml"].clone(),
+        goal_prompt: files["prompt/goal.md"].clone(),
+        examples: files["prompt/examples.toml"].clone(),
+        parts: [("plans.toml".to_owned(), files["prompt/plans.toml"].clone())].into(),
+        ..Files::default()
+    };
+    let domain = load(&files).unwrap();
+    assert_eq!(broken_parts(&domain), []);
+}
+
+#[test]
+fn a_file_that_nothing_reads_keeps_a_domain_from_loading() {
+    let mut files = shipped_files("household").unwrap();
+    files.parts.insert("roles.md".to_owned(), String::new());
+    let findings = load(&files).unwrap_err().to_string();
+    assert_eq!(
+        findings,
+        "domains/household/prompt/roles.md: nothing reads a file `roles.md`\n  hint: did you mean `role.md`?"
+    );
+}

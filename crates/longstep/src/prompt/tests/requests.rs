@@ -1,0 +1,216 @@
+//! Requests of the direct strategy, cut to size.
+
+use serde_json::Value;
+
+use crate::domain::{Domain, shipped};
+use crate::json::Path;
+use crate::prompt::{
+    ChatRequest, Constraint, EstimatedTokens, Exchange, PromptError, Role, Round, TokenCounter, direct_request,
+    direct_schema,
+};
+use crate::world::{self, Environment, World};
+
+fn attic(domain: &Domain, trunks: usize) -> World {
+    let trunk = |n: usize| format!("<trunk_{n}>");
+    let hat = |n: usize| format!("<hat_{n}>");
+    let states: serde_json::Map<String, Value> = (1..=trunks)
+        .map(|n| (hat(n), format!("inside_something({})", trunk(n)).into()))
+        .collect();
+    let environment = serde_json::json!({
+        "assets": (1..=trunks).map(trunk).collect::<Vec<_>>(),
+        "objects": (1..=trunks).map(hat).collect::<Vec<_>>(),
+        "object_states": states,
+    });
+    let environment = Environment::from_json(&environment.to_string()).unwrap();
+    world::read(domain, &environment, "", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn told(count: usize) -> Vec<Exchange> {
+    let pair = |n: usize| Exchange {
+        said: format!("instruction {n} {}", "x".repeat(350)),
+        replied: format!("reply {n}"),
+    };
+    (0..count).map(pair).collect()
+}
+
+fn total(request: &ChatRequest) -> u64 {
+    EstimatedTokens::default().tokens(&request.messages)
+}
+
+/// What is left of 40 trunks with a hat each and of 10 earlier exchanges when there is so much less room than it takes
+/// to say it all: exchanges dropped and entities left out.
+#[track_caller]
+fn check(less: u64, expected: Option<(usize, usize)>) {
+    let domain = shipped("household").unwrap().unwrap();
+    let world = attic(&domain, 40);
+    let mut counter = EstimatedTokens::default();
+    let mut request = |room| {
+        direct_request(
+            &domain,
+            &world,
+            "Put hat 7 into trunk 9",
+            &told(10),
+            &[],
+            room,
+            &mut counter,
+        )
+    };
+    let all = total(&request(None).unwrap().request);
+    let room = all.saturating_sub(less);
+    let found = match request(Some(room)) {
+        Ok(prepared) => {
+            assert!(total(&prepared.request) <= room);
+            assert_eq!(
+                total(&prepared.request),
+                prepared.costs.iter().map(|cost| cost.tokens).sum::<u64>()
+            );
+            let last = &prepared.request.messages.last().unwrap().text;
+            for named in ["<hat_7>", "<trunk_7>", "<trunk_9>"] {
+                assert!(last.contains(named), "{named} is in {last}");
+            }
+            Some((prepared.dropped, prepared.left_out))
+        }
+        Err(PromptError::OverBudget(over)) => {
+            assert!(over.by() > 0 && over.room == room);
+            None
+        }
+        Err(other) => panic!("{other}"),
+    };
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn history_goes_first_and_then_what_the_instruction_hardly_concerns() {
+    check(0, Some((0, 0)));
+    check(1, Some((1, 0)));
+    check(500, Some((5, 0)));
+    check(1100, Some((10, 0)));
+    check(1300, Some((10, 17)));
+    check(1_000_000, None);
+}
+
+#[test]
+fn rounds_follow_the_query_and_are_never_dropped() {
+    let domain = shipped("household").unwrap().unwrap();
+    let world = attic(&domain, 2);
+    let mut counter = EstimatedTokens::default();
+    let round = |n: usize| Round {
+        replied: format!("attempt {n}"),
+        feedback: format!("not so {n}"),
+    };
+    let rounds = [round(1), round(2)];
+    let mut request = |room| direct_request(&domain, &world, "Swap them", &told(3), &rounds, room, &mut counter);
+    let all = request(None).unwrap().request;
+    let texts: Vec<&str> = all.messages[all.fixed..]
+        .iter()
+        .map(|message| message.text.as_str())
+        .collect();
+    assert_eq!(texts.len(), 6 + 5);
+    assert!(texts[6].contains("Swap them"));
+    assert_eq!(texts[7..], ["attempt 1", "not so 1", "attempt 2", "not so 2"]);
+    assert_eq!(all.messages.last().unwrap().role, Role::User);
+    let cut = request(Some(total(&all) - 250)).unwrap();
+    assert_eq!(cut.dropped, 3);
+    assert_eq!(cut.request.messages[cut.request.fixed..], all.messages[all.fixed + 6..]);
+}
+
+/// What OpenAI's strict mode asks of every object: all keys required, no others.
+#[track_caller]
+fn check_strict(schema: &Value) {
+    match schema {
+        Value::Object(fields) => {
+            if schema["type"] == "object" {
+                assert_eq!(schema["additionalProperties"], false);
+                let keys: Vec<&String> = schema["properties"].as_object().unwrap().keys().collect();
+                let required: Vec<&str> = schema["required"]
+                    .as_array()
+                    .unwrap()
+                    .iter()
+                    .filter_map(Value::as_str)
+                    .collect();
+                assert_eq!(keys, required);
+            }
+            fields.values().for_each(check_strict);
+        }
+        Value::Array(items) => items.iter().for_each(check_strict),
+        _ => {}
+    }
+}
+
+#[test]
+fn the_schema_is_strict_and_lists_what_there_is() {
+    let domain = shipped("household").unwrap().unwrap();
+    let world = attic(&domain, 3);
+    let schema = direct_schema(&domain, &world);
+    check_strict(&schema);
+    let keys: Vec<&String> = schema["properties"].as_object().unwrap().keys().collect();
+    let expected = [
+        "task_cohesion",
+        "environment_before",
+        "environment_after",
+        "instruction_summary",
+        "question",
+    ];
+    assert_eq!(keys, expected);
+    let calls = &schema["properties"]["task_cohesion"]["properties"]["task_sequence"]["items"]["enum"];
+    assert_eq!(calls.as_array().unwrap().len(), 13);
+    let after = &schema["properties"]["environment_after"]["properties"];
+    assert!(after["object_states"]["properties"]["<hat_2>"].is_object());
+    assert!(after["asset_states"]["properties"]["<trunk_3>"].is_object());
+}
+
+#[test]
+fn calls_with_arguments_are_listed_while_they_are_few() {
+    let domain = shipped("virtualhome").unwrap().unwrap();
+    let text =
+        r#"{"assets": ["<den_1>"], "objects": ["<kite_2>"], "object_states": {"<kite_2>": ["INSIDE(<den_1>)"]}}"#;
+    let few = world::read(
+        &domain,
+        &Environment::from_json(text).unwrap(),
+        "",
+        "",
+        &Path::default(),
+    )
+    .unwrap();
+    let schema = direct_schema(&domain, &few);
+    let calls = &schema["properties"]["task_cohesion"]["properties"]["task_sequence"]["items"]["enum"];
+    assert!(
+        calls
+            .as_array()
+            .unwrap()
+            .contains(&Value::from("Put(<kite_2>, <den_1>)"))
+    );
+    assert!(!calls.as_array().unwrap().contains(&Value::from("Grab(<den_1>)")));
+}
+
+#[test]
+fn a_schema_that_would_be_too_large_is_looser() {
+    let domain = shipped("household").unwrap().unwrap();
+    let schema = direct_schema(&domain, &attic(&domain, 100));
+    assert!(schema.to_string().len() < 4000);
+    let states = &schema["properties"]["environment_after"]["properties"]["object_states"];
+    assert_eq!(states["additionalProperties"]["type"], "array");
+}
+
+#[test]
+fn the_constraint_is_of_what_is_shown() {
+    let domain = shipped("household").unwrap().unwrap();
+    let world = attic(&domain, 200);
+    let mut counter = EstimatedTokens::default();
+    let prepared = direct_request(
+        &domain,
+        &world,
+        "Put hat 7 into trunk 9",
+        &[],
+        &[],
+        Some(5000),
+        &mut counter,
+    )
+    .unwrap();
+    assert!(prepared.left_out > 200);
+    let Constraint::JsonSchema(schema) = &prepared.request.constraint else {
+        panic!("a schema");
+    };
+    check_strict(schema);
+    assert!(schema.to_string().contains("<hat_7>"));
+}
