@@ -72,8 +72,14 @@ pub(crate) fn domain_files(name: &str) -> Result<Files> {
         words: text(&folder.join("domain.toml"))?,
         goal_prompt: text(&folder.join("prompt/goal.md"))?,
         examples: text(&folder.join("prompt/examples.toml"))?,
+        feedback: optional(&folder.join("prompt/feedback.toml"))?,
         folder: prefix,
     })
+}
+
+/// Reads a text file that need not be there.
+fn optional(path: &Path) -> Result<String> {
+    if path.exists() { text(path) } else { Ok(String::new()) }
 }
 
 /// Reads an environment file as a world of the domain.

@@ -40,6 +40,7 @@ pub mod answer;
 pub mod call;
 pub mod diagnostic;
 pub mod domain;
+pub mod feedback;
 pub mod goal;
 pub mod json;
 pub mod pddl;

@@ -6,13 +6,14 @@ use toml::Spanned;
 
 use super::condition::{Condition, Effect};
 use super::pddl::{Reader, Scope, Semantics, Written};
-use super::words::{self, DomainFile, ExamplesFile, TimeEntry, UnknownEntry};
+use super::words::{self, DomainFile, ExamplesFile, FeedbackFile, TimeEntry, UnknownEntry};
 use super::{
     Action, DefaultFact, Derivation, Domain, EnvironmentTypes, FormPiece, GoalWord, Lexicon, Literal, Parameter,
     PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
+use crate::feedback::{FeedbackExample, check_feedback_example};
 use crate::prompt::{self, Example};
 
 /// The texts of a domain's folder, and the names to call them in findings.
@@ -28,6 +29,8 @@ pub struct Files {
     pub goal_prompt: String,
     /// `prompt/examples.toml`
     pub examples: String,
+    /// `prompt/feedback.toml`; empty if there is none.
+    pub feedback: String,
 }
 
 /// Reads a domain.
@@ -70,6 +73,7 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
         }
         domain.examples.push(example);
     }
+    domain.feedback_examples = feedback_examples(&domain, files, &mut findings);
     match prompt::render_goal_prompt(&domain, &files.goal_prompt) {
         Ok(text) => domain.goal_prompt = text,
         Err((line, message)) => {
@@ -86,6 +90,27 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     } else {
         Err(Diagnostics::sorted(findings))
     }
+}
+
+/// Reads `prompt/feedback.toml`.
+fn feedback_examples(domain: &Domain, files: &Files, findings: &mut Vec<Diagnostic>) -> Vec<FeedbackExample> {
+    let file = format!("{}prompt/feedback.toml", files.folder);
+    let read: Option<FeedbackFile> = read_toml(&file, &files.feedback, findings);
+    let mut examples = Vec::new();
+    for entry in read.map(|file| file.example).unwrap_or_default() {
+        let position = content_position(&files.feedback, &entry.answer);
+        let example = FeedbackExample {
+            instruction: entry.instruction,
+            plan: entry.plan,
+            says: entry.says,
+            answer: entry.answer.into_inner(),
+        };
+        if let Err(message) = check_feedback_example(domain, &example) {
+            findings.push(Diagnostic::at(&file, position, message));
+        }
+        examples.push(example);
+    }
+    examples
 }
 
 fn read_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str, findings: &mut Vec<Diagnostic>) -> Option<T> {
@@ -274,6 +299,7 @@ impl Loader<'_> {
             implied: file.implied,
             goal_prompt: String::new(),
             examples: Vec::new(),
+            feedback_examples: Vec::new(),
         }
     }
 

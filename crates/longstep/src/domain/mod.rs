@@ -25,6 +25,7 @@ pub use shipped::{shipped, shipped_files, shipped_names};
 pub use starter::starter;
 pub use template::{Template, with_article};
 
+use crate::feedback::FeedbackExample;
 use crate::prompt::Example;
 use crate::world::{EntityId, Fact};
 
@@ -468,6 +469,8 @@ pub struct Domain {
     pub goal_prompt: String,
     /// The worked examples of `prompt/examples.toml`.
     pub examples: Vec<Example>,
+    /// The worked examples of `prompt/feedback.toml`.
+    pub feedback_examples: Vec<FeedbackExample>,
 }
 
 impl Domain {

@@ -412,6 +412,7 @@ fn random_domain(actions: &[RandomAction]) -> Domain {
         words,
         goal_prompt: String::new(),
         examples: String::new(),
+        feedback: String::new(),
     };
     domain::load(&files).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -464,7 +465,7 @@ proptest! {
         let steps = draft.complete().unwrap();
         let (plan, _) = bind(&domain, &world, &steps, &[], None);
         let report: Report = verify::check(&domain, &world, plan.clone(), &purpose);
-        match repair_within(1_000_000, &domain, &world, &draft, &purpose) {
+        match repair_within(1_000_000, &domain, &world, &draft, &purpose, &Pins::default()) {
             Outcome::Valid(valid) => {
                 prop_assert_eq!(valid.plan(), &plan);
                 prop_assert!(report.violations.is_empty());

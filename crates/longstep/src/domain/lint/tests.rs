@@ -10,6 +10,7 @@ fn starter_files() -> Files {
         words: text("domain.toml"),
         goal_prompt: text("prompt/goal.md"),
         examples: text("prompt/examples.toml"),
+        feedback: text("prompt/feedback.toml"),
     }
 }
 
@@ -20,6 +21,7 @@ fn greenhouse_files() -> Files {
         words: include_str!("../../../../../examples/greenhouse/domain.toml").to_owned(),
         goal_prompt: include_str!("../../../../../examples/greenhouse/prompt/goal.md").to_owned(),
         examples: include_str!("../../../../../examples/greenhouse/prompt/examples.toml").to_owned(),
+        feedback: include_str!("../../../../../examples/greenhouse/prompt/feedback.toml").to_owned(),
     }
 }
 
