@@ -89,7 +89,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         implied: indexmap::IndexMap::new(),
         goal_prompt: String::new(),
         examples: Vec::new(),
-            feedback_examples: Vec::new(),
+        feedback_examples: Vec::new(),
         actions: semantics
             .actions
             .into_iter()

@@ -10,6 +10,9 @@ use crate::search::Wanted;
 use crate::verify::{Purpose, Report, VerifiedPlan, Violation, bind, check, unmet};
 use crate::world::{State, World, fact_text};
 
+/// So many changes besides each wish are made without asking, and one more.
+const OTHERS: usize = 2;
+
 /// What came of wishes about a plan.
 #[derive(Debug, Clone)]
 pub enum Amended {
@@ -87,10 +90,14 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
             return done(plan, Vec::new());
         }
     }
-    let mut gave_up = None;
+    let (mut gave_up, mut too_many) = (None, None);
     for way in &ways {
         match repair_pinned(domain, world, &way.draft, purpose, &way.pins) {
             Outcome::Valid(plan) => return done(plan, Vec::new()),
+            // Room for a wish is not made by another plan.
+            Outcome::Repaired(repaired) if repaired.edits.len() > OTHERS * wishes.len() + 1 => {
+                too_many = Some(repaired.edits.len());
+            }
             Outcome::Repaired(repaired) => return done(repaired.plan, repaired.edits),
             Outcome::GaveUp { why, .. } => gave_up = Some(why),
             Outcome::Unclear { .. } | Outcome::ProvenUnsolvable { .. } => {}
@@ -98,6 +105,9 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
     }
     let report = verified(domain, world, &full.draft, purpose);
     let mut why = in_the_way(domain, world, &report, purpose);
+    if let Some(changes) = too_many {
+        why.push(format!("it would take {changes} other changes of the plan"));
+    }
     if let Some(limit) = gave_up {
         why.push(format!("there may be a way around this that was not found: {limit}"));
     }

@@ -25,7 +25,9 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
     let mut gone: Vec<(&Step, usize)> = Vec::new();
     let passed = |index: usize| {
         wishes.iter().any(|wish| match wish {
-            StepWish::Move { step, before } => (*step + 1..*before).contains(&index) || (*before..*step).contains(&index),
+            StepWish::Move { step, before } => {
+                (*step + 1..*before).contains(&index) || (*before..*step).contains(&index)
+            }
             _ => false,
         })
     };
@@ -33,7 +35,12 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
         for wish in wishes.iter().filter(|wish| wish.before() == Some(index)) {
             kept.push(drafted.len());
             drafted.push(Some(match wish {
-                StepWish::Insert { action, arguments, explanation, .. } => DraftStep {
+                StepWish::Insert {
+                    action,
+                    arguments,
+                    explanation,
+                    ..
+                } => DraftStep {
                     action: *action,
                     arguments: arguments.clone(),
                     explanation: explanation.clone(),
@@ -50,7 +57,12 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
                 }
                 drafted.push(Some(as_draft(step)));
             }
-            Some(StepWish::Replace { action, arguments, explanation, .. }) => {
+            Some(StepWish::Replace {
+                action,
+                arguments,
+                explanation,
+                ..
+            }) => {
                 gone.push((step, drafted.len()));
                 kept.push(drafted.len());
                 drafted.push(Some(DraftStep {
@@ -70,7 +82,12 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
         .collect();
     let mut objects: Vec<EntityId> = steps.iter().filter_map(|step| step.object(domain)).collect();
     for step in drafted.iter().flatten() {
-        objects.extend(domain.action(step.action).object.and_then(|object| step.arguments[object]));
+        objects.extend(
+            domain
+                .action(step.action)
+                .object
+                .and_then(|object| step.arguments[object]),
+        );
     }
     for object in objects {
         if !applied.draft.objects.contains(&object) {
@@ -98,8 +115,18 @@ pub(super) fn completed(domain: &Domain, world: &World, plan: &Plan, wishes: &[S
             StepWish::Replace { step, .. } => (*step + 1, plan.steps().get(*step)),
             _ => continue,
         };
-        if let StepWish::Insert { action, arguments, explanation, .. }
-        | StepWish::Replace { action, arguments, explanation, .. } = wish
+        if let StepWish::Insert {
+            action,
+            arguments,
+            explanation,
+            ..
+        }
+        | StepWish::Replace {
+            action,
+            arguments,
+            explanation,
+            ..
+        } = wish
         {
             complete(domain, world, plan.steps(), at, own, *action, arguments, explanation);
         }
@@ -154,7 +181,10 @@ pub(super) fn reopened(domain: &Domain, world: &World, draft: &Resolved) -> Opti
     let mut draft = draft.clone();
     let mut any = false;
     for step in draft.steps.iter_mut().flatten() {
-        let words: Vec<String> = plain_words(&step.explanation).iter().map(|word| singular(word)).collect();
+        let words: Vec<String> = plain_words(&step.explanation)
+            .iter()
+            .map(|word| singular(word))
+            .collect();
         let action = domain.action(step.action);
         for parameter in action.implicit().filter(|parameter| action.object != Some(*parameter)) {
             let named = step.arguments[parameter].is_some_and(|entity| world.entity(entity).words_in(&words) > 0);

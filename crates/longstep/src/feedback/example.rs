@@ -27,7 +27,11 @@ pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample)
     let spoken = format!("{}\n{}\n{}", example.instruction, example.plan.join("\n"), example.says).to_lowercase();
     let known = |call: &str| -> Result<(), String> {
         let (_, call) = action_of(domain, call).map_err(|error| error.to_string())?;
-        match call.arguments.iter().find(|name| !spoken.contains(&name.to_lowercase())) {
+        match call
+            .arguments
+            .iter()
+            .find(|name| !spoken.contains(&name.to_lowercase()))
+        {
             Some(name) => Err(format!("`{name}` in `{call}` is not spoken of in the example")),
             None => Ok(()),
         }
@@ -52,7 +56,10 @@ pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample)
 pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
     let mut turns = vec![Message::new(Role::System, task(domain, kind))];
     for example in &domain.feedback_examples {
-        turns.push(Message::new(Role::User, plan_and_words(&example.instruction, &example.plan, &example.says)));
+        turns.push(Message::new(
+            Role::User,
+            plan_and_words(&example.instruction, &example.plan, &example.says),
+        ));
         turns.push(Message::new(Role::Assistant, answer(&example.answer, kind)));
     }
     turns

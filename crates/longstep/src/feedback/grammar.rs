@@ -37,7 +37,10 @@ pub(super) fn grammar(domain: &Domain, world: &World, offers: &Offers, length: u
     }
     if offers.question || starts.is_empty() {
         starts.push("question".to_owned());
-        rules.push_str(&format!("question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n", quoted(QUESTION)));
+        rules.push_str(&format!(
+            "question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n",
+            quoted(QUESTION)
+        ));
     }
     format!("start: {}\n{rules}", starts.join(" | "))
 }
@@ -48,8 +51,19 @@ fn wishes(domain: &Domain, world: &World, offers: &Offers, length: usize) -> Vec
         _ => format!("({})", texts.join(" | ")),
     };
     let number = |step: &usize| quoted(&(step + 1).to_string());
-    let calls = |calls: &[&Called]| any(calls.iter().map(|(a, args)| quoted(&everyday(domain, world, *a, args))).collect());
-    let place = |places: &[usize]| any(places.iter().flat_map(|at| told(*at, length)).map(|at| quoted(&at)).collect());
+    let calls = |calls: &[&Called]| {
+        any(calls
+            .iter()
+            .map(|(a, args)| quoted(&everyday(domain, world, *a, args)))
+            .collect())
+    };
+    let place = |places: &[usize]| {
+        any(places
+            .iter()
+            .flat_map(|at| told(*at, length))
+            .map(|at| quoted(&at))
+            .collect())
+    };
     let mut rules = Vec::new();
     let mut by_place: IndexMap<&[usize], Vec<&Called>> = IndexMap::new();
     for (call, places) in &offers.inserts {
@@ -96,7 +110,11 @@ pub(super) fn schema(domain: &Domain, world: &World, offers: &Offers, length: us
     }
     texts.extend(offers.drops.iter().map(|step| format!("drop {}", step + 1)));
     for (step, others) in &offers.replaces {
-        texts.extend(others.iter().map(|other| format!("replace {} with {}", step + 1, call(other))));
+        texts.extend(
+            others
+                .iter()
+                .map(|other| format!("replace {} with {}", step + 1, call(other))),
+        );
     }
     for (step, places) in &offers.moves {
         let places = places.iter().filter_map(|at| told(*at, length).into_iter().next());

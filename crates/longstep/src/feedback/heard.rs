@@ -14,6 +14,8 @@ pub(super) struct Heard {
     pub(super) steps: Vec<usize>,
     /// Places between steps, where the words say before or after which step.
     pub(super) places: Vec<usize>,
+    /// Whether one of these places is told by a step's number.
+    pub(super) names_place: bool,
     /// Things.
     pub(super) entities: Vec<EntityId>,
     /// For each step of the plan, how many of the words its sentence has.
@@ -27,17 +29,46 @@ const CUES: [(&str, &[&str]); 4] = [
     ("insert", &["insert", "add", "another", "additional", "extra", "more"]),
     (
         "drop",
-        &["omit", "skip", "drop", "remove", "delete", "leave out", "cut out", "unnecessary", "superfluous",
-          "redundant", "needless", "no need", "dont need", "not need", "neednt"],
+        &[
+            "omit",
+            "skip",
+            "drop",
+            "remove",
+            "delete",
+            "leave out",
+            "cut out",
+            "unnecessary",
+            "superfluous",
+            "redundant",
+            "needless",
+            "no need",
+            "dont need",
+            "not need",
+            "neednt",
+        ],
     ),
     ("replace", &["replac", "instead", "rather", "exchang", "substitut"]),
-    ("move", &["swap", "earlier", "later", "before", "after", "first", "order", "move step"]),
+    (
+        "move",
+        &[
+            "swap",
+            "earlier",
+            "later",
+            "before",
+            "after",
+            "first",
+            "order",
+            "move step",
+        ],
+    ),
 ];
 
 const ORDINALS: [&str; 10] = [
     "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth",
 ];
-const CARDINALS: [&str; 10] = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
+const CARDINALS: [&str; 10] = [
+    "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+];
 
 /// Words that say nothing about which step is meant.
 const EMPTY: &str = "a an and another as be because before but can case could do does for from hand have i if in \
@@ -72,7 +103,7 @@ impl Heard {
 
     /// Whether the words name a step or a call: then they are about the steps, not about what is wanted.
     pub(super) fn is_about_steps(&self) -> bool {
-        !self.actions.is_empty() || !self.steps.is_empty()
+        !self.actions.is_empty() || !self.steps.is_empty() || self.names_place
     }
 
     /// "Step 3", "steps 2 and 4", "the third step", "the last two", "the second move_object()".
@@ -82,7 +113,10 @@ impl Heard {
         while at < tokens.len() {
             let begin = at;
             let mut found = Vec::new();
-            if matches!(tokens[at].trim_end_matches('s'), "step" | "number" | "no" | "task" | "line") {
+            if matches!(
+                tokens[at].trim_end_matches('s'),
+                "step" | "number" | "no" | "task" | "line"
+            ) {
                 let mut next = at + 1;
                 while let Some(number) = tokens.get(next).and_then(|token| number(token)) {
                     found.push(number);
@@ -98,24 +132,30 @@ impl Heard {
             }
             found.retain(|number| (1..=length).contains(number));
             let before_it = &tokens[begin.saturating_sub(3)..begin];
-            let side = before_it.iter().rev().find(|token| *token == "before" || *token == "after");
+            let side = before_it
+                .iter()
+                .rev()
+                .find(|token| *token == "before" || *token == "after");
             for number in found {
                 match side.map(String::as_str) {
+                    // Where it says where, it does not say which.
                     Some("before") => self.places.push(number - 1),
                     Some(_) => self.places.push(number),
+                    None if !self.steps.contains(&(number - 1)) => self.steps.push(number - 1),
                     None => {}
-                }
-                if !self.steps.contains(&(number - 1)) {
-                    self.steps.push(number - 1);
                 }
             }
             at += 1;
         }
+        self.names_place = !self.places.is_empty();
         let ends = tokens.windows(3).any(|three| three.join(" ") == "at the end");
         if ends {
             self.places.push(length);
         }
-        if tokens.windows(3).any(|three| three == ["at", "the", "beginning"] || three == ["at", "the", "start"]) {
+        if tokens
+            .windows(3)
+            .any(|three| three == ["at", "the", "beginning"] || three == ["at", "the", "start"])
+        {
             self.places.push(0);
         }
     }
@@ -197,7 +237,11 @@ fn likeness(domain: &Domain, world: &World, steps: &[Step], tokens: &[String]) -
     steps
         .iter()
         .map(|step| {
-            let text = format!("{} {}", step.call(domain, world).name.replace('_', " "), step.explanation);
+            let text = format!(
+                "{} {}",
+                step.call(domain, world).name.replace('_', " "),
+                step.explanation
+            );
             let own = stems(plain_words(&text));
             own.iter().filter(|word| said.contains(word)).count()
         })
@@ -229,7 +273,14 @@ pub(super) fn what_for(world: &World, words: &str) -> Option<String> {
     while let Some(found) = lower[from..].find(" to ") {
         let begin = from + found + " to ".len();
         let rest = words.get(begin..)?;
-        let stops = [" before ", " after ", " between ", " at the end", " and then ", " instead"];
+        let stops = [
+            " before ",
+            " after ",
+            " between ",
+            " at the end",
+            " and then ",
+            " instead",
+        ];
         let stop = stops.iter().filter_map(|stop| rest.find(stop)).min();
         let end = rest.find([',', '.', ';', '!', '?', '(']);
         let end = end.into_iter().chain(stop).min().unwrap_or(rest.len());

@@ -10,7 +10,9 @@ use crate::world::{EntityId, World};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum WishError {
     /// It has the form of none.
-    #[error("`{0}` is no change of a plan; write `insert CALL after N`, `drop N`, `replace N with CALL` or `move N after N`")]
+    #[error(
+        "`{0}` is no change of a plan; write `insert CALL after N`, `drop N`, `replace N with CALL` or `move N after N`"
+    )]
     UnknownForm(String),
     /// A number that no step has.
     #[error("`{part}`: the plan has {length} steps")]
@@ -158,9 +160,8 @@ pub(super) fn action_of(domain: &Domain, text: &str) -> Result<(ActionId, Call),
     };
     let call = Call::parse(text).map_err(|_| unknown(text))?;
     let mut actions = domain.action_ids();
-    let fits = |action: &crate::domain::Action| {
-        action.call == call.name && action.explicit.len() == call.arguments.len()
-    };
+    let fits =
+        |action: &crate::domain::Action| action.call == call.name && action.explicit.len() == call.arguments.len();
     match actions.find(|(_, action)| fits(action)) {
         Some((id, _)) => Ok((id, call)),
         None => Err(unknown(&call.name)),
@@ -184,7 +185,9 @@ fn called(domain: &Domain, world: &World, text: &str) -> Result<(ActionId, Vec<O
 
 /// A call as a plan writes it, with `?` for what should be shown and is not known.
 pub fn written(domain: &Domain, world: &World, action: ActionId, arguments: &[Option<EntityId>]) -> String {
-    call(domain, action, arguments, |entity| world.entity(entity).identifier.clone())
+    call(domain, action, arguments, |entity| {
+        world.entity(entity).identifier.clone()
+    })
 }
 
 /// The same with everyday names, as a model reads and writes it.

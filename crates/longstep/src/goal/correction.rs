@@ -59,19 +59,32 @@ impl Correction {
         let one = not_meant.first().or(handled.first()).map(head_of);
         let meant = with_noun(&meant, one.as_deref());
         let words: Vec<String> = plain_words(&meant).iter().map(|word| singular(word)).collect();
-        if let Some(at) = words.iter().position(|word| word == "other" || word == "another" || word == "different") {
+        if let Some(at) = words
+            .iter()
+            .position(|word| word == "other" || word == "another" || word == "different")
+        {
             let others = handled.iter().filter(|entity| words[at..].contains(&head_of(entity)));
             not_meant.extend(others);
         }
         let heard = Spoken::of(domain, world, &meant);
-        let named: Vec<EntityId> = heard.entities.iter().copied().filter(|e| !not_meant.contains(e)).collect();
+        let named: Vec<EntityId> = heard
+            .entities
+            .iter()
+            .copied()
+            .filter(|e| !not_meant.contains(e))
+            .collect();
         let stands_for_it = |entity: &EntityId| named.iter().any(|other| head_of(other) == head_of(entity));
         self.unknown = unknown_thing(domain, world, &meant);
         self.spoken.add(heard);
         self.spoken
             .entities
             .retain(|entity| named.contains(entity) || !(not_meant.contains(entity) || stands_for_it(entity)));
-        for entity in named.iter().filter(|entity| !self.spoken.entities.contains(entity)).copied().collect::<Vec<_>>() {
+        for entity in named
+            .iter()
+            .filter(|entity| !self.spoken.entities.contains(entity))
+            .copied()
+            .collect::<Vec<_>>()
+        {
             self.spoken.entities.push(entity);
         }
         self.spoken.entities.sort_unstable();
@@ -81,7 +94,11 @@ impl Correction {
         let adds = tokens.iter().any(|word| among(ADDING, word));
         if takes_back && !adds {
             let all = facts.len() == 1;
-            let wrong = |fact: &GoalFact| all || entities_of(domain, fact).iter().any(|entity| not_meant.contains(entity));
+            let wrong = |fact: &GoalFact| {
+                all || entities_of(domain, fact)
+                    .iter()
+                    .any(|entity| not_meant.contains(entity))
+            };
             self.rejected.extend(facts.into_iter().filter(wrong));
         }
         self.excluded.extend(not_meant);
@@ -104,7 +121,8 @@ fn parts(said: &str) -> (String, String) {
         let words: Vec<&str> = clause.split_whitespace().collect();
         for (at, word) in words.iter().enumerate() {
             let plain = plain_words(word).concat();
-            let pair = |first: &str, second: &str| plain == first && words.get(at + 1).is_some_and(|next| *next == second);
+            let pair =
+                |first: &str, second: &str| plain == first && words.get(at + 1).is_some_and(|next| *next == second);
             if among(DENYING, &plain) || pair("instead", "of") || pair("rather", "than") {
                 denying = true;
             } else if plain == "but" {

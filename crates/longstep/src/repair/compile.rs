@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::pins::{Pins, Unwanted};
+use super::pins::{Pins, Reach, Unwanted};
 use super::target::Meant;
 use crate::domain::{ActionId, Domain};
 use crate::goal::wanted_fact;
@@ -165,10 +165,12 @@ pub(super) fn compile<'a>(
             effects.sort();
             TakenOut {
                 before: unwanted.before,
+                anywhere: unwanted.reach != Reach::Here,
                 effects,
             }
         })
         .collect();
+    inserted.retain(|operator| !taken_out.iter().any(|out| out.anywhere && out.is_like(operator)));
     let length = draft.steps.len();
     let reached: Vec<u32> = (0..=length).map(|index| grounder.extra(index == 0)).collect();
     let free_handed = grounder.extra(true);
@@ -239,6 +241,7 @@ fn effect(fact: u32, holds: bool) -> GroundEffect {
 /// A step that is not to come back where it stood, nor anything that does the same.
 struct TakenOut {
     before: usize,
+    anywhere: bool,
     effects: Vec<GroundEffect>,
 }
 
@@ -367,6 +370,10 @@ impl Writer<'_, '_> {
         }
         if self.operators.len() == before {
             self.drop(index, Reason::Impossible, Formula::TRUE, costs.drop_impossible);
+            return;
+        }
+        // What comes behind a step that was taken out stays there, or the step could come back behind it.
+        if self.taken_out.iter().any(|out| out.before == index) {
             return;
         }
         self.drop(index, Reason::Idle, Formula::or(idle), costs.drop_idle);

@@ -31,9 +31,9 @@ pub struct Unwanted {
 pub enum Reach {
     /// Between these neighbours, nor anything else with the same effects. Elsewhere the plan has the same step still.
     Here,
-    /// Anywhere. Elsewhere the plan has the same action with other things still.
+    /// Anywhere, nor anything else with the same effects. The plan has the same action with other things still.
     ThisStep,
-    /// The action, whatever it is done to.
+    /// The same, and the action whatever it is done to.
     ThisAction,
 }
 
@@ -48,11 +48,11 @@ impl Unwanted {
 
     /// Whether a step may not stand anywhere because of this.
     pub(super) fn forbids(&self, action: ActionId, arguments: &[EntityId]) -> bool {
-        let same_action = self.action == action;
-        match self.reach {
-            Reach::Here => false,
-            Reach::ThisStep => same_action && self.arguments == arguments,
-            Reach::ThisAction => same_action,
-        }
+        self.action == action
+            && match self.reach {
+                Reach::Here => false,
+                Reach::ThisStep => self.arguments == arguments,
+                Reach::ThisAction => true,
+            }
     }
 }
