@@ -69,6 +69,7 @@ pub(crate) fn domain_files(name: &str) -> Result<Files> {
     }
     let prefix = format!("{}/", name.trim_end_matches('/'));
     let mut parts = prompt_files(&folder.join("prompt"))?;
+    let feedback = parts.remove("feedback.toml").unwrap_or_default();
     parts.retain(|name, _| !Files::GOAL.contains(&name.as_str()));
     Ok(Files {
         parts,
@@ -77,6 +78,7 @@ pub(crate) fn domain_files(name: &str) -> Result<Files> {
         words: text(&folder.join("domain.toml"))?,
         goal_prompt: text(&folder.join("prompt/goal.md"))?,
         examples: text(&folder.join("prompt/examples.toml"))?,
+        feedback,
         folder: prefix,
     })
 }

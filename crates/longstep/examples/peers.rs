@@ -175,6 +175,7 @@ fn scenes() -> Anyhow<Vec<Scene>> {
         words: file("domain.toml"),
         goal_prompt: file("prompt/goal.md"),
         examples: file("prompt/examples.toml"),
+        feedback: file("prompt/feedback.toml"),
         ..Files::default()
     };
     domains.push(("starter".to_owned(), files));
@@ -224,6 +225,7 @@ fn folder_files(folder: &Path) -> Anyhow<Files> {
         words: read("domain.toml")?,
         goal_prompt: read("prompt/goal.md")?,
         examples: read("prompt/examples.toml")?,
+        feedback: read("prompt/feedback.toml").unwrap_or_default(),
         ..Files::default()
     })
 }

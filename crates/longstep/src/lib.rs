@@ -41,6 +41,7 @@ pub mod attempt;
 pub mod call;
 pub mod diagnostic;
 pub mod domain;
+pub mod feedback;
 pub mod goal;
 pub mod json;
 pub mod pddl;

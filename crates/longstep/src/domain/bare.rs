@@ -90,6 +90,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         goal_prompt: String::new(),
         examples: Vec::new(),
         parts: crate::prompt::PartTexts::default(),
+        feedback_examples: Vec::new(),
         actions: semantics
             .actions
             .into_iter()

@@ -17,6 +17,8 @@ pub struct Files {
     pub goal_prompt: String,
     /// `prompt/examples.toml`
     pub examples: String,
+    /// `prompt/feedback.toml`; empty if there is none.
+    pub feedback: String,
     /// The other files of `prompt/`, by name: [`Files::PARTS`] that the library's own are replaced by. What is not
     /// here is taken from the library.
     pub parts: BTreeMap<String, String>,
@@ -25,8 +27,9 @@ pub struct Files {
 }
 
 impl Files {
-    /// The files of `prompt/` that the goal strategy needs. Every domain has its own.
-    pub const GOAL: [&str; 2] = ["goal.md", "examples.toml"];
+    /// The files of `prompt/` that the goal strategy needs. Every domain has its own, but for `feedback.toml`, which
+    /// it may leave out.
+    pub const GOAL: [&str; 3] = ["goal.md", "examples.toml", "feedback.toml"];
 
     /// The files of `prompt/` that the direct strategy needs. A domain may leave each of them out.
     pub const PARTS: [&str; 6] = [
@@ -74,6 +77,7 @@ impl Files {
             match name.as_str() {
                 "goal.md" => self.goal_prompt = text,
                 "examples.toml" => self.examples = text,
+                "feedback.toml" => self.feedback = text,
                 _ => {
                     self.parts.insert(name, text);
                 }

@@ -6,13 +6,14 @@ use toml::Spanned;
 
 use super::condition::{Condition, Effect};
 use super::pddl::{Reader, Scope, Semantics, Written};
-use super::words::{self, DomainFile, ExamplesFile, TimeEntry, UnknownEntry};
+use super::words::{self, DomainFile, ExamplesFile, FeedbackFile, TimeEntry, UnknownEntry};
 use super::{
     Action, DefaultFact, Derivation, Domain, EnvironmentTypes, Files, FormPiece, GoalWord, Lexicon, Literal, Parameter,
     PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
+use crate::feedback::{FeedbackExample, check_feedback_example};
 use crate::prompt::{self, Example, PartTexts};
 
 /// Reads a domain.
@@ -57,6 +58,7 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
         domain.examples.push(example);
     }
     domain.parts = PartTexts::of(files);
+    domain.feedback_examples = feedback_examples(&domain, files, &mut findings);
     match prompt::render_goal_prompt(&domain, &files.goal_prompt) {
         Ok(text) => domain.goal_prompt = text,
         Err((line, message)) => {
@@ -69,6 +71,27 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     } else {
         Err(Diagnostics::sorted(findings))
     }
+}
+
+/// Reads `prompt/feedback.toml`.
+fn feedback_examples(domain: &Domain, files: &Files, findings: &mut Vec<Diagnostic>) -> Vec<FeedbackExample> {
+    let file = format!("{}prompt/feedback.toml", files.folder);
+    let read: Option<FeedbackFile> = read_toml(&file, &files.feedback, findings);
+    let mut examples = Vec::new();
+    for entry in read.map(|file| file.example).unwrap_or_default() {
+        let position = content_position(&files.feedback, &entry.answer);
+        let example = FeedbackExample {
+            instruction: entry.instruction,
+            plan: entry.plan,
+            says: entry.says,
+            answer: entry.answer.into_inner(),
+        };
+        if let Err(message) = check_feedback_example(domain, &example) {
+            findings.push(Diagnostic::at(&file, position, message));
+        }
+        examples.push(example);
+    }
+    examples
 }
 
 fn read_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str, findings: &mut Vec<Diagnostic>) -> Option<T> {
@@ -258,6 +281,7 @@ impl Loader<'_> {
             goal_prompt: String::new(),
             examples: Vec::new(),
             parts: PartTexts::default(),
+            feedback_examples: Vec::new(),
         }
     }
 

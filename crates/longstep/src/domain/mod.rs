@@ -27,6 +27,7 @@ pub use shipped::{shipped, shipped_files, shipped_names};
 pub use starter::starter;
 pub use template::{Template, with_article};
 
+use crate::feedback::FeedbackExample;
 use crate::prompt::{Example, PartTexts};
 use crate::world::{EntityId, Fact};
 
@@ -472,6 +473,8 @@ pub struct Domain {
     pub examples: Vec<Example>,
     /// What the direct strategy tells a model, not rendered yet.
     pub parts: PartTexts,
+    /// The worked examples of `prompt/feedback.toml`.
+    pub feedback_examples: Vec<FeedbackExample>,
 }
 
 impl Domain {

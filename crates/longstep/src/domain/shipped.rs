@@ -50,6 +50,7 @@ pub fn shipped_files(name: &str) -> Option<Files> {
         words: text("domain.toml"),
         goal_prompt: text("prompt/goal.md"),
         examples: text("prompt/examples.toml"),
+        feedback: text("prompt/feedback.toml"),
     })
 }
 

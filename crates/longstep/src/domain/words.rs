@@ -179,6 +179,22 @@ pub(super) struct AcceptEntry {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+pub(super) struct FeedbackFile {
+    #[serde(default)]
+    pub(super) example: Vec<FeedbackEntry>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FeedbackEntry {
+    pub(super) instruction: String,
+    pub(super) plan: Vec<String>,
+    pub(super) says: String,
+    pub(super) answer: Text,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct ExamplesFile {
     #[serde(default)]
     pub(super) example: Vec<ExampleEntry>,

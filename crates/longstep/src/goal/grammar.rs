@@ -99,7 +99,7 @@ fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
 }
 
 /// A string of the grammar; JSON's escapes are the dialect's own.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     Value::String(text.to_owned()).to_string()
 }
 

@@ -99,6 +99,14 @@ impl Spoken {
         Self { entities, words }
     }
 
+    /// Takes in what was said later.
+    pub(super) fn add(&mut self, later: Self) {
+        self.entities.extend(later.entities);
+        self.entities.sort_unstable();
+        self.entities.dedup();
+        self.words.extend(later.words);
+    }
+
     /// Whether the instruction can mean several things that go by these names: "both jars", "a jar and the other
     /// jar".
     pub fn several(&self, names: &[String]) -> bool {
@@ -146,6 +154,18 @@ fn begins_with_any(words: &[String], stems: &[String]) -> bool {
 /// Looks at a goal against the instruction.
 pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal) -> Understanding {
     let spoken = Spoken::of(domain, world, instruction);
+    let unknown = unknown_thing(domain, world, instruction);
+    understand_spoken(domain, world, &spoken, unknown, goal)
+}
+
+/// The same for an instruction that has been read, and the thing in it that there is not.
+pub(crate) fn understand_spoken(
+    domain: &Domain,
+    world: &World,
+    spoken: &Spoken,
+    unknown: Option<String>,
+    goal: Goal,
+) -> Understanding {
     let meant = &spoken.entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
@@ -157,7 +177,7 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
     }
     // A goal about something else, and a thing in the instruction that is not there: that is why.
     if !goal.facts.iter().all(about)
-        && let Some(missing) = unknown_thing(domain, world, instruction)
+        && let Some(missing) = unknown
     {
         return Understanding::Question(format!("I see no {missing} here. What do you mean by it?"));
     }

@@ -4,6 +4,7 @@
 //! it say what makes sense ([`offers`], [`grammar()`]); [`understand`] then looks at the answer once more
 //! against what the instruction speaks of; search turns the goal into steps.
 
+mod correction;
 mod grammar;
 mod language;
 mod mention;
@@ -11,10 +12,12 @@ mod offer;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use grammar::{JOINT, QUESTION};
+pub(crate) use correction::Correction;
+pub(crate) use grammar::{JOINT, QUESTION, quoted};
 pub use grammar::{Place, grammar, schema};
 pub(crate) use language::read_form;
 pub use language::{GoalError, parse};
+pub(crate) use mention::understand_spoken;
 pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
 pub use offer::{Offer, offers};
 pub(crate) use offer::{already, is_plain};

@@ -115,3 +115,12 @@ pub enum ConstraintKind {
     /// A server that takes a JSON schema: the answer comes whole.
     JsonSchema,
 }
+
+/// What a model replied about an instruction, and what was said to it then.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Round {
+    /// The reply, or what was made of it: goals joined by ` & `, `question: ...`, or a plan.
+    pub replied: String,
+    /// The words of a person, or of the verifier.
+    pub said: String,
+}

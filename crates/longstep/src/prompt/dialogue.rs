@@ -5,14 +5,18 @@
 
 use serde::Deserialize;
 
-use super::example::{fixed_turns, scene_and_instruction};
+use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::query::plain_line;
 use super::{
-    ChatRequest, Constraint, ConstraintKind, Finish, Message, PartCost, Reply, Role, TokenCounter, Usage, scene,
+    ChatRequest, Constraint, ConstraintKind, Finish, Message, PartCost, Reply, Role, Round, TokenCounter, Usage, scene,
 };
 use crate::domain::Domain;
-use crate::goal::{self, Goal, GoalError, GoalFact, Place, Spoken, Understanding, grammar, offers, schema, understand};
-use crate::world::World;
+use crate::feedback::WishError;
+use crate::goal::{
+    self, Correction, Goal, GoalError, GoalFact, Offer, Place, Spoken, Understanding, grammar, offers, schema,
+    understand_spoken,
+};
+use crate::world::{EntityId, World};
 
 /// Goals in one answer at most.
 const GOAL_LIMIT: usize = 6;
@@ -36,6 +40,9 @@ pub enum DialogueError {
     /// The reply names something that there is not.
     #[error("the model's answer is no goal here: {0}")]
     NoGoal(#[from] GoalError),
+    /// The reply is no change of the plan that it is about.
+    #[error("the model's answer is no change of this plan: {0}")]
+    NoWish(#[from] WishError),
 }
 
 /// What to do next.
@@ -50,8 +57,9 @@ pub enum Turn {
 /// Asks a model what an instruction wants.
 #[derive(Debug, Clone)]
 pub struct GoalDialogue {
-    instruction: String,
-    /// What the instruction speaks of.
+    /// What the person spoke of, all told.
+    heard: Correction,
+    /// The same, or nothing where a thing that is not here is among it: then nothing is taken to be meant for certain.
     spoken: Spoken,
     kind: ConstraintKind,
     messages: Vec<Message>,
@@ -65,20 +73,35 @@ pub struct GoalDialogue {
 impl GoalDialogue {
     /// Begins a conversation about `instruction` with a model of the given kind.
     pub fn new(domain: &Domain, world: &World, instruction: &str, kind: ConstraintKind) -> Self {
+        Self::again(domain, world, instruction, &[], kind)
+    }
+
+    /// Goes on with a conversation after the person said something about the answer, or answered the question.
+    ///
+    /// What the person speaks of is read from the instruction and the words together, and the words win: what they
+    /// exclude ("not that plate") is not offered, and neither is the answer that they take back.
+    pub fn again(domain: &Domain, world: &World, instruction: &str, rounds: &[Round], kind: ConstraintKind) -> Self {
         let mut messages = fixed_turns(domain, kind);
         let fixed = messages.len();
-        // When the instruction names a thing that is not here, nothing is taken to be meant for certain.
-        let spoken = match goal::unknown_thing(domain, world, instruction) {
+        let mut heard = Correction::of(domain, world, instruction);
+        for round in rounds {
+            heard.hear(domain, world, &round.replied, &round.said);
+        }
+        let spoken = match &heard.unknown {
             Some(_) => Spoken::default(),
-            None => Spoken::of(domain, world, instruction),
+            None => heard.spoken.clone(),
         };
         let scene = scene(domain, world, &offers(domain, world, &[], &Spoken::default()));
         messages.push(Message::new(
             Role::User,
             scene_and_instruction(&scene, &plain_line(instruction)),
         ));
+        for round in rounds {
+            messages.push(Message::new(Role::Assistant, in_form(&round.replied, kind)));
+            messages.push(Message::new(Role::User, plain_line(&round.said)));
+        }
         Self {
-            instruction: instruction.to_owned(),
+            heard,
             spoken,
             kind,
             messages,
@@ -91,7 +114,7 @@ impl GoalDialogue {
 
     /// What to send to the model now.
     pub fn request(&self, domain: &Domain, world: &World) -> ChatRequest {
-        let offers = offers(domain, world, &self.facts, &self.spoken);
+        let offers = self.offers(domain, world);
         let constraint = match self.kind {
             ConstraintKind::Grammar => {
                 let more = self.facts.len() + 1 < GOAL_LIMIT;
@@ -137,6 +160,21 @@ impl GoalDialogue {
         costs
     }
 
+    /// What can be said next: nothing that the person took back.
+    fn offers(&self, domain: &Domain, world: &World) -> Vec<Offer> {
+        let mut offers = offers(domain, world, &self.facts, &self.spoken);
+        for offer in &mut offers {
+            let rejected = |arguments: &Vec<EntityId>| {
+                let same = |fact: &GoalFact| matches!(fact, GoalFact::Word { word, arguments: other } if *word == offer.word && other == arguments);
+                let excluded = arguments.iter().any(|entity| self.heard.excluded.contains(entity));
+                excluded || self.heard.rejected.iter().any(same)
+            };
+            offer.arguments.retain(|arguments| !rejected(arguments));
+        }
+        offers.retain(|offer| !offer.arguments.is_empty());
+        offers
+    }
+
     /// The model's answer as far as it has come.
     pub fn answer(&self) -> &str {
         &self.answer
@@ -174,7 +212,7 @@ impl GoalDialogue {
         if !part.is_empty() {
             self.facts.extend(goal::parse(domain, world, part)?.facts);
         }
-        let more = goes_on && !offers(domain, world, &self.facts, &self.spoken).is_empty();
+        let more = goes_on && !self.offers(domain, world).is_empty();
         Ok(if more { Turn::GoOn } else { self.done(domain, world) })
     }
 
@@ -221,15 +259,17 @@ impl GoalDialogue {
         let goal = Goal {
             facts: std::mem::take(&mut self.facts),
         };
-        Turn::Done(understand(domain, world, &self.instruction, goal))
+        let unknown = self.heard.unknown.clone();
+        Turn::Done(understand_spoken(domain, world, &self.heard.spoken, unknown, goal))
     }
 }
 
-fn one_line(text: &str) -> String {
+/// An instruction is one line of a conversation, whatever was typed.
+pub(crate) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn shortened(text: &str) -> String {
+pub(crate) fn shortened(text: &str) -> String {
     let mut short: String = one_line(text).chars().take(120).collect();
     if short.len() < text.trim().len() {
         short.push('…');

@@ -3,7 +3,7 @@
 use super::query::{contained_json, query_text};
 use super::reply::StateLists;
 use super::{
-    ChatRequest, Constraint, Conversation, Exchange, Fitted, Message, PartCost, PromptError, Role, TokenCounter,
+    Round,    ChatRequest, Constraint, Conversation, Exchange, Fitted, Message, PartCost, PromptError, Role, TokenCounter,
     direct_schema, fit, fixed_parts, focus,
 };
 use crate::diagnostic::Diagnostics;
@@ -12,15 +12,6 @@ use crate::world::World;
 
 /// Tokens for the steps of an answer; the environments come on top.
 const STEP_TOKENS: u64 = 1500;
-
-/// A reply to the query that would not do, and what was said about it.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Round {
-    /// The model's reply, as it came.
-    pub replied: String,
-    /// What the model is told about it.
-    pub feedback: String,
-}
 
 /// A request that fits.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +62,7 @@ pub fn direct_request(
     let attempt = |shown: &World, history: &[Exchange], counter: &mut dyn TokenCounter| {
         let query = query_text(domain, &shown.environment, instruction).unwrap_or_default();
         let turns: Vec<&str> = std::iter::once(query.as_str())
-            .chain(rounds.iter().map(|round| round.feedback.as_str()))
+            .chain(rounds.iter().map(|round| round.said.as_str()))
             .collect();
         let before = turns.iter().zip(rounds).map(|(said, round)| Exchange {
             said: (*said).to_owned(),

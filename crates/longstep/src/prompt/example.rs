@@ -89,18 +89,19 @@ pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message>
     for example in &domain.examples {
         let text = scene_and_instruction(&scene_text(&example.objects, &example.places), &example.instruction);
         turns.push(Message::new(Role::User, text));
-        turns.push(Message::new(Role::Assistant, answer(example, kind)));
+        turns.push(Message::new(Role::Assistant, in_form(&example.answer, kind)));
     }
     turns
 }
 
-fn answer(example: &Example, kind: ConstraintKind) -> String {
+/// An answer as a model of this kind writes it.
+pub(super) fn in_form(answer: &str, kind: ConstraintKind) -> String {
     match kind {
-        ConstraintKind::Grammar => example.answer.clone(),
-        ConstraintKind::JsonSchema => match example.answer.strip_prefix(crate::goal::QUESTION) {
+        ConstraintKind::Grammar => answer.to_owned(),
+        ConstraintKind::JsonSchema => match answer.strip_prefix(crate::goal::QUESTION) {
             Some(question) => json!({"question": question, "goals": []}).to_string(),
             None => {
-                let goals: Vec<&str> = example.answer.split(" & ").collect();
+                let goals: Vec<&str> = answer.split(" & ").collect();
                 json!({"question": "", "goals": goals}).to_string()
             }
         },

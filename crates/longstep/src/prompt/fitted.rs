@@ -1,6 +1,6 @@
 //! The goal strategy in a world that may be too large for it.
 
-use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, TokenCounter, focus};
+use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, Round, TokenCounter, focus};
 use crate::domain::Domain;
 use crate::world::World;
 
@@ -43,7 +43,7 @@ impl GoalDialogue {
     /// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
     /// let (text, kind) = ("Put the cup on the table", ConstraintKind::JsonSchema);
     /// let mut counter = EstimatedTokens::default();
-    /// let fitted = GoalDialogue::fitted(&household, &world, text, kind, Some(4000), &mut counter).unwrap();
+    /// let fitted = GoalDialogue::fitted(&household, &world, text, &[], kind, Some(4000), &mut counter).unwrap();
     /// let request = fitted.dialogue.request(&household, fitted.world(&world));
     /// assert!(request.messages.last().unwrap().text.contains("cup"));
     /// ```
@@ -55,13 +55,14 @@ impl GoalDialogue {
         domain: &Domain,
         world: &World,
         instruction: &str,
+        rounds: &[Round],
         kind: ConstraintKind,
         room: Option<u64>,
         counter: &mut dyn TokenCounter,
     ) -> Result<FittedDialogue, OverBudget> {
         let room = room.unwrap_or(u64::MAX);
         let mut attempt = |shown: &World| {
-            let dialogue = GoalDialogue::new(domain, shown, instruction, kind);
+            let dialogue = GoalDialogue::again(domain, shown, instruction, rounds, kind);
             let costs = dialogue.costs(counter);
             let needed = costs.iter().map(|cost| cost.tokens).sum();
             if needed > room {
@@ -81,7 +82,10 @@ impl GoalDialogue {
                 costs,
             });
         }
-        let focus = focus(domain, world, instruction);
+        let said = rounds.iter().map(|round| round.said.as_str());
+        let words: Vec<&str> = std::iter::once(instruction).chain(said).collect();
+        let words = words.join(" ");
+        let focus = focus(domain, world, &words);
         let (part, (dialogue, costs)) = focus.most(SCENE, |keep| {
             let part = world.narrowed(domain, keep);
             attempt(&part).map(|made| (part, made))

@@ -23,10 +23,11 @@ mod told;
 mod worked;
 
 pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
-pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage};
+pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Round, Usage};
 pub use count::{Counting, EstimatedTokens, TokenCounter};
 pub use dialogue::{DialogueError, GoalDialogue, Turn};
-pub use direct::{Prepared, Round, direct_request};
+pub(crate) use dialogue::{one_line, shortened};
+pub use direct::{Prepared, direct_request};
 pub use example::Example;
 pub(crate) use example::{check_example, render_goal_prompt};
 pub use explain::{Explanation, PartShare, explain};

@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
+use super::pins::{Pins, Reach, Unwanted};
 use super::target::Meant;
 use crate::domain::{ActionId, Domain};
 use crate::goal::wanted_fact;
@@ -138,6 +139,7 @@ pub(super) fn compile<'a>(
     scope: &'a Scope,
     draft: &Resolved,
     purpose: &Purpose,
+    pins: &Pins,
 ) -> Compiled<'a> {
     let mut grounder = Grounder::new(domain, world, scope);
     let always = grounder.always();
@@ -148,7 +150,27 @@ pub(super) fn compile<'a>(
         .flat_map(|step| step.arguments.iter().flatten());
     let places = claimed_places(domain, world, purpose.claim.as_ref(), &draft.objects);
     let spoken_of: FxHashSet<EntityId> = in_draft.chain(&draft.objects).chain(&places).copied().collect();
-    let inserted = grounder.operators(&spoken_of);
+    let mut inserted = grounder.operators(&spoken_of);
+    inserted.retain(|operator| {
+        let step = &operator.step;
+        let forbids = |unwanted: &Unwanted| unwanted.forbids(step.action, &step.arguments);
+        !pins.unwanted.iter().any(forbids)
+    });
+    let taken_out: Vec<TakenOut> = pins
+        .unwanted
+        .iter()
+        .filter(|unwanted| unwanted.arguments.iter().all(|thing| scope.contains(*thing)))
+        .map(|unwanted| {
+            let mut effects = grounder.operator(unwanted.step()).effects;
+            effects.sort();
+            TakenOut {
+                before: unwanted.before,
+                anywhere: unwanted.reach != Reach::Here,
+                effects,
+            }
+        })
+        .collect();
+    inserted.retain(|operator| !taken_out.iter().any(|out| out.anywhere && out.is_like(operator)));
     let length = draft.steps.len();
     let reached: Vec<u32> = (0..=length).map(|index| grounder.extra(index == 0)).collect();
     let free_handed = grounder.extra(true);
@@ -157,6 +179,8 @@ pub(super) fn compile<'a>(
         world,
         grounder,
         inserted: &inserted,
+        taken_out: &taken_out,
+        pins,
         reached,
         free_handed,
         operators: Vec::new(),
@@ -174,7 +198,8 @@ pub(super) fn compile<'a>(
     }
     for operator in &inserted {
         let step = operator.step.clone();
-        writer.push(operator.clone(), domain.repair.insert, Move::Insert(step));
+        let elsewhere = writer.elsewhere(operator);
+        writer.push(elsewhere, domain.repair.insert, Move::Insert(step));
     }
     let Writer {
         grounder,
@@ -213,11 +238,28 @@ fn effect(fact: u32, holds: bool) -> GroundEffect {
     }
 }
 
+/// A step that is not to come back where it stood, nor anything that does the same.
+struct TakenOut {
+    before: usize,
+    anywhere: bool,
+    effects: Vec<GroundEffect>,
+}
+
+impl TakenOut {
+    fn is_like(&self, operator: &Operator) -> bool {
+        let mut effects = operator.effects.clone();
+        effects.sort();
+        self.effects == effects
+    }
+}
+
 struct Writer<'a, 'b> {
     domain: &'a Domain,
     world: &'a World,
     grounder: Grounder<'a>,
     inserted: &'b [Operator],
+    taken_out: &'b [TakenOut],
+    pins: &'b Pins,
     /// For each step, that the draft has been read up to it.
     reached: Vec<u32>,
     /// Nothing is laid aside.
@@ -240,6 +282,20 @@ impl Writer<'_, '_> {
         operator.precondition = Formula::and([literal(self.reached[index], true), operator.precondition]);
         operator.effects.push(effect(self.reached[index], false));
         operator.effects.push(effect(self.reached[index + 1], true));
+        operator
+    }
+
+    /// The operator, done anywhere but where the same was taken out.
+    fn elsewhere(&self, operator: &Operator) -> Operator {
+        let mut operator = operator.clone();
+        let alike = self.taken_out.iter().filter(|taken_out| taken_out.is_like(&operator));
+        let mut conditions: Vec<Formula> = alike
+            .map(|taken_out| literal(self.reached[taken_out.before], false))
+            .collect();
+        if !conditions.is_empty() {
+            conditions.push(operator.precondition);
+            operator.precondition = Formula::and(conditions);
+        }
         operator
     }
 
@@ -296,7 +352,15 @@ impl Writer<'_, '_> {
             let meaning = Move::Keep(index, operator.step.clone());
             self.push(self.reading(index, operator.clone()), *cost, meaning);
         }
+        if self.pins.kept.contains(&index) {
+            return;
+        }
+        let beside = |taken_out: &&TakenOut| taken_out.before == index || taken_out.before == index + 1;
+        let taken_out: Vec<&TakenOut> = self.taken_out.iter().filter(beside).collect();
         for operator in self.inserted {
+            if taken_out.iter().any(|taken_out| taken_out.is_like(operator)) {
+                continue;
+            }
             let same_things = operator.step.arguments.iter().all(|entity| handles.contains(entity));
             let alike = |effect: &GroundEffect| effect.condition.is_true() && brings.contains(&effect.literal);
             if operator.step.action != step.action && same_things && operator.effects.iter().any(alike) {
@@ -306,6 +370,10 @@ impl Writer<'_, '_> {
         }
         if self.operators.len() == before {
             self.drop(index, Reason::Impossible, Formula::TRUE, costs.drop_impossible);
+            return;
+        }
+        // What comes behind a step that was taken out stays there, or the step could come back behind it.
+        if self.taken_out.iter().any(|out| out.before == index) {
             return;
         }
         self.drop(index, Reason::Idle, Formula::or(idle), costs.drop_idle);

@@ -8,11 +8,13 @@
 
 mod compile;
 mod edit;
+mod pins;
 mod target;
 #[cfg(test)]
 mod tests;
 
 pub use edit::{Edit, EditKind};
+pub use pins::{Pins, Reach, Unwanted};
 
 use compile::Move;
 use edit::Script;
@@ -105,10 +107,23 @@ pub struct Repaired {
 /// assert_eq!(edits, ["Open(<fridge_2>)", "Close(<fridge_2>)"]);
 /// ```
 pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
-    repair_within(LIMIT, domain, world, draft, purpose)
+    repair_pinned(domain, world, draft, purpose, &Pins::default())
 }
 
-fn repair_within(limit: usize, domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
+/// The same, around what a person settled: no repair undoes a pin, and where none can be had without undoing one,
+/// there is none.
+pub fn repair_pinned(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
+    repair_within(LIMIT, domain, world, draft, purpose, pins)
+}
+
+fn repair_within(
+    limit: usize,
+    domain: &Domain,
+    world: &World,
+    draft: &Resolved,
+    purpose: &Purpose,
+    pins: &Pins,
+) -> Outcome {
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
     let (plan, _) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
     // What the draft would come to if every step worked.
@@ -136,6 +151,7 @@ fn repair_within(limit: usize, domain: &Domain, world: &World, draft: &Resolved,
         world,
         draft,
         purpose,
+        pins,
         meant: &meant,
         expanded: 0,
     };
@@ -178,6 +194,7 @@ struct Search<'a> {
     world: &'a World,
     draft: &'a Resolved,
     purpose: &'a Purpose,
+    pins: &'a Pins,
     meant: &'a Meant,
     expanded: usize,
 }
@@ -221,7 +238,7 @@ impl Search<'_> {
 
     /// The cheapest way with what is in scope; any, if looking for the cheapest takes too long.
     fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
-        let compiled = compile::compile(self.domain, self.world, scope, self.draft, self.purpose);
+        let compiled = compile::compile(self.domain, self.world, scope, self.draft, self.purpose, self.pins);
         let (task, moves) = compiled.task(self.domain, self.meant);
         let task = reduce(task);
         let (mut found, looked_at) = cheapest(&task, limit, below);

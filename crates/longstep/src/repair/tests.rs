@@ -462,7 +462,7 @@ proptest! {
         let steps = draft.complete().unwrap();
         let (plan, _) = bind(&domain, &world, &steps, &[], None);
         let report: Report = verify::check(&domain, &world, plan.clone(), &purpose);
-        match repair_within(1_000_000, &domain, &world, &draft, &purpose) {
+        match repair_within(1_000_000, &domain, &world, &draft, &purpose, &Pins::default()) {
             Outcome::Valid(valid) => {
                 prop_assert_eq!(valid.plan(), &plan);
                 prop_assert!(report.violations.is_empty());

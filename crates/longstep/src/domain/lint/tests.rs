@@ -10,6 +10,7 @@ fn starter_files() -> Files {
         goal_prompt: text("prompt/goal.md"),
         examples: text("prompt/examples.toml"),
         parts: [("plans.toml".to_owned(), text("prompt/plans.toml"))].into(),
+        feedback: text("prompt/feedback.toml"),
         ..Files::default()
     }
 }
@@ -22,6 +23,7 @@ fn greenhouse_files() -> Files {
         goal_prompt: include_str!("../../../../../examples/greenhouse/prompt/goal.md").to_owned(),
         examples: include_str!("../../../../../examples/greenhouse/prompt/examples.toml").to_owned(),
         parts: [("plans.toml".to_owned(), plans.to_owned())].into(),
+        feedback: include_str!("../../../../../examples/greenhouse/prompt/feedback.toml").to_owned(),
         ..Files::default()
     }
 }

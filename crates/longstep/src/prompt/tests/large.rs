@@ -65,6 +65,7 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
         domain,
         depot,
         instruction,
+        &[],
         ConstraintKind::JsonSchema,
         Some(ROOM),
         &mut counter,

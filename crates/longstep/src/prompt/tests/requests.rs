@@ -96,7 +96,7 @@ fn rounds_follow_the_query_and_are_never_dropped() {
     let mut counter = EstimatedTokens::default();
     let round = |n: usize| Round {
         replied: format!("attempt {n}"),
-        feedback: format!("not so {n}"),
+        said: format!("not so {n}"),
     };
     let rounds = [round(1), round(2)];
     let mut request = |room| direct_request(&domain, &world, "Swap them", &told(3), &rounds, room, &mut counter);

@@ -1,0 +1,248 @@
+//! How much of what people say about plans a model understands: set LONGSTEP_FEEDBACK_MODEL to a model reference, and
+//! run with `--ignored --nocapture`. With LONGSTEP_CORPUS, the folder of the recorded plans, two more cases are those
+//! of the paper's figure. Prints a line for each case and the figures.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+use std::path::{Path, PathBuf};
+
+use longstep::domain::{self, Domain, Files};
+use longstep::feedback::{self, Amended, FeedbackDialogue, StepWish, Wish, amend};
+use longstep::goal::{self, Understanding};
+use longstep::json;
+use longstep::plan::{Plan, PlanFile, Step, TaskCohesion, resolve};
+use longstep::prompt::{GoalDialogue, Round};
+use longstep::search::{self, Limits, Outcome};
+use longstep::verify::{Purpose, bind, check};
+use longstep::world::{self, Claim, Environment, World};
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, open, understand};
+use serde_json::Value;
+
+fn domain_named(name: &str) -> Domain {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = ["domains", "examples"].map(|place| root.join(place).join(name));
+    let folder = folder.iter().find(|folder| folder.is_dir()).unwrap();
+    let text = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
+    let files = Files {
+        folder: format!("{name}/"),
+        pddl: text("domain.pddl"),
+        words: text("domain.toml"),
+        goal_prompt: text("prompt/goal.md"),
+        examples: text("prompt/examples.toml"),
+        feedback: text("prompt/feedback.toml"),
+    };
+    domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"))
+}
+
+fn world_of(domain: &Domain, environment: &Value) -> World {
+    let text = environment.to_string();
+    let environment = Environment::from_json(&text).unwrap();
+    world::read(domain, &environment, "environment", &text, &json::Path::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn model() -> Box<dyn ChatModel> {
+    let name = std::env::var("LONGSTEP_FEEDBACK_MODEL").expect("LONGSTEP_FEEDBACK_MODEL names a model");
+    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
+    let threads = std::env::var("LONGSTEP_THREADS")
+        .ok()
+        .map(|threads| threads.parse().unwrap());
+    let options = OpenOptions {
+        threads: threads.or(Some(1)),
+        ..OpenOptions::new(cache_directory().unwrap())
+    };
+    open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What the model makes of the words, and its answer.
+fn hear(
+    model: &mut dyn ChatModel,
+    domain: &Domain,
+    world: &World,
+    plan: &Plan,
+    instruction: &str,
+    says: &str,
+) -> (Option<Wish>, String) {
+    let mut dialogue = FeedbackDialogue::new(domain, world, plan, instruction, says, model.constraint_kind());
+    let request = dialogue.request(domain, world);
+    if std::env::var_os("LONGSTEP_SHOW").is_some() {
+        println!("{}\n{:?}", request.messages.last().unwrap().text, request.constraint);
+    }
+    let reply = model.chat(&request, &mut |_: Progress| {}).unwrap();
+    let wish = dialogue.supply(domain, world, &reply);
+    (wish.ok(), dialogue.answer().to_owned())
+}
+
+/// Wishes without their sentences, in order of the steps.
+fn bare(wishes: &[StepWish]) -> Vec<StepWish> {
+    let mut wishes = wishes.to_vec();
+    for wish in &mut wishes {
+        if let StepWish::Insert { explanation, .. } | StepWish::Replace { explanation, .. } = wish {
+            explanation.clear();
+        }
+    }
+    wishes
+}
+
+fn planned(domain: &Domain, world: &World, goal: &goal::Goal) -> Plan {
+    let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
+    let Outcome::Solved { steps, .. } = outcome else {
+        panic!("{outcome:?}")
+    };
+    let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
+    steps.into_iter().map(step).collect()
+}
+
+fn written_plan(domain: &Domain, world: &World, case: &Value) -> Option<Plan> {
+    let calls = case.get("plan")?.as_array()?;
+    let cohesion = TaskCohesion {
+        task_sequence: calls.iter().map(|call| call.as_str().unwrap().to_owned()).collect(),
+        object_name: case["object"].as_str().map(str::to_owned),
+        ..TaskCohesion::default()
+    };
+    let resolved = resolve(domain, world, &cohesion);
+    Some(bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None).0)
+}
+
+fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, String) {
+    let text = |key: &str| case[key].as_str().unwrap();
+    let scene = &scenes[text("scene")];
+    let domain = domain_named(scene["domain"].as_str().unwrap());
+    let world = world_of(&domain, &scene["environment"]);
+    let goal = goal::parse(&domain, &world, text("goal")).unwrap_or_else(|error| panic!("{error}"));
+    let plan = written_plan(&domain, &world, case).unwrap_or_else(|| planned(&domain, &world, &goal));
+    let (wish, mut told) = hear(model, &domain, &world, &plan, text("instruction"), text("says"));
+    let accepted: Vec<&str> = case["right"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|a| a.as_str().unwrap())
+        .collect();
+    match wish {
+        Some(Wish::Steps(wishes)) => {
+            let same = |answer: &&str| {
+                let expected = feedback::parse(&domain, &world, answer, plan.steps().len());
+                expected.is_ok_and(|expected| expected == bare(&wishes))
+            };
+            let mut right = accepted.iter().any(same);
+            let outcome = match amend(&domain, &world, &plan, &wishes, &goal.purpose(&domain)) {
+                Amended::Done(amendment) => {
+                    let edits: Vec<String> = amendment
+                        .edits
+                        .iter()
+                        .map(|edit| edit.told(plan.steps().len()))
+                        .collect();
+                    told = format!("{told} [done {}]", edits.join("; "));
+                    let says = |sentence: &str| amendment.plan.steps().iter().any(|step| step.explanation == sentence);
+                    right &= case["sentence"].as_str().is_none_or(says);
+                    "done"
+                }
+                Amended::Impossible { why, .. } => {
+                    told = format!("{told} [{}]", why.join("; "));
+                    "impossible"
+                }
+            };
+            right &= case["outcome"].as_str().is_none_or(|expected| expected == outcome);
+            (right, told)
+        }
+        Some(Wish::Goal) if accepted.contains(&"goal") => {
+            let rounds = [Round {
+                replied: text("goal").to_owned(),
+                said: text("says").to_owned(),
+            }];
+            let mut dialogue =
+                GoalDialogue::again(&domain, &world, text("instruction"), &rounds, model.constraint_kind());
+            let understood = understand(model, &domain, &world, &mut dialogue, &mut |_: Progress| {});
+            told = format!("{told} -> {}", dialogue.answer());
+            let expected = goal::parse(&domain, &world, text("then")).unwrap();
+            let right = matches!(&understood, Ok(Understanding::Goal(goal, _)) if *goal == expected);
+            (right, told)
+        }
+        _ => (false, told),
+    }
+}
+
+#[test]
+#[ignore = "asks a real model"]
+fn own_cases() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/feedback/cases.json");
+    let file: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let mut model = model();
+    let (mut right, mut all) = (0, 0);
+    for case in file["cases"].as_array().unwrap() {
+        let only = std::env::var("LONGSTEP_ONLY").unwrap_or_default();
+        if !case["says"].as_str().unwrap().contains(&only) {
+            continue;
+        }
+        let (ok, told) = is_right(model.as_mut(), &file["scenes"], case);
+        all += 1;
+        right += usize::from(ok);
+        println!("{} {}  ->  {told}", if ok { "ok   " } else { "WRONG" }, case["says"]);
+    }
+    println!("== {right} of {all} right");
+}
+
+#[test]
+#[ignore = "asks a real model about the recorded plans"]
+fn figure() {
+    let folder = std::env::var_os("LONGSTEP_CORPUS").expect("LONGSTEP_CORPUS names the folder of the recorded plans");
+    let file = PathBuf::from(folder).join("household/shelf.json");
+    let scene: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let recorded: PlanFile = serde_json::from_value(scene["steps"][0]["recorded"].clone()).unwrap();
+    let instruction = scene["steps"][0]["instruction"].as_str().unwrap();
+    let domain = domain_named("household");
+    let world = world_of(&domain, &scene["steps"][0]["recorded"]["environment_before"]);
+    let purpose = Purpose {
+        claim: recorded
+            .environment_after
+            .as_ref()
+            .map(|after| Claim::read(&domain, &world, after)),
+        ..Purpose::default()
+    };
+    let plan_without = |left_out: Option<usize>| {
+        let mut cohesion = recorded.task_cohesion.clone();
+        if let Some(index) = left_out {
+            cohesion.task_sequence.remove(index);
+            cohesion.step_instructions.remove(index);
+        }
+        let resolved = resolve(&domain, &world, &cohesion);
+        let (plan, _) = bind(
+            &domain,
+            &world,
+            &resolved.complete().unwrap(),
+            &resolved.objects,
+            purpose.claim.as_ref(),
+        );
+        check(&domain, &world, plan, &purpose)
+            .into_verified()
+            .unwrap()
+            .plan()
+            .clone()
+    };
+    let mut model = model();
+    for (left_out, says, moves) in [
+        (Some(4), "Insert another move_object() to move the juice upward.", 3),
+        (None, "In this case, you can omit one move_object().", 2),
+    ] {
+        let plan = plan_without(left_out);
+        let (wish, answer) = hear(model.as_mut(), &domain, &world, &plan, instruction, says);
+        let Some(Wish::Steps(wishes)) = wish else {
+            panic!("{answer}")
+        };
+        let Amended::Done(amendment) = amend(&domain, &world, &plan, &wishes, &purpose) else {
+            panic!("{answer}")
+        };
+        let calls: Vec<String> = amendment
+            .plan
+            .steps()
+            .iter()
+            .map(|s| s.call(&domain, &world).to_string())
+            .collect();
+        println!("{says}  ->  {answer}  ->  {}", calls.join(", "));
+        for step in amendment.plan.steps() {
+            println!("    {}", step.explanation);
+        }
+        assert_eq!(calls.iter().filter(|call| *call == "move_object()").count(), moves);
+        assert!(amendment.edits.is_empty());
+    }
+    println!("== 2 of 2 right");
+}

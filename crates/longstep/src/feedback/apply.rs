@@ -1,0 +1,198 @@
+//! Wishes and a plan make a draft: which of its steps are settled, and what is not to come back.
+
+use super::StepWish;
+use super::difference::unwanted;
+use crate::domain::{ActionId, Domain, plain_words, singular};
+use crate::plan::{DraftStep, Plan, Resolved, Step};
+use crate::repair::Pins;
+use crate::world::{EntityId, World};
+
+/// A plan after the wishes, not verified yet.
+pub(super) struct Applied {
+    pub(super) draft: Resolved,
+    pub(super) pins: Pins,
+}
+
+/// Applies the wishes to the plan, all at once.
+pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish]) -> Applied {
+    let steps = plan.steps();
+    let mut applied = Applied {
+        draft: Resolved::default(),
+        pins: Pins::default(),
+    };
+    let drafted = &mut applied.draft.steps;
+    let kept = &mut applied.pins.kept;
+    let mut gone: Vec<(&Step, usize)> = Vec::new();
+    let passed = |index: usize| {
+        wishes.iter().any(|wish| match wish {
+            StepWish::Move { step, before } => {
+                (*step + 1..*before).contains(&index) || (*before..*step).contains(&index)
+            }
+            _ => false,
+        })
+    };
+    for index in 0..=steps.len() {
+        for wish in wishes.iter().filter(|wish| wish.before() == Some(index)) {
+            kept.push(drafted.len());
+            drafted.push(Some(match wish {
+                StepWish::Insert {
+                    action,
+                    arguments,
+                    explanation,
+                    ..
+                } => DraftStep {
+                    action: *action,
+                    arguments: arguments.clone(),
+                    explanation: explanation.clone(),
+                },
+                other => as_draft(&steps[other.step().unwrap_or(index)]),
+            }));
+        }
+        let Some(step) = steps.get(index) else { break };
+        match wishes.iter().find(|wish| wish.step() == Some(index)) {
+            None => {
+                // A step that something was moved past stays where it is, or the move would come to nothing.
+                if passed(index) {
+                    kept.push(drafted.len());
+                }
+                drafted.push(Some(as_draft(step)));
+            }
+            Some(StepWish::Replace {
+                action,
+                arguments,
+                explanation,
+                ..
+            }) => {
+                gone.push((step, drafted.len()));
+                kept.push(drafted.len());
+                drafted.push(Some(DraftStep {
+                    action: *action,
+                    arguments: arguments.clone(),
+                    explanation: explanation.clone(),
+                }));
+            }
+            Some(_) => gone.push((step, drafted.len())),
+        }
+    }
+    applied.pins.unwanted = unwanted(&gone, drafted);
+    applied.draft.written = drafted
+        .iter()
+        .flatten()
+        .map(|step| super::written(domain, world, step.action, &step.arguments))
+        .collect();
+    let mut objects: Vec<EntityId> = steps.iter().filter_map(|step| step.object(domain)).collect();
+    for step in drafted.iter().flatten() {
+        objects.extend(
+            domain
+                .action(step.action)
+                .object
+                .and_then(|object| step.arguments[object]),
+        );
+    }
+    for object in objects {
+        if !applied.draft.objects.contains(&object) {
+            applied.draft.objects.push(object);
+        }
+    }
+    applied
+}
+
+fn as_draft(step: &Step) -> DraftStep {
+    DraftStep {
+        action: step.action,
+        arguments: step.arguments.iter().copied().map(Some).collect(),
+        explanation: step.explanation.clone(),
+    }
+}
+
+/// The wishes with what they leave open taken from the steps around: "another move_object()" handles the same thing,
+/// and goes the same way, unless its words name another place.
+pub(super) fn completed(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish]) -> Vec<StepWish> {
+    let mut wishes = wishes.to_vec();
+    for wish in &mut wishes {
+        let (at, own) = match wish {
+            StepWish::Insert { before, .. } => (*before, None),
+            StepWish::Replace { step, .. } => (*step + 1, plan.steps().get(*step)),
+            _ => continue,
+        };
+        if let StepWish::Insert {
+            action,
+            arguments,
+            explanation,
+            ..
+        }
+        | StepWish::Replace {
+            action,
+            arguments,
+            explanation,
+            ..
+        } = wish
+        {
+            complete(domain, world, plan.steps(), at, own, *action, arguments, explanation);
+        }
+    }
+    wishes
+}
+
+#[expect(clippy::too_many_arguments, reason = "the parts of one wish and where it stands")]
+fn complete(
+    domain: &Domain,
+    world: &World,
+    steps: &[Step],
+    at: usize,
+    own: Option<&Step>,
+    action: ActionId,
+    arguments: &mut [Option<EntityId>],
+    explanation: &str,
+) {
+    let (before, after) = steps.split_at(at.min(steps.len()));
+    let around = || own.into_iter().chain(after).chain(before.iter().rev());
+    let object = domain.action(action).object;
+    if let Some(place) = object.filter(|place| arguments[*place].is_none()) {
+        let kind = domain.action(action).parameters[place].kind;
+        // What has just been handled is handled on.
+        let handled = own.into_iter().chain(before.iter().rev()).chain(after);
+        let mut objects = handled.filter_map(|step| step.object(domain));
+        arguments[place] = objects.find(|entity| world.is_of_kind(*entity, kind));
+    }
+    let agrees = |step: &&Step| {
+        step.action == action
+            && arguments
+                .iter()
+                .zip(&step.arguments)
+                .all(|(known, other)| known.is_none_or(|known| known == *other))
+    };
+    let Some(like) = around().find(agrees) else { return };
+    let words: Vec<String> = plain_words(explanation).iter().map(|word| singular(word)).collect();
+    let handled: Vec<EntityId> = steps.iter().filter_map(|step| step.object(domain)).collect();
+    let names_another = world
+        .entities()
+        .any(|(id, entity)| !handled.contains(&id) && entity.words_in(&words) > 0);
+    if !names_another {
+        for (known, other) in arguments.iter_mut().zip(&like.arguments) {
+            known.get_or_insert(*other);
+        }
+    }
+}
+
+/// The draft with every hidden place open again that neither a person nor a sentence names: what verification chose,
+/// verification may choose anew. None if there is no such place.
+pub(super) fn reopened(domain: &Domain, world: &World, draft: &Resolved) -> Option<Resolved> {
+    let mut draft = draft.clone();
+    let mut any = false;
+    for step in draft.steps.iter_mut().flatten() {
+        let words: Vec<String> = plain_words(&step.explanation)
+            .iter()
+            .map(|word| singular(word))
+            .collect();
+        let action = domain.action(step.action);
+        for parameter in action.implicit().filter(|parameter| action.object != Some(*parameter)) {
+            let named = step.arguments[parameter].is_some_and(|entity| world.entity(entity).words_in(&words) > 0);
+            if !named {
+                any |= step.arguments[parameter].is_some();
+                step.arguments[parameter] = None;
+            }
+        }
+    }
+    any.then_some(draft)
+}

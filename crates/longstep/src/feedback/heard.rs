@@ -1,0 +1,300 @@
+//! What the words of a person name for certain: actions by their calls, steps by their numbers, things.
+
+use crate::domain::{ActionId, Domain, plain_words, singular};
+use crate::goal::Spoken;
+use crate::plan::{Plan, Step};
+use crate::world::{EntityId, World};
+
+/// What words about a plan name.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Heard {
+    /// Actions that are written as calls are.
+    pub(super) actions: Vec<ActionId>,
+    /// Steps that are named by number, in order.
+    pub(super) steps: Vec<usize>,
+    /// Places between steps, where the words say before or after which step.
+    pub(super) places: Vec<usize>,
+    /// Whether one of these places is told by a step's number.
+    pub(super) names_place: bool,
+    /// Things.
+    pub(super) entities: Vec<EntityId>,
+    /// For each step of the plan, how many of the words its sentence has.
+    pub(super) likeness: Vec<usize>,
+    /// What should be done, as far as the words tell: the verbs of the language.
+    pub(super) verbs: Vec<&'static str>,
+}
+
+/// Words that ask for a change of the steps, by the verb of the language that is meant. Stems and pairs of words.
+const CUES: [(&str, &[&str]); 4] = [
+    ("insert", &["insert", "add", "another", "additional", "extra", "more"]),
+    (
+        "drop",
+        &[
+            "omit",
+            "skip",
+            "drop",
+            "remove",
+            "delete",
+            "leave out",
+            "cut out",
+            "unnecessary",
+            "superfluous",
+            "redundant",
+            "needless",
+            "no need",
+            "dont need",
+            "not need",
+            "neednt",
+        ],
+    ),
+    ("replace", &["replac", "instead", "rather", "exchang", "substitut"]),
+    (
+        "move",
+        &[
+            "swap",
+            "earlier",
+            "later",
+            "before",
+            "after",
+            "first",
+            "order",
+            "move step",
+        ],
+    ),
+];
+
+const ORDINALS: [&str; 10] = [
+    "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth",
+];
+const CARDINALS: [&str; 10] = [
+    "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+];
+
+/// Words that say nothing about which step is meant.
+const EMPTY: &str = "a an and another as be because before but can case could do does for from hand have i if in \
+    instead is it just last later leave let more need no not of off on once one only out over please put rather same \
+    should so step task that the their them then there these they thing this those to too up use we when which why \
+    will with without would you your move_object insert add omit skip drop remove delete replace after first again";
+
+impl Heard {
+    /// Listens to what is said about a plan.
+    pub(super) fn of(domain: &Domain, world: &World, plan: &Plan, words: &str) -> Self {
+        let tokens = plain_words(words);
+        let actions = named_actions(domain, words);
+        let mut heard = Self {
+            entities: Spoken::of(domain, world, words).entities,
+            likeness: likeness(domain, world, plan.steps(), &tokens),
+            actions,
+            ..Self::default()
+        };
+        heard.numbered(plan, &tokens, domain);
+        let joined = tokens.join(" ");
+        let says = |cue: &str| match cue.contains(' ') {
+            true => joined.contains(cue),
+            false => tokens.iter().any(|token| token.starts_with(cue)),
+        };
+        for (verb, cues) in CUES {
+            if cues.iter().any(|cue| says(cue)) {
+                heard.verbs.push(verb);
+            }
+        }
+        heard
+    }
+
+    /// Whether the words name a step or a call: then they are about the steps, not about what is wanted.
+    pub(super) fn is_about_steps(&self) -> bool {
+        !self.actions.is_empty() || !self.steps.is_empty() || self.names_place
+    }
+
+    /// "Step 3", "steps 2 and 4", "the third step", "the last two", "the second move_object()".
+    fn numbered(&mut self, plan: &Plan, tokens: &[String], domain: &Domain) {
+        let length = plan.steps().len();
+        let mut at = 0;
+        while at < tokens.len() {
+            let begin = at;
+            let mut found = Vec::new();
+            if matches!(
+                tokens[at].trim_end_matches('s'),
+                "step" | "number" | "no" | "task" | "line"
+            ) {
+                let mut next = at + 1;
+                while let Some(number) = tokens.get(next).and_then(|token| number(token)) {
+                    found.push(number);
+                    at = next;
+                    next += 1;
+                    let joined = tokens.get(next).is_some_and(|token| token == "and" || token == "or");
+                    if joined && tokens.get(next + 1).is_some_and(|token| number_only(token)) {
+                        next += 1;
+                    }
+                }
+            } else if let Some(counted) = self.counted(plan, tokens, at, domain) {
+                found = counted;
+            }
+            found.retain(|number| (1..=length).contains(number));
+            let before_it = &tokens[begin.saturating_sub(3)..begin];
+            let side = before_it
+                .iter()
+                .rev()
+                .find(|token| *token == "before" || *token == "after");
+            for number in found {
+                match side.map(String::as_str) {
+                    // Where it says where, it does not say which.
+                    Some("before") => self.places.push(number - 1),
+                    Some(_) => self.places.push(number),
+                    None if !self.steps.contains(&(number - 1)) => self.steps.push(number - 1),
+                    None => {}
+                }
+            }
+            at += 1;
+        }
+        self.names_place = !self.places.is_empty();
+        let ends = tokens.windows(3).any(|three| three.join(" ") == "at the end");
+        if ends {
+            self.places.push(length);
+        }
+        if tokens
+            .windows(3)
+            .any(|three| three == ["at", "the", "beginning"] || three == ["at", "the", "start"])
+        {
+            self.places.push(0);
+        }
+    }
+
+    /// Steps counted from an end: "the third step", "the last two steps", "the second move_object()".
+    fn counted(&self, plan: &Plan, tokens: &[String], at: usize, domain: &Domain) -> Option<Vec<usize>> {
+        let ordinal = ORDINALS.iter().position(|word| *word == tokens[at]);
+        let last = tokens[at] == "last";
+        if ordinal.is_none() && !last {
+            return None;
+        }
+        let many = tokens.get(at + 1).and_then(|token| number(token));
+        let noun = tokens.get(at + 1 + usize::from(many.is_some()))?;
+        // Which steps are counted: all, or those of an action that is named behind.
+        let rest = tokens[at + 1 + usize::from(many.is_some())..].join(" ");
+        let of_action = self.actions.iter().find(|action| {
+            let call = plain_words(&domain.action(**action).call).join(" ");
+            rest.starts_with(&call)
+        });
+        let steps = plan.steps().iter().enumerate();
+        let counted: Vec<usize> = match (of_action, noun.trim_end_matches('s')) {
+            (Some(action), _) => steps
+                .filter(|(_, step)| step.action == *action)
+                .map(|(index, _)| index + 1)
+                .collect(),
+            (None, "step" | "task" | "action") => steps.map(|(index, _)| index + 1).collect(),
+            (None, _) => return None,
+        };
+        let many = many.unwrap_or(1).min(counted.len());
+        Some(match ordinal {
+            None => counted[counted.len() - many..].to_vec(),
+            Some(0) => counted[..many].to_vec(),
+            Some(ordinal) => counted.get(ordinal).copied().into_iter().collect(),
+        })
+    }
+}
+
+fn number_only(token: &str) -> bool {
+    number(token).is_some()
+}
+
+fn number(token: &str) -> Option<usize> {
+    let written = CARDINALS.iter().position(|word| *word == token).map(|index| index + 1);
+    token.parse().ok().or(written)
+}
+
+/// Actions whose call stands in the words as no ordinary word would: `move_object`, `open()`, `PutIn`.
+fn named_actions(domain: &Domain, words: &str) -> Vec<ActionId> {
+    let symbol = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+    let mut named = Vec::new();
+    for (id, action) in domain.action_ids() {
+        let call = action.call.to_lowercase();
+        let lower = words.to_lowercase();
+        let spelt = lower.match_indices(&call).any(|(at, _)| {
+            let before = lower[..at].chars().next_back();
+            let after = lower[at + call.len()..].chars().next();
+            let whole = !before.is_some_and(symbol) && !after.is_some_and(symbol);
+            let odd = call.contains('_') || action.call.chars().skip(1).any(char::is_uppercase);
+            whole && (odd || after == Some('('))
+        });
+        if spelt {
+            named.push(id);
+        }
+    }
+    named
+}
+
+/// For each step, how many of the words stand in its sentence or its call.
+fn likeness(domain: &Domain, world: &World, steps: &[Step], tokens: &[String]) -> Vec<usize> {
+    let empty: Vec<&str> = EMPTY.split_whitespace().collect();
+    let stems = |words: Vec<String>| -> Vec<String> {
+        let full = words.into_iter().filter(|word| !empty.contains(&word.as_str()));
+        let mut stems: Vec<String> = full.map(|word| stem(&word)).collect();
+        stems.sort();
+        stems.dedup();
+        stems
+    };
+    let said = stems(tokens.to_vec());
+    steps
+        .iter()
+        .map(|step| {
+            let text = format!(
+                "{} {}",
+                step.call(domain, world).name.replace('_', " "),
+                step.explanation
+            );
+            let own = stems(plain_words(&text));
+            own.iter().filter(|word| said.contains(word)).count()
+        })
+        .collect()
+}
+
+/// A word without the endings of English verbs and plurals, as far as simple rules go.
+fn stem(word: &str) -> String {
+    let single = singular(word);
+    let bare = ["ing", "ed"].iter().find_map(|ending| single.strip_suffix(ending));
+    let bare = bare.filter(|bare| bare.len() >= 3).unwrap_or(&single);
+    // "Moving" and "move", "skipping" and "skip".
+    let bare = bare.strip_suffix('e').unwrap_or(bare);
+    let mut stem = bare.to_owned();
+    let mut ends = bare.chars().rev();
+    if let (Some(last), Some(other)) = (ends.next(), ends.next())
+        && last == other
+        && bare.len() > 3
+    {
+        stem.pop();
+    }
+    stem
+}
+
+/// What a step is for, where the words say so: "to move the tea upward", "so that ...".
+pub(super) fn what_for(world: &World, words: &str) -> Option<String> {
+    let lower = words.to_lowercase();
+    let mut from = 0;
+    while let Some(found) = lower[from..].find(" to ") {
+        let begin = from + found + " to ".len();
+        let rest = words.get(begin..)?;
+        let stops = [
+            " before ",
+            " after ",
+            " between ",
+            " at the end",
+            " and then ",
+            " instead",
+        ];
+        let stop = stops.iter().filter_map(|stop| rest.find(stop)).min();
+        let end = rest.find([',', '.', ';', '!', '?', '(']);
+        let end = end.into_iter().chain(stop).min().unwrap_or(rest.len());
+        let clause = rest[..end].trim();
+        let mut parts = clause.split_whitespace();
+        let verb = parts.next().map(str::to_lowercase).unwrap_or_default();
+        let a_place = world
+            .entities()
+            .any(|(_, entity)| entity.names.iter().any(|name| plain_words(name).first() == Some(&verb)));
+        let no_verb = ["the", "a", "an", "this", "that", "my", "your", "it", "step", "be"].contains(&verb.as_str());
+        if parts.next().is_some() && !a_place && !no_verb && verb.chars().all(char::is_alphabetic) {
+            return Some(clause.to_owned());
+        }
+        from = begin;
+    }
+    None
+}

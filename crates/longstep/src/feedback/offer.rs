@@ -1,0 +1,188 @@
+//! Which changes of a plan make sense to write after what a person said.
+
+use super::heard::Heard;
+use crate::domain::{ActionId, Domain};
+use crate::plan::{DraftStep, Plan};
+use crate::verify::{apply, candidates, unmet};
+use crate::world::{EntityId, State, World};
+
+/// An action with what its call shows.
+pub(super) type Called = (ActionId, Vec<Option<EntityId>>);
+
+/// What may be written. Steps and places between them count from 0.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Offers {
+    /// That the words are about what is wanted.
+    pub(super) goal: bool,
+    /// A question back.
+    pub(super) question: bool,
+    /// Calls, and the places where they may stand.
+    pub(super) inserts: Vec<(Called, Vec<usize>)>,
+    pub(super) drops: Vec<usize>,
+    pub(super) replaces: Vec<(usize, Vec<Called>)>,
+    pub(super) moves: Vec<(usize, Vec<usize>)>,
+    /// Whether several changes may be written.
+    pub(super) several: bool,
+}
+
+/// More calls than this are not listed; those about things that the words name come first.
+const LIMIT: usize = 240;
+
+/// What the words leave open. What they name decides: a call, a step's number, a thing. An inserted step is offered
+/// where it can be done in the plan as it is, if there is such a place and the words do not name one.
+pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, several: bool) -> Offers {
+    let length = plan.steps().len();
+    let asks = |verb: &str| !heard.is_about_steps() || heard.verbs.is_empty() || heard.verbs.contains(&verb);
+    let mut offers = Offers {
+        goal: !heard.is_about_steps(),
+        question: !heard.is_about_steps() || heard.verbs.is_empty(),
+        several,
+        ..Offers::default()
+    };
+    let calls = calls(domain, world, plan, heard);
+    if asks("insert") {
+        offers.inserts = inserts(domain, world, plan, heard, &calls);
+    }
+    let meant = meant_steps(plan, heard);
+    if asks("drop") {
+        offers.drops.clone_from(&meant);
+    }
+    if asks("replace") {
+        for step in &meant {
+            let own = &plan.steps()[*step];
+            let same = |(action, arguments): &&Called| {
+                let shown = domain.action(own.action).explicit.iter();
+                *action == own.action && shown.clone().all(|p| arguments[*p] == Some(own.arguments[*p]))
+            };
+            let others: Vec<Called> = calls.iter().filter(|call| !same(call)).cloned().collect();
+            if !others.is_empty() {
+                offers.replaces.push((*step, others));
+            }
+        }
+    }
+    if asks("move") {
+        let near: Vec<usize> = heard.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
+        for step in &meant {
+            let changes = |place: &usize| *place != *step && *place != *step + 1;
+            let all: Vec<usize> = (0..=length).filter(changes).collect();
+            let placed: Vec<usize> = all.iter().copied().filter(|at| heard.places.contains(at)).collect();
+            let beside: Vec<usize> = all.iter().copied().filter(|at| near.contains(at)).collect();
+            let places = [placed, beside, all].into_iter().find(|places| !places.is_empty());
+            offers.moves.extend(places.map(|places| (*step, places)));
+        }
+    }
+    let nothing = offers.inserts.is_empty() && offers.drops.is_empty() && offers.replaces.is_empty();
+    offers.question |= nothing && offers.moves.is_empty();
+    offers
+}
+
+/// The steps that the words can mean: by number, else by call, and of these the ones that are most alike.
+fn meant_steps(plan: &Plan, heard: &Heard) -> Vec<usize> {
+    if !heard.steps.is_empty() {
+        return heard.steps.clone();
+    }
+    let all = 0..plan.steps().len();
+    let called = |step: &usize| heard.actions.contains(&plan.steps()[*step].action);
+    let mut meant: Vec<usize> = match all.clone().any(|step| called(&step)) {
+        true => all.filter(called).collect(),
+        false => all.collect(),
+    };
+    let most = meant.iter().map(|step| heard.likeness[*step]).max().unwrap_or(0);
+    meant.retain(|step| heard.likeness[*step] == most);
+    meant
+}
+
+/// The calls that can be meant: those that are named, of things that the words or the plan speak of.
+fn calls(domain: &Domain, world: &World, plan: &Plan, heard: &Heard) -> Vec<Called> {
+    let mut pool = heard.entities.clone();
+    for step in plan.steps() {
+        let shown = domain.action(step.action).explicit.iter();
+        pool.extend(shown.map(|parameter| step.arguments[*parameter]));
+    }
+    let mut known: Vec<EntityId> = Vec::new();
+    for entity in pool {
+        if !known.contains(&entity) {
+            known.push(entity);
+        }
+    }
+    let in_plan = |action: ActionId| plan.steps().iter().any(|step| step.action == action);
+    let mut calls: Vec<Called> = Vec::new();
+    for (id, action) in domain.action_ids() {
+        if !heard.actions.is_empty() && !heard.actions.contains(&id) {
+            // Who says which call goes need not say which one comes.
+            let only_old = heard.verbs.contains(&"replace") && heard.actions.iter().all(|action| in_plan(*action));
+            if !only_old {
+                continue;
+            }
+        }
+        let mut all: Vec<Vec<Option<EntityId>>> = vec![vec![None; action.parameters.len()]];
+        for parameter in &action.explicit {
+            let kind = action.parameters[*parameter].kind;
+            let fitting = known.iter().filter(|entity| world.is_of_kind(**entity, kind));
+            let longer = |arguments: &Vec<Option<EntityId>>| {
+                fitting
+                    .clone()
+                    .filter(|entity| !arguments.contains(&Some(**entity)))
+                    .map(|entity| {
+                        let mut arguments = arguments.clone();
+                        arguments[*parameter] = Some(*entity);
+                        arguments
+                    })
+                    .collect::<Vec<_>>()
+            };
+            all = all.iter().flat_map(longer).collect();
+        }
+        calls.extend(all.into_iter().map(|arguments| (id, arguments)));
+    }
+    let named = |(_, arguments): &Called| arguments.iter().flatten().any(|thing| heard.entities.contains(thing));
+    let shows_nothing = |(action, _): &Called| domain.action(*action).explicit.is_empty();
+    if calls.iter().any(named) {
+        calls.retain(|call| named(call) || shows_nothing(call));
+    }
+    calls.truncate(LIMIT);
+    calls
+}
+
+fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[Called]) -> Vec<(Called, Vec<usize>)> {
+    let length = plan.steps().len();
+    let states = states(domain, world, plan);
+    let objects: Vec<EntityId> = plan.steps().iter().filter_map(|step| step.object(domain)).collect();
+    let place = |call: &Called| -> Vec<usize> {
+        if !heard.places.is_empty() {
+            return heard.places.clone();
+        }
+        if !heard.steps.is_empty() && !heard.verbs.contains(&"drop") {
+            return heard.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
+        }
+        let step = DraftStep {
+            action: call.0,
+            arguments: call.1.clone(),
+            explanation: String::new(),
+        };
+        let choices = candidates(domain, world, &step, &objects, &rustc_hash::FxHashSet::default());
+        let precondition = &domain.action(call.0).precondition;
+        let can_be_done = |state: &State| {
+            let done = |choice: &crate::verify::Candidate| {
+                unmet(world, state, precondition, &mut choice.arguments.clone()).is_empty()
+            };
+            choices.iter().any(done)
+        };
+        let possible: Vec<usize> = (0..=length).filter(|at| can_be_done(&states[*at])).collect();
+        match possible.is_empty() {
+            true => (0..=length).collect(),
+            false => possible,
+        }
+    };
+    calls.iter().map(|call| (call.clone(), place(call))).collect()
+}
+
+/// The state before each step, and after the last.
+fn states(domain: &Domain, world: &World, plan: &Plan) -> Vec<State> {
+    let mut states = vec![world.state.clone()];
+    for step in plan.steps() {
+        let mut state = states[states.len() - 1].clone();
+        apply(world, &mut state, domain.action(step.action), &step.arguments);
+        states.push(state);
+    }
+    states
+}

@@ -1,0 +1,319 @@
+//! Words and wishes in, changed plans and reasons out.
+
+use super::heard::{Heard, what_for};
+use super::*;
+use crate::domain::{self, Domain};
+use crate::json::Path;
+use crate::plan::{Plan, TaskCohesion, resolve};
+use crate::prompt::{ConstraintKind, Finish, Reply, Usage};
+use crate::repair::Reach;
+use crate::search::{self, Limits, Outcome};
+use crate::world::{self, Environment, World};
+use crate::{goal, verify};
+
+const DEN: &str = r#"{
+    "assets": ["<desk>", "<rack_low>", "<rack_high>", "<cabinet>", "<floor>"],
+    "objects": ["<tea>", "<cabinet_handle>"],
+    "object_states": {"<tea>": "on_something(<rack_low>)", "<cabinet_handle>": "closed()"}}"#;
+
+const STUDIO: &str = r#"{
+    "assets": ["<desk_1>", "<fridge_2>", "<sofa_3>"],
+    "objects": ["<milk_4>"],
+    "object_states": {"<milk_4>": ["ON(<desk_1>)"]},
+    "asset_properties": {"<fridge_2>": ["IS_OPENABLE"], "<desk_1>": ["NOT_OPENABLE"], "<sofa_3>": ["NOT_OPENABLE"]}}"#;
+
+/// A domain, a world of it, and the plan for a goal there.
+struct Scene {
+    domain: Domain,
+    world: World,
+    plan: Plan,
+    purpose: verify::Purpose,
+}
+
+fn scene(name: &str, environment: &str, wanted: &str) -> Scene {
+    let domain = domain::shipped(name).unwrap().unwrap();
+    let read = Environment::from_json(environment).unwrap();
+    let world = world::read(&domain, &read, "env.json", environment, &Path::default()).unwrap();
+    let goal = goal::parse(&domain, &world, wanted).unwrap();
+    let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
+    let Outcome::Solved { steps, .. } = outcome else {
+        panic!("{outcome:?}")
+    };
+    let steps = steps.into_iter();
+    let plan = steps.map(|s| crate::plan::Step::explained(&domain, &world, s.action, s.arguments));
+    Scene {
+        plan: plan.collect(),
+        purpose: goal.purpose(&domain),
+        domain,
+        world,
+    }
+}
+
+fn den() -> Scene {
+    scene("household", DEN, "put(tea, rack high)")
+}
+
+fn studio() -> Scene {
+    scene("virtualhome", STUDIO, "put(milk, fridge)")
+}
+
+impl Scene {
+    /// The sentences of the changed plan and what was changed besides, or what stands in the way.
+    fn amended(&self, wishes: &[StepWish]) -> Vec<String> {
+        match amend(&self.domain, &self.world, &self.plan, wishes, &self.purpose) {
+            Amended::Done(done) => {
+                let sentences = done.plan.steps().iter().map(|step| step.explanation.clone());
+                let edits = done.edits.iter().map(|edit| format!("({})", edit.told(usize::MAX)));
+                sentences.chain(edits).collect()
+            }
+            Amended::Impossible { why, .. } => why,
+        }
+    }
+
+    #[track_caller]
+    fn check(&self, answer: &str, expected: &[&str]) {
+        let wishes = parse(&self.domain, &self.world, answer, self.plan.steps().len()).unwrap();
+        assert_eq!(self.amended(&wishes), expected, "{answer}");
+    }
+
+    fn heard(&self, words: &str) -> Heard {
+        Heard::of(&self.domain, &self.world, &self.plan, words)
+    }
+
+    /// Supplies an answer to what was said.
+    fn supplied(&self, said: &str, answer: &str, kind: ConstraintKind) -> Result<Wish, String> {
+        let mut dialogue = FeedbackDialogue::new(&self.domain, &self.world, &self.plan, "Do it", said, kind);
+        let request = dialogue.request(&self.domain, &self.world);
+        assert_eq!(request, dialogue.request(&self.domain, &self.world));
+        let reply = Reply {
+            text: answer.to_owned(),
+            finish: Finish::Stop,
+            usage: Usage::default(),
+        };
+        let supplied = dialogue.supply(&self.domain, &self.world, &reply);
+        supplied.map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn a_plan_without_wishes_stays() {
+    let sentences: Vec<String> = den().plan.steps().iter().map(|s| s.explanation.clone()).collect();
+    assert_eq!(den().amended(&[]), sentences);
+}
+
+#[test]
+fn a_step_more_goes_the_way_of_its_neighbours_and_keeps_its_words() {
+    let den = den();
+    let mut wishes = parse(&den.domain, &den.world, "insert move_object() after 3", 6).unwrap();
+    if let StepWish::Insert { explanation, .. } = &mut wishes[0] {
+        explanation.push_str("move the tea upward");
+    }
+    let expected = [
+        "move the hand to the tea",
+        "grasp the tea",
+        "pick up the tea from the rack low",
+        "move the tea upward",
+        "move the tea to the rack high",
+        "put down the tea at the rack high",
+        "release the tea",
+    ];
+    assert_eq!(den.amended(&wishes), expected);
+    // One of the two can go again.
+    let plan = match amend(&den.domain, &den.world, &den.plan, &wishes, &den.purpose) {
+        Amended::Done(done) => done.plan.plan().clone(),
+        other => panic!("{other:?}"),
+    };
+    let longer = Scene { plan, ..den };
+    for step in [3, 4] {
+        assert_eq!(longer.amended(&[StepWish::Drop { step }]).len(), 6);
+    }
+}
+
+#[test]
+fn what_cannot_be_had_is_refused_with_the_facts() {
+    let den = den();
+    den.check(
+        "drop 4",
+        &["step 4: attach_to_plane() needs that the hand is at the rack high"],
+    );
+    den.check("drop 6", &["at the end: the tea must be released"]);
+    den.check(
+        "move 3 before 2",
+        &[
+            "step 2: detach_from_plane() needs that the hand holds the tea",
+            "it would take 9 other changes of the plan",
+        ],
+    );
+    let studio = studio();
+    studio.check(
+        "drop 4",
+        &[
+            "step 4: PutIn(<milk_4>, <fridge_2>) needs that the fridge is not closed",
+            "step 5: Close(<fridge_2>) needs that the fridge is not closed",
+        ],
+    );
+    studio.check("drop 6", &["at the end: the fridge must be closed again"]);
+}
+
+#[test]
+fn the_rest_of_the_plan_is_mended_around_a_wish() {
+    studio().check(
+        "move 4 before 1",
+        &[
+            "walk to the fridge",
+            "open the fridge",
+            "walk to the milk",
+            "grab the milk",
+            "walk to the fridge",
+            "put the milk into the fridge",
+            "close the fridge",
+            "(insert Walktowards(<fridge_2>) before step 1)",
+        ],
+    );
+    // The person's step stays although it changes nothing.
+    studio().check(
+        "insert Walktowards(fridge) after 3",
+        &[
+            "walk to the milk",
+            "grab the milk",
+            "walk to the fridge",
+            "walk to the fridge",
+            "open the fridge",
+            "put the milk into the fridge",
+            "close the fridge",
+        ],
+    );
+}
+
+#[test]
+fn steps_that_there_are_not_are_told() {
+    let wish = StepWish::Drop { step: 9 };
+    assert_eq!(den().amended(&[wish]), ["the plan has no step 10"]);
+    for (answer, expected) in [
+        ("drop 9", "`drop 9`: the plan has 6 steps"),
+        ("insert fly() after 1", "`fly()` calls no action of this domain"),
+        (
+            "insert mov_object() after 1",
+            "`mov_object()` calls no action of this domain; did you mean `move_object`?",
+        ),
+    ] {
+        let error = parse(&den().domain, &den().world, answer, 6).unwrap_err();
+        assert_eq!(error.to_string(), expected);
+    }
+}
+
+#[test]
+fn words_name_steps_by_number() {
+    let den = den();
+    for (words, expected) in [
+        ("Skip step 3.", &[2][..]),
+        ("Steps 2 and 4 can go", &[1, 3]),
+        ("leave out the last two steps", &[4, 5]),
+        ("the first step is not needed", &[0]),
+        ("do the third step earlier", &[2]),
+        ("drop the last move_object()", &[3]),
+        ("put two plates there", &[]),
+        ("step 12", &[]),
+    ] {
+        assert_eq!(den.heard(words).steps, expected, "{words}");
+    }
+    for (words, steps, places) in [
+        ("move the hand before step 3", &[][..], 2),
+        ("insert move_hand() after step 3", &[], 3),
+        ("do step 2 after step 4", &[1], 4),
+        ("draw it back at the end", &[], 6),
+    ] {
+        let heard = den.heard(words);
+        assert_eq!((&heard.steps[..], &heard.places[..]), (steps, &[places][..]), "{words}");
+    }
+}
+
+#[test]
+fn a_step_is_explained_in_the_persons_words() {
+    let world = den().world;
+    for (words, expected) in [
+        (
+            "Insert another move_object() to lift the tea a bit.",
+            Some("lift the tea a bit"),
+        ),
+        ("Add a move_hand() after step 3", None),
+        ("Walk to the desk first", None),
+        (
+            "Add one to get out of the way before step 2",
+            Some("get out of the way"),
+        ),
+    ] {
+        assert_eq!(what_for(&world, words).as_deref(), expected, "{words}");
+    }
+}
+
+#[test]
+fn a_reply_is_a_goal_a_question_or_steps() {
+    let den = den();
+    let grammar = ConstraintKind::Grammar;
+    let schema = ConstraintKind::JsonSchema;
+    let drop = Ok(Wish::Steps(vec![StepWish::Drop { step: 3 }]));
+    assert_eq!(den.supplied("Skip step 4", "drop 4", grammar), drop);
+    assert_eq!(
+        den.supplied("Skip it", r#"{"question": "", "edits": ["drop 4"]}"#, schema),
+        drop
+    );
+    assert_eq!(den.supplied("The jam", "goal", grammar), Ok(Wish::Goal));
+    assert_eq!(den.supplied("The jam", r#"{"goal": true}"#, schema), Ok(Wish::Goal));
+    let question = Ok(Wish::Question("Which step?".to_owned()));
+    assert_eq!(den.supplied("Hm", "question: Which step?", grammar), question);
+    assert_eq!(den.supplied("Hm", r#"{"question": "Which step?"}"#, schema), question);
+    assert!(den.supplied("Hm", "dance", grammar).is_err());
+    assert!(den.supplied("Hm", "dance", schema).is_err());
+}
+
+#[test]
+fn a_rewritten_plan_tells_what_was_settled() {
+    let den = den();
+    let own = [
+        "move_hand()",
+        "grasp_object()",
+        "detach_from_plane()",
+        "move_object()",
+        "attach_to_plane()",
+        "release_object()",
+    ];
+    let sentences: Vec<&str> = den.plan.steps().iter().map(|step| step.explanation.as_str()).collect();
+    let step = |index: usize| (own[index], sentences[index]);
+    let upward = ("move_object()", "move the tea upward");
+    let early = ("release_object()", "let go");
+    let all = [0, 1, 2, 3, 4, 5].map(step);
+    check_pins(&den, &all, &[], &[]);
+    check_pins(&den, &[0, 1, 2, 4, 5].map(step), &[], &[(3, Reach::ThisAction)]);
+    check_pins(
+        &den,
+        &[all[0], all[1], all[2], upward, all[3], all[4], all[5]],
+        &[3],
+        &[],
+    );
+    check_pins(
+        &den,
+        &[all[0], all[1], all[2], all[3], upward, all[4], all[5]],
+        &[4],
+        &[],
+    );
+    check_pins(
+        &den,
+        &[all[0], all[1], early, all[2], all[3], all[4]],
+        &[2],
+        &[(6, Reach::Here)],
+    );
+}
+
+#[track_caller]
+fn check_pins(scene: &Scene, steps: &[(&str, &str)], kept: &[usize], unwanted: &[(usize, Reach)]) {
+    let cohesion = TaskCohesion {
+        task_sequence: steps.iter().map(|(call, _)| (*call).to_owned()).collect(),
+        step_instructions: steps.iter().map(|(_, sentence)| (*sentence).to_owned()).collect(),
+        object_name: Some("<tea>".to_owned()),
+        ..TaskCohesion::default()
+    };
+    let pins = pins(&scene.plan, &resolve(&scene.domain, &scene.world, &cohesion));
+    let gone: Vec<_> = pins.unwanted.iter().map(|gone| (gone.before, gone.reach)).collect();
+    assert_eq!((&pins.kept[..], &gone[..]), (kept, unwanted));
+}

@@ -1,0 +1,149 @@
+//! What an instruction speaks of after a person said something about the answer to it.
+
+use super::{GoalFact, QUESTION, Spoken, parse, unknown_thing};
+use crate::domain::{Domain, head, plain_words, singular};
+use crate::world::{EntityId, World};
+
+/// What an instruction and the words after it come to together. The words win.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Correction {
+    /// What is spoken of.
+    pub(crate) spoken: Spoken,
+    /// What is not meant.
+    pub(crate) excluded: Vec<EntityId>,
+    /// What was answered and is not wanted.
+    pub(crate) rejected: Vec<GoalFact>,
+    /// A thing in the words that there is not.
+    pub(crate) unknown: Option<String>,
+}
+
+/// Words that begin what is not meant, up to the next sign or "but".
+const DENYING: &str = "not dont isnt wasnt never neither nor";
+/// Words that say that an answer was wrong.
+const CORRECTING: &str = "no not dont isnt instead rather wrong other different meant wanted actually nope sorry else";
+/// Words that add to an answer rather than take it back.
+const ADDING: &str = "also too well additionally afterwards besides plus";
+
+fn among(list: &str, word: &str) -> bool {
+    list.split_whitespace().any(|entry| entry == word)
+}
+
+impl Correction {
+    /// What an instruction speaks of.
+    pub(crate) fn of(domain: &Domain, world: &World, instruction: &str) -> Self {
+        Self {
+            spoken: Spoken::of(domain, world, instruction),
+            unknown: unknown_thing(domain, world, instruction),
+            ..Self::default()
+        }
+    }
+
+    /// Listens to what was said about an answer: goals, or a question.
+    ///
+    /// What stands behind "not" is not meant; of the things that it can mean, those of the answer are meant first. "The
+    /// other one" is not the one of the answer. A thing that the words name stands for another with the same last word
+    /// that only the instruction names.
+    pub(crate) fn hear(&mut self, domain: &Domain, world: &World, answer: &str, said: &str) {
+        let facts = match answer.starts_with(QUESTION) {
+            true => Vec::new(),
+            false => parse(domain, world, answer).map_or_else(|_| Vec::new(), |goal| goal.facts),
+        };
+        let handled: Vec<EntityId> = facts.iter().flat_map(|fact| entities_of(domain, fact)).collect();
+        let (meant, denied) = parts(said);
+        let mut not_meant = Spoken::of(domain, world, &denied).entities;
+        // "Not that plate" is the plate that was taken for it.
+        if not_meant.iter().any(|entity| handled.contains(entity)) {
+            not_meant.retain(|entity| handled.contains(entity));
+        }
+        let head_of = |entity: &EntityId| head(&world.entity(*entity).name);
+        let one = not_meant.first().or(handled.first()).map(head_of);
+        let meant = with_noun(&meant, one.as_deref());
+        let words: Vec<String> = plain_words(&meant).iter().map(|word| singular(word)).collect();
+        if let Some(at) = words
+            .iter()
+            .position(|word| word == "other" || word == "another" || word == "different")
+        {
+            let others = handled.iter().filter(|entity| words[at..].contains(&head_of(entity)));
+            not_meant.extend(others);
+        }
+        let heard = Spoken::of(domain, world, &meant);
+        let named: Vec<EntityId> = heard
+            .entities
+            .iter()
+            .copied()
+            .filter(|e| !not_meant.contains(e))
+            .collect();
+        let stands_for_it = |entity: &EntityId| named.iter().any(|other| head_of(other) == head_of(entity));
+        self.unknown = unknown_thing(domain, world, &meant);
+        self.spoken.add(heard);
+        self.spoken
+            .entities
+            .retain(|entity| named.contains(entity) || !(not_meant.contains(entity) || stands_for_it(entity)));
+        for entity in named
+            .iter()
+            .filter(|entity| !self.spoken.entities.contains(entity))
+            .copied()
+            .collect::<Vec<_>>()
+        {
+            self.spoken.entities.push(entity);
+        }
+        self.spoken.entities.sort_unstable();
+        self.excluded.retain(|entity| !named.contains(entity));
+        let tokens = plain_words(said);
+        let takes_back = tokens.iter().any(|word| among(CORRECTING, word));
+        let adds = tokens.iter().any(|word| among(ADDING, word));
+        if takes_back && !adds {
+            let all = facts.len() == 1;
+            let wrong = |fact: &GoalFact| {
+                all || entities_of(domain, fact)
+                    .iter()
+                    .any(|entity| not_meant.contains(entity))
+            };
+            self.rejected.extend(facts.into_iter().filter(wrong));
+        }
+        self.excluded.extend(not_meant);
+    }
+}
+
+fn entities_of(domain: &Domain, fact: &GoalFact) -> Vec<EntityId> {
+    match fact {
+        GoalFact::Word { arguments, .. } => arguments.clone(),
+        GoalFact::Plain(fact) => domain.arguments(*fact).collect(),
+    }
+}
+
+/// What is said to be meant, and what is said not to be: "not that plate, the blue one" is "the blue one" and "that
+/// plate".
+fn parts(said: &str) -> (String, String) {
+    let (mut meant, mut denied) = (String::new(), String::new());
+    for clause in said.split([',', '.', ';', '!', '?', ':']) {
+        let mut denying = false;
+        let words: Vec<&str> = clause.split_whitespace().collect();
+        for (at, word) in words.iter().enumerate() {
+            let plain = plain_words(word).concat();
+            let pair =
+                |first: &str, second: &str| plain == first && words.get(at + 1).is_some_and(|next| *next == second);
+            if among(DENYING, &plain) || pair("instead", "of") || pair("rather", "than") {
+                denying = true;
+            } else if plain == "but" {
+                denying = false;
+            }
+            let part = if denying { &mut denied } else { &mut meant };
+            part.push_str(word);
+            part.push(' ');
+        }
+        meant.push_str(", ");
+    }
+    (meant, denied)
+}
+
+/// The words with a noun for "one" and "ones".
+fn with_noun(words: &str, noun: Option<&str>) -> String {
+    let Some(noun) = noun else { return words.to_owned() };
+    let one = |word: &str| matches!(word.to_lowercase().as_str(), "one" | "ones");
+    let replaced = words.split_whitespace().map(|word| match one(word) {
+        true => noun,
+        false => word,
+    });
+    replaced.collect::<Vec<_>>().join(" ")
+}
