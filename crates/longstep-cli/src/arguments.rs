@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, Parser, Subcommand};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use longstep::session::{RepairPolicy, Settings, Strategy};
 
 /// Say what you want; get a robot action plan that has been checked, step by step.
 #[derive(Debug, Parser)]
@@ -20,6 +21,11 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Turn an instruction into a verified plan
     Plan(PlanArguments),
+    /// Give one instruction after the other, each in the world that the last plan left
+    Chat(ChatArguments),
+    /// Look at sessions that are kept
+    #[command(subcommand)]
+    Session(SessionCommand),
     /// Check a plan step by step
     Verify(VerifyArguments),
     /// Make a plan valid with the least change
@@ -44,18 +50,118 @@ pub(crate) struct WorldArguments {
     pub(crate) domain: String,
 }
 
+/// Which language model, and how it is asked.
 #[derive(Debug, Args)]
-pub(crate) struct PlanArguments {
-    /// What you want, in your own words
-    pub(crate) instruction: String,
-    #[command(flatten)]
-    pub(crate) world: WorldArguments,
+pub(crate) struct ModelArguments {
     /// Which language model: a name of `longstep model list`, a .gguf file, openai:NAME or URL#NAME
     #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", default_value = longstep_llm::catalogue::DEFAULT)]
     pub(crate) model: String,
     /// Threads of an embedded model [default: one for each physical core]
     #[arg(long, value_name = "N", env = "LONGSTEP_THREADS", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+}
+
+/// How an instruction becomes a plan.
+#[derive(Debug, Args)]
+pub(crate) struct StrategyArguments {
+    /// What the model writes: only the goal, or the whole plan as in the paper
+    #[arg(long, value_enum, default_value_t = StrategyArgument::Goal)]
+    pub(crate) strategy: StrategyArgument,
+    /// How often the model is told what is wrong with its plan
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub(crate) rounds: u32,
+    /// Tell the model what is wrong first, and repair its plan only when the rounds are used up
+    #[arg(long, conflicts_with = "no_repair")]
+    pub(crate) feedback_first: bool,
+    /// Never repair a plan of the model
+    #[arg(long)]
+    pub(crate) no_repair: bool,
+    /// A folder with prompt parts of your own (role.md, actions.md, ...) in place of the domain's
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) prompt: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StrategyArgument {
+    Goal,
+    Direct,
+}
+
+impl StrategyArguments {
+    pub(crate) fn settings(&self) -> Settings {
+        Settings {
+            strategy: match self.strategy {
+                StrategyArgument::Goal => Strategy::Goal,
+                StrategyArgument::Direct => Strategy::Direct,
+            },
+            repair: match (self.no_repair, self.feedback_first) {
+                (true, _) => RepairPolicy::Never,
+                (false, true) => RepairPolicy::AfterFeedback,
+                (false, false) => RepairPolicy::First,
+            },
+            rounds: self.rounds,
+            ..Settings::default()
+        }
+    }
+}
+
+/// A session that begins, or one that goes on.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("world").required(true).args(["env", "resume"])))]
+pub(crate) struct ChatArguments {
+    /// The world to begin in: an environment file in the paper's JSON
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: Option<PathBuf>,
+    /// Go on with a session: its name in `longstep session list`, or its folder
+    #[arg(long, value_name = "SESSION", conflicts_with_all = ["domain", "session"])]
+    pub(crate) resume: Option<String>,
+    /// What the robot can do: a shipped domain's name or a folder [default: household]
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) domain: Option<String>,
+    /// Keep the session in this folder [default: a new one that `longstep session list` shows]
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) session: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    #[command(flatten)]
+    pub(crate) strategy: StrategyArguments,
+    /// Accept verified plans without asking
+    #[arg(long, short)]
+    pub(crate) yes: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum SessionCommand {
+    /// List the sessions that are kept
+    List,
+    /// Show what happened in a session
+    Show {
+        /// Its name, or its folder
+        session: String,
+        /// Write the events as one JSON array for programs
+        #[arg(long)]
+        json: bool,
+    },
+    /// Go through a session again with the replies of its log, without a model, and compare
+    Replay {
+        /// Its name, or its folder
+        session: String,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PlanArguments {
+    /// What you want, in your own words
+    pub(crate) instruction: String,
+    #[command(flatten)]
+    pub(crate) world: WorldArguments,
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    #[command(flatten)]
+    pub(crate) strategy: StrategyArguments,
+    /// Do not ask the model: show what it would be sent, and what each part costs in tokens
+    #[arg(long, conflicts_with_all = ["save", "json"])]
+    pub(crate) explain_prompt: bool,
     /// Also write the plan to a file, in the paper's JSON
     #[arg(long, value_name = "PLAN.json")]
     pub(crate) save: Option<PathBuf>,

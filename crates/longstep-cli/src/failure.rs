@@ -2,8 +2,8 @@
 
 use longstep::diagnostic::Diagnostics;
 use longstep::goal::GoalError;
-use longstep::prompt::DialogueError;
-use longstep_llm::{ModelError, UnderstandError};
+use longstep::prompt::PromptError;
+use longstep_llm::{AdvanceError, FolderError, ModelError};
 use owo_colors::OwoColorize;
 
 /// What was checked is not as it should be.
@@ -52,7 +52,11 @@ impl std::error::Error for Failure {}
 
 /// Prints an error to stderr and returns the exit code for it.
 pub(crate) fn tell(error: &anyhow::Error) -> u8 {
-    if let Some(findings) = error.downcast_ref::<Diagnostics>() {
+    let broken = match error.downcast_ref::<AdvanceError>() {
+        Some(AdvanceError::Prompt(PromptError::Broken(findings))) => Some(findings),
+        _ => error.downcast_ref::<Diagnostics>(),
+    };
+    if let Some(findings) = broken {
         for finding in &findings.0 {
             anstream::eprintln!(
                 "{} {}",
@@ -74,12 +78,11 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     if let Some(failure) = error.downcast_ref::<Failure>() {
         return (failure.hint.clone(), failure.code);
     }
-    let model = error
-        .downcast_ref::<ModelError>()
-        .or_else(|| match error.downcast_ref::<UnderstandError>() {
-            Some(UnderstandError::Model(error)) => Some(error),
-            _ => None,
-        });
+    let advance = error.downcast_ref::<AdvanceError>();
+    let model = error.downcast_ref::<ModelError>().or(match advance {
+        Some(AdvanceError::Model(error)) => Some(error),
+        _ => None,
+    });
     if let Some(error) = model {
         let code = match error {
             ModelError::TooLong { .. } => LIMIT,
@@ -88,16 +91,16 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
         };
         return (error.hint(), code);
     }
-    if let Some(UnderstandError::Answer(error)) = error.downcast_ref::<UnderstandError>() {
-        let code = if matches!(error, DialogueError::CutOff(_)) {
-            LIMIT
-        } else {
-            MODEL
-        };
-        return (
-            Some("say it in other words, or use another model with --model".to_owned()),
-            code,
-        );
+    let folder = error.downcast_ref::<FolderError>().or(match advance {
+        Some(AdvanceError::Folder(error)) => Some(error),
+        _ => None,
+    });
+    if let Some(error) = folder {
+        return (error.hint(), UNREADABLE);
+    }
+    if let Some(AdvanceError::Prompt(PromptError::OverBudget(_))) = advance {
+        let hint = "use a model with a larger context, or shorter prompt parts with --prompt FOLDER";
+        return (Some(hint.to_owned()), LIMIT);
     }
     if error.downcast_ref::<GoalError>().is_some() {
         return (

@@ -1,7 +1,6 @@
 //! Reading domains, environments and plans, and writing files whole or not at all.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 use anyhow::Result;
@@ -10,6 +9,7 @@ use longstep::domain::{self, Domain, Files};
 use longstep::json;
 use longstep::plan::{self, PlanFile};
 use longstep::world::{self, Environment, World};
+use longstep_llm::write_whole;
 
 use crate::failure::Failure;
 
@@ -46,6 +46,16 @@ pub(crate) fn plain(error: &std::io::Error) -> String {
 /// Loads a shipped domain by name, or any domain by folder.
 pub(crate) fn domain(name: &str) -> Result<Domain> {
     Ok(domain::load(&domain_files(name)?)?)
+}
+
+/// The same with prompt files of somebody's own in place of the domain's.
+pub(crate) fn domain_with_prompt(name: &str, prompt: Option<&Path>) -> Result<Domain> {
+    let mut files = domain_files(name)?;
+    if let Some(folder) = prompt {
+        let shown = format!("{}/", folder.display().to_string().trim_end_matches('/'));
+        files.overlay(&shown, prompt_files(folder)?)?;
+    }
+    Ok(domain::load(&files)?)
 }
 
 /// The files of a shipped domain by name, or of any domain by folder.
@@ -160,44 +170,13 @@ pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
     Ok((draft, text))
 }
 
-/// Writes a file whole or not at all.
+/// Writes a plan's file whole or not at all.
 pub(crate) fn save(path: &Path, plan: &PlanFile) -> Result<()> {
-    let failed = |error: std::io::Error| {
-        Failure::unreadable(format!("cannot write {}: {}", path.display(), plain(&error)))
-            .hint("check that the folder exists and may be written to")
-    };
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut file = tempfile::Builder::new()
-        .permissions_like_new_files()
-        .tempfile_in(folder)
-        .map_err(failed)?;
     let mut json = serde_json::to_string_pretty(plan)?;
     json.push('\n');
-    file.write_all(json.as_bytes())
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(failed)?;
-    file.persist(path).map_err(|error| failed(error.error))?;
+    write_whole(path, json.as_bytes()).map_err(|error| {
+        Failure::unreadable(format!("cannot write {}: {}", path.display(), plain(&error)))
+            .hint("check that the folder exists and may be written to")
+    })?;
     Ok(())
-}
-
-/// Files that replace others get the permissions that new files get, not a temporary file's.
-trait PermissionsLikeNewFiles {
-    fn permissions_like_new_files(&mut self) -> &mut Self;
-}
-
-impl PermissionsLikeNewFiles for tempfile::Builder<'_, '_> {
-    #[cfg(unix)]
-    fn permissions_like_new_files(&mut self) -> &mut Self {
-        use std::os::unix::fs::PermissionsExt;
-        // The umask of the process takes away what it should.
-        self.permissions(std::fs::Permissions::from_mode(0o666))
-    }
-
-    #[cfg(not(unix))]
-    fn permissions_like_new_files(&mut self) -> &mut Self {
-        self
-    }
 }

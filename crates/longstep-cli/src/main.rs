@@ -4,8 +4,11 @@
 //! unsolvable, 12 search gave up, 13 a question back, 20 a limit, 30 unreadable input, 40 model or network.
 
 mod arguments;
+mod ask;
+mod chat;
 mod domain;
 mod draft;
+mod explain;
 mod failure;
 mod inputs;
 mod model;
@@ -13,6 +16,7 @@ mod plan;
 mod problem;
 mod progress;
 mod repair;
+mod session;
 mod show;
 mod solve;
 mod verify;
@@ -27,6 +31,8 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Chat(arguments) => chat::run(&arguments),
+        Command::Session(command) => session::run(&command),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Repair(arguments) => repair::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),

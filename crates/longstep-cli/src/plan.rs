@@ -1,26 +1,73 @@
 //! `longstep plan`: from an instruction to a verified plan.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use longstep::answer::{Answer, Status};
-use longstep::goal::Understanding;
-use longstep::prompt::GoalDialogue;
-use longstep::solution;
-use longstep_llm::{ModelReference, OpenOptions, cache_directory, open, understand};
+use longstep::prompt::{self, Prepared};
+use longstep::session::{Need, Session, Stuck, Trouble};
+use longstep_llm::advance;
 
 use crate::arguments::PlanArguments;
-use crate::failure::{Failure, LIMIT};
-use crate::inputs;
-use crate::progress::Spinner;
-use crate::solve::{self, milliseconds};
+use crate::ask::{self, Waiting};
+use crate::failure::{Failure, LIMIT, MODEL};
+use crate::solve::{self, stopwatch};
+use crate::{explain, inputs};
 
 /// More than anybody says to a robot in one go.
 const INSTRUCTION_LIMIT: usize = 2000;
 
 pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
-    let started = Instant::now();
-    let instruction = arguments.instruction.trim();
+    let started = stopwatch();
+    let instruction = said(&arguments.instruction)?;
+    let named = &arguments.world.domain;
+    let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
+    let world = inputs::world(&domain, &arguments.world.env)?;
+    let asked = stopwatch();
+    let mut model = ask::model(&arguments.model.model, &arguments.model)?;
+    let opened = stopwatch() - asked;
+    let facts = ask::facts(&arguments.model.model, model.as_ref());
+    let mut session = Session::new(named, domain, world, arguments.strategy.settings(), facts, stopwatch);
+    // A session that has just begun waits for an instruction.
+    session.instruct(instruction)?;
+    if arguments.explain_prompt {
+        let need = session.need(model.as_mut())?;
+        if let Need::Model(prepared) = need {
+            let explanation = prompt::explain(&prepared.costs, model.context_tokens(), model.counting());
+            let Prepared {
+                request,
+                dropped,
+                left_out,
+                ..
+            } = *prepared;
+            explain::show(&explanation, &request.messages, dropped, left_out);
+        }
+        return Ok(Status::Verified.exit_code());
+    }
+    let need = advance(&mut session, model.as_mut(), None, &mut Waiting::new())?;
+    let (mut answer, goal) = match (&need, session.proposal(), session.stuck()) {
+        (_, Some(proposal), _) => {
+            let goal = proposal.goal.as_ref();
+            let lines = goal.map(|goal| solve::goal_lines(session.domain(), session.world(), goal));
+            (proposal.answer.clone(), lines.unwrap_or_default())
+        }
+        (_, _, Some(stuck)) => (unhappy(stuck)?, Vec::new()),
+        (Need::Answer(question), ..) => {
+            let mut answer = Answer::without_plan(Status::Question, session.world(), instruction, question);
+            let (usage, milliseconds) = session.cost();
+            answer.usage = usage.into();
+            answer.timings_ms.model = milliseconds;
+            (answer, Vec::new())
+        }
+        // Nothing else is needed after an instruction.
+        _ => return Err(Failure::new("the session ended early", MODEL).into()),
+    };
+    answer.timings_ms.model += opened;
+    answer.timings_ms.total = stopwatch() - started;
+    solve::finish(&answer, &goal, arguments.save.as_deref(), arguments.json)
+}
+
+/// An instruction, if it is one.
+pub(crate) fn said(text: &str) -> Result<&str> {
+    let instruction = text.trim();
     if instruction.is_empty() {
         let failure = Failure::unreadable("the instruction is empty");
         return Err(failure
@@ -34,33 +81,18 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
             .hint("say it in a sentence or two, one thing after the other")
             .into());
     }
-    let reference: ModelReference = arguments.model.parse()?;
-    let domain = inputs::domain(&arguments.world.domain)?;
-    let world = inputs::world(&domain, &arguments.world.env)?;
-    let asked = Instant::now();
-    let spinner = Spinner::new();
-    let mut options = OpenOptions::new(cache_directory()?);
-    options.threads = arguments.threads.map(usize::from);
-    let mut model = open(&reference, &options, &mut |progress| spinner.show(&progress))?;
-    let mut dialogue = GoalDialogue::new(&domain, &world, instruction, model.constraint_kind());
-    let understood = understand(model.as_mut(), &domain, &world, &mut dialogue, &mut |progress| {
-        spinner.show(&progress)
-    })?;
-    drop(spinner);
-    let model_time = milliseconds(asked);
-    let (mut answer, goal) = match understood {
-        Understanding::Question(question) => {
-            let answer = Answer::without_plan(Status::Question, &world, instruction, &question);
-            (answer, Vec::new())
-        }
-        Understanding::Goal(goal, left_out) => {
-            let mut answer = solution::of_goal(&domain, &world, &goal, instruction, solve::stopwatch).answer;
-            answer.tell_left_out(&domain, &world, &left_out);
-            (answer, solve::goal_lines(&domain, &world, &goal))
-        }
+    Ok(instruction)
+}
+
+/// The answer that comes instead of a plan.
+fn unhappy(stuck: &Stuck) -> Result<Answer> {
+    if let Some(answer) = &stuck.answer {
+        return Ok(answer.as_ref().clone());
+    }
+    let code = match stuck.trouble {
+        Trouble::Limit => LIMIT,
+        Trouble::Model | Trouble::Plan => MODEL,
     };
-    answer.usage = dialogue.usage.into();
-    answer.timings_ms.model = model_time;
-    answer.timings_ms.total = milliseconds(started);
-    solve::finish(&answer, &goal, arguments.save.as_deref(), arguments.json)
+    let hint = "say it in other words, or use another model with --model";
+    Err(Failure::new(stuck.why.clone(), code).hint(hint).into())
 }

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use longstep::repair::Pins;
 
 use crate::arguments::RepairArguments;
 use crate::draft::Draft;
@@ -15,7 +16,7 @@ pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
     let mut answer = match attempt.question() {
         Some(_) => attempt.verdict(&domain, &world),
         None => {
-            let outcome = attempt.repair(&domain, &world);
+            let outcome = attempt.repair(&domain, &world, &Pins::default());
             let search = milliseconds(searching);
             let verifying = Instant::now();
             let mut answer = attempt.repaired(&domain, &world, outcome);

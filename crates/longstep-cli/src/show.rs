@@ -1,6 +1,7 @@
 //! Answers for a person.
 
-use longstep::answer::{Answer, Status, changes};
+use longstep::answer::{self, Answer, Status};
+use longstep::world::Environment;
 use owo_colors::OwoColorize;
 
 /// Prints a heading.
@@ -8,46 +9,35 @@ pub(crate) fn heading(text: &str) {
     anstream::println!("{}", text.bold());
 }
 
+/// Whether an answer shows what the plan changes in the world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Changes {
+    Shown,
+    Hidden,
+}
+
 /// Prints an answer: the steps, what changed, what was assumed, and the verdict.
-pub(crate) fn answer(answer: &Answer) {
+pub(crate) fn answer(answer: &Answer, shown: Changes) {
     if answer.status == Status::Question {
         anstream::println!("{} {}", "Question:".yellow().bold(), answer.plan.question);
         return;
     }
-    steps(answer);
+    let cohesion = &answer.plan.task_cohesion;
+    let explanations: Vec<String> = answer.steps.iter().map(|step| step.explanation.clone()).collect();
+    let bad = |index| answer.violations.iter().any(|violation| violation.step == Some(index));
+    steps(&cohesion.task_sequence, &explanations, bad);
     edits(answer);
     // Of a plan that cannot be carried out nobody knows what it would change.
-    let possible = answer.status == Status::Verified;
+    let possible = answer.status == Status::Verified && shown == Changes::Shown;
     if let (true, Some(before), Some(after)) = (
         possible,
         &answer.plan.environment_before,
         &answer.plan.environment_after,
-    ) {
-        let changed = changes(before, after);
-        if !changed.is_empty() {
-            anstream::println!();
-            heading("Changes");
-            let width = changed
-                .iter()
-                .map(|(identifier, ..)| identifier.chars().count())
-                .max()
-                .unwrap_or(0);
-            for (identifier, was, is) in changed {
-                let or_nothing = |text: String| {
-                    if text.is_empty() {
-                        "nothing said".to_owned()
-                    } else {
-                        text
-                    }
-                };
-                anstream::println!(
-                    "  {identifier:width$}  {} {} {}",
-                    or_nothing(was).dimmed(),
-                    "->".dimmed(),
-                    or_nothing(is)
-                );
-            }
-        }
+    ) && before != after
+    {
+        anstream::println!();
+        heading("Changes");
+        changes(before, after);
     }
     list("Assumptions", &answer.assumptions);
     let differing: Vec<String> = answer
@@ -73,6 +63,25 @@ pub(crate) fn answer(answer: &Answer) {
     list("What is wrong", &violations);
     anstream::println!();
     verdict(answer);
+}
+
+/// Prints what differs between two environments.
+pub(crate) fn changes(before: &Environment, after: &Environment) {
+    let changed = answer::changes(before, after);
+    let width = changed.iter().map(|(identifier, ..)| identifier.chars().count()).max();
+    let width = width.unwrap_or(0);
+    for (identifier, was, is) in changed {
+        let or_nothing = |text: String| match text.is_empty() {
+            true => "nothing said".to_owned(),
+            false => text,
+        };
+        anstream::println!(
+            "  {identifier:width$}  {} {} {}",
+            or_nothing(was).dimmed(),
+            "->".dimmed(),
+            or_nothing(is)
+        );
+    }
 }
 
 /// Prints advice.
@@ -112,28 +121,23 @@ fn nothing(text: &str) -> &str {
     if text.is_empty() { "nothing" } else { text }
 }
 
-fn steps(answer: &Answer) {
-    let calls = &answer.plan.task_cohesion.task_sequence;
+/// Prints the steps of a plan with their explanations; those that are bad in red.
+pub(crate) fn steps(calls: &[String], explanations: &[String], bad: impl Fn(usize) -> bool) {
     let width = calls.iter().map(|call| call.chars().count()).max().unwrap_or(0);
     let digits = calls.len().to_string().len();
-    for (index, (call, step)) in calls.iter().zip(&answer.steps).enumerate() {
-        let bad = answer.violations.iter().any(|violation| violation.step == Some(index));
+    for (index, (call, explanation)) in calls.iter().zip(explanations).enumerate() {
         let number = format!("{:>digits$}.", index + 1);
         let padding = " ".repeat(width - call.chars().count());
-        if bad {
-            anstream::println!(
-                "  {} {}{padding}  {}",
-                number.red(),
-                call.red(),
-                step.explanation.dimmed()
-            );
+        if bad(index) {
+            anstream::println!("  {} {}{padding}  {}", number.red(), call.red(), explanation.dimmed());
         } else {
-            anstream::println!("  {} {call}{padding}  {}", number.dimmed(), step.explanation.dimmed());
+            anstream::println!("  {} {call}{padding}  {}", number.dimmed(), explanation.dimmed());
         }
     }
 }
 
-fn list(title: &str, entries: &[String]) {
+/// Prints a list under a heading, if there is anything in it.
+pub(crate) fn list(title: &str, entries: &[String]) {
     if entries.is_empty() {
         return;
     }

@@ -63,7 +63,7 @@ pub(crate) fn finish(answer: &Answer, goal: &[String], save: Option<&Path>, json
                 anstream::println!();
             }
         }
-        show::answer(answer);
+        show::answer(answer, show::Changes::Shown);
         if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
             anstream::eprintln!("saved to {}", path.display());
         }

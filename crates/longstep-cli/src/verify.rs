@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     } else if arguments.feedback && answer.status == Status::Invalid {
         anstream::print!("{}", attempt.feedback(&domain, &world));
     } else if !arguments.feedback || answer.status == Status::Question {
-        show::answer(&answer);
+        show::answer(&answer, show::Changes::Shown);
         let advice = (answer.status == Status::Invalid)
             .then(|| attempt.advice(&domain, &world))
             .flatten();

@@ -1,4 +1,4 @@
-//! Where models and engine states are kept.
+//! Where models, engine states and sessions are kept.
 
 use std::path::PathBuf;
 
@@ -20,4 +20,21 @@ pub fn cache_directory() -> Result<PathBuf, ModelError> {
     }
     let platform = choose_base_strategy().map_err(|_| ModelError::NoCacheDirectory)?;
     Ok(platform.cache_dir().join("longstep"))
+}
+
+/// The folder for sessions: `LONGSTEP_SESSIONS` if it is set and not empty, else `longstep/sessions` in the platform's
+/// state folder (`~/.local/state` on Linux, or `XDG_STATE_HOME`), or in its data folder where there is none for state.
+///
+/// The folder need not exist yet.
+///
+/// # Errors
+///
+/// [`ModelError::NoCacheDirectory`] when neither the variable nor a home folder is known.
+pub fn session_directory() -> Result<PathBuf, ModelError> {
+    if let Some(named) = std::env::var_os("LONGSTEP_SESSIONS").filter(|value| !value.is_empty()) {
+        return Ok(PathBuf::from(named));
+    }
+    let platform = choose_base_strategy().map_err(|_| ModelError::NoCacheDirectory)?;
+    let folder = platform.state_dir().unwrap_or_else(|| platform.data_dir());
+    Ok(folder.join("longstep").join("sessions"))
 }

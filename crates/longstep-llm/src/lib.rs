@@ -25,6 +25,7 @@
 //! # }
 //! ```
 
+mod advance;
 mod cache;
 pub mod catalogue;
 mod embedded;
@@ -32,13 +33,18 @@ mod error;
 mod model;
 mod openai;
 mod reference;
+mod session_folder;
 pub mod store;
 #[cfg(test)]
 mod test_server;
 mod understand;
+mod whole_file;
 
-pub use cache::cache_directory;
+pub use advance::{AdvanceError, advance};
+pub use cache::{cache_directory, session_directory};
 pub use error::ModelError;
 pub use model::{ChatModel, OpenOptions, Progress, Watch, open};
 pub use reference::ModelReference;
+pub use session_folder::{FolderError, LOG, SessionFolder};
 pub use understand::{UnderstandError, understand};
+pub use whole_file::write_whole;

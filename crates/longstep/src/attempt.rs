@@ -4,8 +4,8 @@
 use crate::answer::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::domain::Domain;
 use crate::plan::{self, Plan, PlanFile, Resolved, resolve};
-use crate::repair::{Outcome, Repaired, repair};
-use crate::verify::{Assumption, Purpose, Report, bind, check, feedback};
+use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
+use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, bind, check, feedback};
 use crate::world::{Claim, Voice, World};
 
 /// More changes than this are counted rather than told in a hint.
@@ -114,9 +114,14 @@ impl Attempt {
         answer.notes.splice(0..0, self.notes.iter().cloned());
     }
 
-    /// The least change that makes the plan valid.
-    pub fn repair(&self, domain: &Domain, world: &World) -> Outcome {
-        repair(domain, world, &self.resolved, &self.purpose)
+    /// The least change that makes the plan valid, and leaves what is pinned.
+    pub fn repair(&self, domain: &Domain, world: &World, pins: &Pins) -> Outcome {
+        repair_pinned(domain, world, &self.resolved, &self.purpose, pins)
+    }
+
+    /// The plan as it stands, if it is valid.
+    pub fn verified(&self, domain: &Domain, world: &World) -> Option<VerifiedPlan> {
+        self.simulate(domain, world)?.0.into_verified().ok()
     }
 
     /// The answer to what came of a repair.
@@ -156,7 +161,7 @@ impl Attempt {
 
     /// What repair would do to an invalid plan, if it can mend it.
     pub fn advice(&self, domain: &Domain, world: &World) -> Option<String> {
-        let Outcome::Repaired(repaired) = self.repair(domain, world) else {
+        let Outcome::Repaired(repaired) = self.repair(domain, world, &Pins::default()) else {
             return None;
         };
         let length = self.resolved.written.len();
@@ -178,7 +183,7 @@ impl Attempt {
             Some((report, _)) => (report.violations, report.plan),
             None => (self.resolved.issues.clone(), Plan::default()),
         };
-        let edits = match self.repair(domain, world) {
+        let edits = match self.repair(domain, world, &Pins::default()) {
             Outcome::Repaired(repaired) => repaired.edits,
             _ => Vec::new(),
         };

@@ -49,6 +49,7 @@ pub mod plan;
 pub mod prompt;
 pub mod repair;
 pub mod search;
+pub mod session;
 pub mod solution;
 pub mod verify;
 pub mod world;

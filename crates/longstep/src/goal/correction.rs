@@ -21,6 +21,8 @@ pub(crate) struct Correction {
 const DENYING: &str = "not dont isnt wasnt never neither nor";
 /// Words that say that an answer was wrong.
 const CORRECTING: &str = "no not dont isnt instead rather wrong other different meant wanted actually nope sorry else";
+/// Words that say yes.
+const AGREEING: &str = "yes yeah yep right exactly sure correct ok okay please";
 /// Words that add to an answer rather than take it back.
 const ADDING: &str = "also too well additionally afterwards besides plus";
 
@@ -49,6 +51,13 @@ impl Correction {
             false => parse(domain, world, answer).map_or_else(|_| Vec::new(), |goal| goal.facts),
         };
         let handled: Vec<EntityId> = facts.iter().flat_map(|fact| entities_of(domain, fact)).collect();
+        // Who says yes to a question speaks of what it asks about.
+        let agrees =
+            answer.starts_with(QUESTION) && plain_words(said).first().is_some_and(|word| among(AGREEING, word));
+        let said = match agrees {
+            true => &format!("{said}, {}", answer.trim_start_matches(QUESTION)),
+            false => said,
+        };
         let (meant, denied) = parts(said);
         let mut not_meant = Spoken::of(domain, world, &denied).entities;
         // "Not that plate" is the plate that was taken for it.

@@ -9,6 +9,7 @@ mod grammar;
 mod language;
 mod mention;
 mod offer;
+mod pronoun;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ pub(crate) use mention::understand_spoken;
 pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
 pub use offer::{Offer, offers};
 pub(crate) use offer::{already, is_plain};
+pub use pronoun::{SpelledOut, spelled_out};
 
 use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, RuleTime, Term};
 use crate::search::Wanted;
@@ -111,6 +113,14 @@ impl GoalFact {
                 Self::Plain(Fact::new(fact.predicate(), arguments))
             }
         })
+    }
+
+    /// The thing that it is about, if it is about one.
+    pub fn subject(&self, domain: &Domain) -> Option<EntityId> {
+        match self {
+            Self::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
+            Self::Plain(fact) => domain.arguments(*fact).next(),
+        }
     }
 
     /// What must hold for it.

@@ -23,7 +23,7 @@ const GOAL_LIMIT: usize = 6;
 /// Tokens for one goal or a question.
 const STEP_TOKENS: u32 = 96;
 /// Tokens for a whole answer of a server.
-const ANSWER_TOKENS: u32 = 1024;
+pub(super) const ANSWER_TOKENS: u32 = 1024;
 
 /// Why a reply cannot be used. It is never completed by guesswork.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

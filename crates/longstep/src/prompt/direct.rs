@@ -3,7 +3,7 @@
 use super::query::{contained_json, query_text};
 use super::reply::StateLists;
 use super::{
-    Round,    ChatRequest, Constraint, Conversation, Exchange, Fitted, Message, PartCost, PromptError, Role, TokenCounter,
+    ChatRequest, Constraint, Conversation, Exchange, Fitted, Message, PartCost, PromptError, Role, Round, TokenCounter,
     direct_schema, fit, fixed_parts, focus,
 };
 use crate::diagnostic::Diagnostics;
@@ -28,7 +28,7 @@ pub struct Prepared {
 
 /// Asks for a whole plan: the fixed parts, the history, the query, and the rounds of feedback about it so far.
 ///
-/// `room` is the model's context less what is kept for its answer; without one, everything is sent. What does not fit
+/// `context` is how many tokens prompt and answer may have together; without one, everything is sent. What does not fit
 /// goes in this order: the history, oldest pair first; then entities that the instruction hardly concerns ([`focus`]).
 ///
 /// ```
@@ -53,7 +53,7 @@ pub fn direct_request(
     instruction: &str,
     history: &[Exchange],
     rounds: &[Round],
-    room: Option<u64>,
+    context: Option<u64>,
     counter: &mut dyn TokenCounter,
 ) -> Result<Prepared, PromptError> {
     let fixed = fixed_parts(domain)?;
@@ -74,6 +74,7 @@ pub fn direct_request(
             rounds: &before.collect::<Vec<_>>(),
             now: turns[rounds.len()],
         };
+        let room = context.map(|context| context.saturating_sub(answer_tokens(shown, counter)));
         fit(conversation, room, counter)
     };
     if let Ok(fitted) = attempt(world, history, counter) {
@@ -96,8 +97,7 @@ fn prepared(
     left_out: usize,
     counter: &mut dyn TokenCounter,
 ) -> Prepared {
-    let lists = contained_json(&StateLists::of(&shown.environment));
-    let answer = 2 * counter.message_tokens(&Message::new(Role::Assistant, lists)) + STEP_TOKENS;
+    let answer = answer_tokens(shown, counter);
     Prepared {
         request: ChatRequest {
             messages: fitted.messages,
@@ -110,4 +110,10 @@ fn prepared(
         dropped: fitted.dropped,
         left_out,
     }
+}
+
+/// Tokens that are kept for an answer: both environments, and the steps.
+fn answer_tokens(shown: &World, counter: &mut dyn TokenCounter) -> u64 {
+    let lists = contained_json(&StateLists::of(&shown.environment));
+    2 * counter.message_tokens(&Message::new(Role::Assistant, lists)) + STEP_TOKENS
 }

@@ -1,5 +1,6 @@
 //! The goal strategy in a world that may be too large for it.
 
+use super::dialogue::ANSWER_TOKENS;
 use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, Round, TokenCounter, focus};
 use crate::domain::Domain;
 use crate::world::World;
@@ -30,7 +31,7 @@ impl FittedDialogue {
 }
 
 impl GoalDialogue {
-    /// Begins a conversation that fits into `room` tokens: the model's context less what is kept for its answer.
+    /// Begins a conversation that fits, with its answer, into a model's `context` of so many tokens.
     ///
     /// When the whole world does not fit, or is too large to make goals for, the model is shown the part of it that the
     /// instruction can concern ([`focus`]).
@@ -57,10 +58,10 @@ impl GoalDialogue {
         instruction: &str,
         rounds: &[Round],
         kind: ConstraintKind,
-        room: Option<u64>,
+        context: Option<u64>,
         counter: &mut dyn TokenCounter,
     ) -> Result<FittedDialogue, OverBudget> {
-        let room = room.unwrap_or(u64::MAX);
+        let room = context.map_or(u64::MAX, |context| context.saturating_sub(ANSWER_TOKENS.into()));
         let mut attempt = |shown: &World| {
             let dialogue = GoalDialogue::again(domain, shown, instruction, rounds, kind);
             let costs = dialogue.costs(counter);

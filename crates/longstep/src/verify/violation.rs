@@ -175,6 +175,24 @@ impl Violation {
         }
     }
 
+    /// Gives the steps that it speaks of other numbers.
+    pub(crate) fn renumber(&mut self, number: impl Fn(usize) -> usize) {
+        match self {
+            Self::UnknownAction { step, .. }
+            | Self::WrongArguments { step, .. }
+            | Self::WrongType { step, .. }
+            | Self::NoEffect { step } => *step = number(*step),
+            Self::Precondition { step, missing } => {
+                *step = number(*step);
+                for culprit in missing.iter_mut().filter_map(|missing| missing.undone_by.as_mut()) {
+                    *culprit = number(*culprit);
+                }
+            }
+            Self::UnknownEntity { step, .. } | Self::Rule { step, .. } => *step = step.map(number),
+            Self::LengthMismatch { .. } | Self::Goal { .. } | Self::Claim { .. } | Self::Unasked { .. } => {}
+        }
+    }
+
     /// The facts that were missing, as sentences.
     pub fn missing(&self, domain: &Domain, world: &World) -> Vec<String> {
         self.missing_in(Voice::Person, domain, world)

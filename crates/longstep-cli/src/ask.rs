@@ -1,0 +1,64 @@
+//! What `longstep plan` and `longstep chat` share: a model, opened, and watched while a person waits.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Result;
+use longstep::session::ModelFacts;
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, Watch, cache_directory, open};
+
+use crate::arguments::ModelArguments;
+use crate::progress::Spinner;
+
+/// Opens the model that is meant.
+pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn ChatModel>> {
+    let reference: ModelReference = name.parse()?;
+    let mut options = OpenOptions::new(cache_directory()?);
+    options.threads = arguments.threads.map(usize::from);
+    let spinner = Spinner::new();
+    Ok(open(&reference, &options, &mut |progress| spinner.show(&progress))?)
+}
+
+/// What a session has to know of it.
+pub(crate) fn facts(name: &str, model: &dyn ChatModel) -> ModelFacts {
+    ModelFacts {
+        name: name.to_owned(),
+        kind: model.constraint_kind(),
+        context: model.context_tokens(),
+    }
+}
+
+/// Shows what the model does. Where Ctrl-C is watched for, it calls the model off.
+pub(crate) struct Waiting {
+    spinner: Spinner,
+}
+
+impl Waiting {
+    pub(crate) fn new() -> Self {
+        interrupted().store(false, Ordering::Relaxed);
+        Self {
+            spinner: Spinner::new(),
+        }
+    }
+}
+
+impl Watch for Waiting {
+    fn tell(&mut self, progress: Progress) {
+        self.spinner.show(&progress);
+    }
+
+    fn stop(&self) -> bool {
+        interrupted().load(Ordering::Relaxed)
+    }
+}
+
+/// From now on Ctrl-C calls off the call at hand and not the program.
+pub(crate) fn watch_for_interrupts() {
+    // Where no handler can be set, Ctrl-C ends the program as it does elsewhere; the session is on the disk.
+    let _ = ctrlc::set_handler(|| interrupted().store(true, Ordering::Relaxed));
+}
+
+fn interrupted() -> &'static AtomicBool {
+    static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
+    INTERRUPTED.get_or_init(|| AtomicBool::new(false))
+}

@@ -1,0 +1,268 @@
+//! `longstep chat`: one instruction after the other, each in the world that the last plan left.
+
+mod commands;
+mod screen;
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use longstep::session::{Event, ModelFacts, Need, Session, Settings};
+use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, session_directory};
+use owo_colors::OwoColorize;
+use rustyline::error::ReadlineError;
+use rustyline::history::DefaultHistory;
+use rustyline::{Config, Editor};
+
+use crate::arguments::{ChatArguments, ModelArguments};
+use crate::ask::{self, Waiting};
+use crate::failure::{self, Failure};
+use crate::solve::stopwatch;
+use crate::{inputs, plan};
+
+/// Lines of history that are kept.
+const HISTORY: usize = 1000;
+
+/// A conversation with a person.
+struct Chat<'a> {
+    session: Session,
+    folder: SessionFolder,
+    /// Opened when it is needed first: `/undo` and `/env` need none.
+    model: Option<Box<dyn ChatModel>>,
+    model_name: String,
+    arguments: &'a ModelArguments,
+    /// Accepted plans that the person has been told of.
+    told: usize,
+}
+
+/// Whether the conversation goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    GoOn,
+    Quit,
+}
+
+pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
+    let mut chat = match (&arguments.resume, &arguments.env) {
+        (Some(named), _) => resume(arguments, &crate::session::folder(named)?)?,
+        (None, Some(env)) => begin(arguments, env)?,
+        // The arguments are declared so that it is one or the other.
+        (None, None) => return Err(Failure::unreadable("neither --env nor --resume is given").into()),
+    };
+    let interactive = std::io::stdin().is_terminal();
+    if interactive {
+        ask::watch_for_interrupts();
+        anstream::eprintln!(
+            "{}",
+            format!(
+                "The session is kept in {}. /help tells what you can say.",
+                chat.folder.path().display()
+            )
+            .dimmed()
+        );
+    }
+    let history = session_directory().ok().map(|folder| folder.with_file_name("history"));
+    let config = Config::builder()
+        .max_history_size(HISTORY)?
+        .auto_add_history(true)
+        .build();
+    let mut editor: Editor<(), DefaultHistory> = Editor::with_config(config)?;
+    if let Some(history) = history.as_deref().filter(|_| interactive) {
+        // The first time there is none.
+        let _ = editor.load_history(history);
+    }
+    let outcome = chat.converse(&mut editor, interactive);
+    if let Some(history) = history.filter(|_| interactive) {
+        if let Some(folder) = history.parent() {
+            // Without a history the next conversation begins with an empty one, and nothing else is lost.
+            let _ = std::fs::create_dir_all(folder);
+        }
+        let _ = editor.save_history(&history);
+    }
+    if interactive {
+        let name = screen::session_name(chat.folder.path());
+        anstream::eprintln!("{}", format!("Go on with: longstep chat --resume {name}").dimmed());
+    }
+    outcome.map(|()| 0)
+}
+
+fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
+    let named = arguments.domain.as_deref().unwrap_or("household");
+    let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
+    let world = inputs::world(&domain, env)?;
+    let settings = Settings {
+        accept: arguments.yes,
+        ..arguments.strategy.settings()
+    };
+    let name = &arguments.model.model;
+    let model = ask::model(name, &arguments.model)?;
+    let folder = match &arguments.session {
+        Some(folder) => SessionFolder::create(folder)?,
+        None => SessionFolder::create(&free_folder(env)?)?,
+    };
+    let facts = ask::facts(name, model.as_ref());
+    // The log is read from anywhere: a domain's folder is named whole.
+    let whole = Path::new(named)
+        .is_dir()
+        .then(|| std::path::absolute(named).ok())
+        .flatten();
+    let named = whole.map_or_else(|| named.to_owned(), |path| path.display().to_string());
+    let mut chat = Chat {
+        session: Session::new(&named, domain, world, settings, facts, stopwatch),
+        folder,
+        model: Some(model),
+        model_name: name.clone(),
+        arguments: &arguments.model,
+        told: 0,
+    };
+    chat.folder.keep(&mut chat.session)?;
+    Ok(chat)
+}
+
+/// A folder for a new session, named after its environment.
+fn free_folder(env: &Path) -> Result<PathBuf> {
+    let all = session_directory()?;
+    let stem = env.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let free = (1_u32..)
+        .map(|number| all.join(format!("{stem}-{number}")))
+        .find(|path| !path.exists());
+    free.ok_or_else(|| Failure::unreadable("there are too many sessions").into())
+}
+
+fn resume<'a>(arguments: &'a ChatArguments, path: &Path) -> Result<Chat<'a>> {
+    let (folder, log) = SessionFolder::open(path)?;
+    let Some(Event::Begin { domain, .. }) = log.events().next() else {
+        // A log that was read begins.
+        return Err(Failure::unreadable("the session has not begun").into());
+    };
+    let domain = inputs::domain_with_prompt(domain, arguments.strategy.prompt.as_deref())?;
+    let resumed = Session::resume(domain, &log, stopwatch)?;
+    if log.torn > 0 {
+        screen::notice("the last line of the session's log was cut off when the program ended, and is dropped");
+    }
+    if let Some(instruction) = &resumed.dropped {
+        screen::notice(&format!(
+            "this instruction was not finished and is dropped: {instruction}"
+        ));
+    }
+    let mut session = resumed.session;
+    folder.mend(&session)?;
+    if arguments.yes != session.settings().accept {
+        let settings = Settings {
+            accept: arguments.yes,
+            ..session.settings()
+        };
+        session.set_settings(settings);
+    }
+    let told = session.accepted().len();
+    let mut chat = Chat {
+        session,
+        folder,
+        model: None,
+        model_name: arguments.model.model.clone(),
+        arguments: &arguments.model,
+        told,
+    };
+    chat.folder.keep(&mut chat.session)?;
+    screen::where_we_are(&chat.session);
+    Ok(chat)
+}
+
+impl Chat<'_> {
+    fn converse(&mut self, editor: &mut Editor<(), DefaultHistory>, interactive: bool) -> Result<()> {
+        self.go_on(interactive)?;
+        loop {
+            let asks = match self.session.proposal() {
+                Some(_) => "accept? [Enter, or say what is to be different] ",
+                None => "> ",
+            };
+            let line = match editor.readline(asks) {
+                Ok(line) => line,
+                // Ctrl-C takes the line back.
+                Err(ReadlineError::Interrupted) => continue,
+                Err(ReadlineError::Eof) => return Ok(()),
+                Err(error) => return Err(error.into()),
+            };
+            match self.hear(line.trim()) {
+                Ok(Next::GoOn) => {}
+                Ok(Next::Quit) => return Ok(()),
+                // What cannot be written down has to be told at once, and nothing may be said after it.
+                Err(error) if error.is::<longstep_llm::FolderError>() => return Err(error),
+                Err(error) => {
+                    failure::tell(&error);
+                }
+            }
+            if let Err(error) = self.go_on(interactive) {
+                if error.is::<longstep_llm::FolderError>() {
+                    return Err(error);
+                }
+                failure::tell(&error);
+            }
+        }
+    }
+
+    /// What a person's line means depends on where the session is.
+    fn hear(&mut self, line: &str) -> Result<Next> {
+        if let Some(command) = line.strip_prefix('/') {
+            return self.command(command);
+        }
+        let plain = line.trim_end_matches(['.', '!']).to_lowercase();
+        if self.session.proposal().is_some() {
+            match plain.as_str() {
+                "" | "y" | "yes" | "ok" | "okay" | "accept" => self.session.accept()?,
+                "n" | "no" => {
+                    self.session.cancel()?;
+                    screen::notice("given up; nothing has changed");
+                }
+                _ => self.session.feedback(plan::said(line)?)?,
+            }
+        } else if line.is_empty() {
+            return Ok(Next::GoOn);
+        } else if self.session.question().is_some() {
+            self.session.answer(plan::said(line)?)?;
+        } else {
+            self.session.instruct(plan::said(line)?)?;
+        }
+        Ok(Next::GoOn)
+    }
+
+    /// Has the session go on until it needs the person, and shows what came of it.
+    fn go_on(&mut self, interactive: bool) -> Result<()> {
+        if self.session.wants_model() {
+            self.open_model()?;
+            let Some(model) = self.model.as_deref_mut() else {
+                return Ok(());
+            };
+            let advanced = advance(&mut self.session, model, Some(&mut self.folder), &mut Waiting::new());
+            match advanced {
+                Ok(need) => screen::need(&self.session, &need, interactive),
+                Err(AdvanceError::Model(ModelError::Stopped)) => {
+                    screen::notice("stopped");
+                    if self.session.proposal().is_some() {
+                        screen::need(&self.session, &Need::Decision, interactive);
+                    }
+                }
+                Err(error) => return Err(error.into()),
+            }
+        } else {
+            self.folder.keep(&mut self.session)?;
+        }
+        if self.session.accepted().len() > self.told {
+            screen::accepted(&self.session);
+        }
+        self.told = self.session.accepted().len();
+        Ok(())
+    }
+
+    fn open_model(&mut self) -> Result<()> {
+        if self.model.is_none() {
+            let model = ask::model(&self.model_name, self.arguments)?;
+            let facts: ModelFacts = ask::facts(&self.model_name, model.as_ref());
+            if self.session.model() != &facts {
+                self.session.set_model(facts);
+            }
+            self.model = Some(model);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,155 @@
+//! What begins with a slash.
+
+use std::path::Path;
+
+use anyhow::Result;
+use longstep::diagnostic::nearest;
+use longstep::session::{self, Settings, Strategy};
+
+use super::{Chat, Next, screen};
+use crate::failure::Failure;
+use crate::{ask, inputs, show};
+
+const COMMANDS: [(&str, &str); 9] = [
+    ("/plan", "show the plan at hand, or the last one that was accepted"),
+    (
+        "/why STEP",
+        "what a step brings about, and what would be wrong without it",
+    ),
+    ("/env", "show the world as it is now"),
+    ("/undo", "take the last accepted plan back, or give up the one at hand"),
+    (
+        "/save FOLDER",
+        "write the accepted plans to a folder: 0.json, 1.json, ...",
+    ),
+    ("/model NAME", "ask another model from now on"),
+    (
+        "/strategy goal|direct",
+        "let the model write only the goal, or the whole plan",
+    ),
+    ("/help", "this list"),
+    ("/quit", "end the conversation; the session is kept"),
+];
+
+impl Chat<'_> {
+    pub(super) fn command(&mut self, line: &str) -> Result<Next> {
+        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let rest = rest.trim();
+        match word {
+            "plan" => screen::plan(&self.session),
+            "why" => self.why(rest)?,
+            "env" => screen::environment(&self.session),
+            "undo" => self.undo()?,
+            "save" => self.save(rest)?,
+            "model" => self.change_model(rest)?,
+            "strategy" => self.change_strategy(rest)?,
+            "help" => help(),
+            "quit" | "exit" => return Ok(Next::Quit),
+            other => {
+                let words = COMMANDS.iter().filter_map(|(form, _)| form[1..].split(' ').next());
+                let hint = match nearest(other, words) {
+                    Some(near) => format!("did you mean `/{near}`?"),
+                    None => "`/help` lists the commands".to_owned(),
+                };
+                return Err(Failure::unreadable(format!("there is no command `/{other}`"))
+                    .hint(hint)
+                    .into());
+            }
+        }
+        Ok(Next::GoOn)
+    }
+
+    fn why(&self, rest: &str) -> Result<()> {
+        let Some((world, plan, purpose, goal)) = screen::at_hand(&self.session) else {
+            return Err(Failure::unreadable("there is no plan yet").into());
+        };
+        let length = plan.len();
+        let number: Option<usize> = rest.parse().ok().filter(|number| (1..=length).contains(number));
+        let Some(number) = number else {
+            let failure = Failure::unreadable(format!("`{rest}` is no step of the plan"));
+            return Err(failure.hint(format!("steps are numbered 1 to {length}")).into());
+        };
+        let why = session::why(self.session.domain(), world, plan, &purpose, goal, number - 1);
+        show::list("It brings about", &why.brings_about);
+        match why.without_it.is_empty() {
+            true => anstream::println!("\nWithout it, nothing would be wrong."),
+            false => show::list("Without it", &why.without_it),
+        }
+        Ok(())
+    }
+
+    fn undo(&mut self) -> Result<()> {
+        if self.session.proposal().is_some() || self.session.question().is_some() {
+            self.session.cancel()?;
+            screen::notice("given up; nothing has changed");
+            return Ok(());
+        }
+        let after = self.session.world().environment.clone();
+        let number = self
+            .session
+            .undo()
+            .map_err(|_| Failure::unreadable("there is no accepted plan to take back"))?;
+        screen::notice(&format!("plan {number} is taken back"));
+        show::changes(&after, &self.session.world().environment);
+        Ok(())
+    }
+
+    fn save(&self, rest: &str) -> Result<()> {
+        if rest.is_empty() {
+            return Err(Failure::unreadable("which folder?").hint("/save FOLDER").into());
+        }
+        let folder = Path::new(rest);
+        std::fs::create_dir_all(folder).map_err(|error| {
+            Failure::unreadable(format!("cannot make {rest}: {}", inputs::plain(&error))).hint("check the path")
+        })?;
+        let count = self.session.accepted().len();
+        for number in 0..count {
+            if let Some(plan) = self.session.plan_file(number) {
+                inputs::save(&folder.join(format!("{number}.json")), &plan)?;
+            }
+        }
+        screen::notice(&format!("{} saved in {rest}", crate::session::plural(count, "plan")));
+        Ok(())
+    }
+
+    fn change_model(&mut self, rest: &str) -> Result<()> {
+        if rest.is_empty() {
+            anstream::println!("{}", self.model_name);
+            return Ok(());
+        }
+        // The old one stays when the new one cannot be opened.
+        let model = ask::model(rest, self.arguments)?;
+        self.session.set_model(ask::facts(rest, model.as_ref()));
+        self.model = Some(model);
+        rest.clone_into(&mut self.model_name);
+        screen::notice(&format!("{rest} is asked from now on"));
+        Ok(())
+    }
+
+    fn change_strategy(&mut self, rest: &str) -> Result<()> {
+        let strategy = match rest {
+            "goal" => Strategy::Goal,
+            "direct" => Strategy::Direct,
+            _ => {
+                return Err(Failure::unreadable("which strategy?")
+                    .hint("/strategy goal, or /strategy direct")
+                    .into());
+            }
+        };
+        self.session.set_settings(Settings {
+            strategy,
+            ..self.session.settings()
+        });
+        Ok(())
+    }
+}
+
+fn help() {
+    anstream::println!("Say what you want, for example: Put the juice on the table.");
+    anstream::println!("When a plan is shown, Enter accepts it, `no` gives it up, and anything else is what is to be");
+    anstream::println!("different: \"not that plate, the blue one\", \"you can omit step 5\".\n");
+    for (form, means) in COMMANDS {
+        anstream::println!("  {form:22}  {means}");
+    }
+    anstream::println!("\nCtrl-C calls off the model, Ctrl-D ends the conversation.");
+}

@@ -1,0 +1,152 @@
+//! What a person sees of a session.
+
+use std::path::Path;
+
+use longstep::domain::Domain;
+use longstep::goal::Goal;
+use longstep::plan::Step;
+use longstep::session::{Need, Session};
+use longstep::verify::Purpose;
+use longstep::world::{Environment, World};
+use longstep_llm::session_directory;
+use owo_colors::OwoColorize;
+
+use crate::{show, solve};
+
+/// A remark of the program's own.
+pub(super) fn notice(text: &str) {
+    anstream::eprintln!("{}", text.dimmed());
+}
+
+/// How a session is named on the command line.
+pub(super) fn session_name(folder: &Path) -> String {
+    match (session_directory(), folder.parent(), folder.file_name()) {
+        (Ok(all), Some(parent), Some(name)) if all == parent => name.to_string_lossy().into_owned(),
+        _ => folder.display().to_string(),
+    }
+}
+
+/// What the session needs of the person.
+pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
+    match need {
+        Need::Answer(question) => anstream::println!("{} {question}", "Question:".yellow().bold()),
+        Need::Decision => {
+            proposal(session);
+            if !interactive {
+                anstream::println!("{}", "waiting for a decision".dimmed());
+            }
+        }
+        Need::Help => {
+            if let Some(stuck) = session.stuck() {
+                match &stuck.answer {
+                    Some(answer) => show::answer(answer, show::Changes::Hidden),
+                    None => anstream::println!("{} {}", "No plan:".red().bold(), stuck.why),
+                }
+            }
+        }
+        Need::Instruction | Need::Model(_) => {}
+    }
+}
+
+fn proposal(session: &Session) {
+    let Some(proposal) = session.proposal() else { return };
+    if !proposal.refused.is_empty() {
+        show::list("That cannot be had", &proposal.refused);
+        anstream::println!("\nThe plan stays as it was; /plan shows it.");
+        return;
+    }
+    if let Some(goal) = &proposal.goal {
+        goal_lines(session.domain(), session.world(), goal);
+    }
+    show::answer(&proposal.answer, show::Changes::Hidden);
+}
+
+fn goal_lines(domain: &Domain, world: &World, goal: &Goal) {
+    show::heading("Goal");
+    for line in solve::goal_lines(domain, world, goal) {
+        anstream::println!("  {line}");
+    }
+    anstream::println!();
+}
+
+/// The plan that was accepted last, as what it changed.
+pub(super) fn accepted(session: &Session) {
+    let number = session.accepted().len() - 1;
+    let Some(last) = session.accepted().last() else { return };
+    anstream::println!("{} as plan {number}", "Accepted".green().bold());
+    show::changes(&last.before.environment, &session.world().environment);
+    anstream::println!();
+}
+
+/// The plan at hand or the last one: the world that it begins in, its steps, and what it is for.
+pub(super) fn at_hand(session: &Session) -> Option<(&World, &[Step], Purpose, Option<&Goal>)> {
+    if let Some(proposal) = session.proposal() {
+        let steps = proposal.plan.steps();
+        return Some((session.world(), steps, proposal.purpose.clone(), proposal.goal.as_ref()));
+    }
+    let last = session.accepted().last()?;
+    let goal = last.goal.as_ref();
+    let purpose = goal.map_or_else(Purpose::default, |goal| goal.purpose(session.domain()));
+    Some((&last.before, last.plan.steps(), purpose, goal))
+}
+
+pub(super) fn plan(session: &Session) {
+    if let Some(proposal) = session.proposal() {
+        if let Some(goal) = &proposal.goal {
+            goal_lines(session.domain(), session.world(), goal);
+        }
+        show::answer(&proposal.answer, show::Changes::Shown);
+        return;
+    }
+    let number = session.accepted().len();
+    let file = number.checked_sub(1).and_then(|last| session.plan_file(last));
+    match file {
+        Some(file) => {
+            anstream::println!(
+                "{} {}",
+                format!("Plan {}:", number - 1).bold(),
+                file.instruction_summary
+            );
+            let cohesion = file.task_cohesion;
+            show::steps(&cohesion.task_sequence, &cohesion.step_instructions, |_| false);
+        }
+        None => anstream::println!("there is no plan yet"),
+    }
+}
+
+/// The world, a line for each thing.
+pub(super) fn environment(session: &Session) {
+    let environment = &session.world().environment;
+    let all = environment.assets.iter().chain(&environment.objects);
+    let width = all
+        .clone()
+        .map(|identifier| identifier.chars().count())
+        .max()
+        .unwrap_or(0);
+    for (title, list) in [("Assets", &environment.assets), ("Objects", &environment.objects)] {
+        show::heading(title);
+        for identifier in list {
+            anstream::println!("  {identifier:width$}  {}", said(environment, identifier).dimmed());
+        }
+    }
+}
+
+fn said(environment: &Environment, identifier: &str) -> String {
+    let states = [&environment.asset_states, &environment.object_states];
+    let words = states.iter().find_map(|states| states.get(identifier));
+    words.map_or_else(String::new, |words| words.as_slice().join(", "))
+}
+
+/// Where a session is that goes on.
+pub(super) fn where_we_are(session: &Session) {
+    let count = session.accepted().len();
+    notice(&format!("{} so far", crate::session::plural(count, "accepted plan")));
+    if let Some(instruction) = session.instruction() {
+        notice(&format!("at hand: {instruction}"));
+    }
+    if session.proposal().is_some() {
+        proposal(session);
+    } else if let Some(question) = session.question() {
+        anstream::println!("{} {question}", "Question:".yellow().bold());
+    }
+}

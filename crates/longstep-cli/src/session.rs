@@ -1,0 +1,206 @@
+//! `longstep session`: what is kept of sessions.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use longstep::session::{Event, Log, replay};
+use longstep_llm::{LOG, SessionFolder, session_directory};
+use owo_colors::OwoColorize;
+
+use crate::arguments::SessionCommand;
+use crate::inputs;
+use crate::solve::stopwatch;
+
+/// Characters of an instruction that a table shows.
+const SHOWN: usize = 60;
+
+pub(crate) fn run(command: &SessionCommand) -> Result<u8> {
+    match command {
+        SessionCommand::List => list(),
+        SessionCommand::Show { session, json } => {
+            let log = SessionFolder::read(&folder(session)?)?;
+            if *json {
+                anstream::println!("{}", serde_json::to_string_pretty(&log.entries)?);
+            } else {
+                show(&log);
+            }
+            Ok(0)
+        }
+        SessionCommand::Replay { session } => replayed(&folder(session)?),
+    }
+}
+
+/// The folder that is meant: a path, or a name among the sessions that are kept.
+pub(crate) fn folder(named: &str) -> Result<PathBuf> {
+    let path = Path::new(named);
+    if path.exists() || named.contains(std::path::MAIN_SEPARATOR) {
+        return Ok(path.to_owned());
+    }
+    Ok(session_directory()?.join(named))
+}
+
+fn list() -> Result<u8> {
+    let all = session_directory()?;
+    let mut names: Vec<String> = std::fs::read_dir(&all)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter(|entry| entry.path().join(LOG).is_file())
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .collect();
+    names.sort();
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    for name in &names {
+        match SessionFolder::read(&all.join(name)) {
+            Ok(log) => {
+                let begun = log.entries.first().map_or("", |entry| &entry.at);
+                let day = begun.get(..16).unwrap_or(begun).replace('T', " ");
+                let plans = standing(&log);
+                anstream::println!("{:width$}  {day}  {}", name.bold(), plural(plans, "plan"));
+            }
+            Err(error) => anstream::println!("{:width$}  {}", name.bold(), error.red()),
+        }
+    }
+    anstream::println!("\nsessions are kept in {}", all.display());
+    Ok(0)
+}
+
+/// Plans that are accepted and not taken back.
+fn standing(log: &Log) -> usize {
+    log.events().fold(0, |plans, event| match event {
+        Event::Accept { number, .. } => number + 1,
+        Event::Undo { number } => *number,
+        _ => plans,
+    })
+}
+
+pub(crate) fn plural(number: usize, what: &str) -> String {
+    match number {
+        1 => format!("1 {what}"),
+        many => format!("{many} {what}s"),
+    }
+}
+
+/// One row for each instruction.
+#[derive(Default)]
+struct Row {
+    instruction: String,
+    calls: usize,
+    prompt: u64,
+    completion: u64,
+    seconds: f64,
+    edits: usize,
+    words: usize,
+    outcome: String,
+}
+
+fn show(log: &Log) {
+    if let Some(Event::Begin { domain, settings, .. }) = log.events().next() {
+        let strategy = serde_json::to_value(settings.strategy).unwrap_or_default();
+        let model = log.events().find_map(|event| match event {
+            Event::Model { name, .. } => Some(name.as_str()),
+            _ => None,
+        });
+        let strategy = strategy.as_str().unwrap_or_default();
+        anstream::println!(
+            "domain {domain}, strategy {strategy}, model {}\n",
+            model.unwrap_or("none")
+        );
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for event in log.events() {
+        if let Event::Instruction { text } = event {
+            rows.push(Row {
+                instruction: text.clone(),
+                outcome: "at hand".to_owned(),
+                ..Row::default()
+            });
+            continue;
+        }
+        if let Event::Undo { number } = event {
+            let undone = format!("accepted as {number}");
+            if let Some(row) = rows.iter_mut().rev().find(|row| row.outcome == undone) {
+                row.outcome = "taken back".to_owned();
+            }
+        }
+        if let Some(row) = rows.last_mut() {
+            row.hear(event);
+        }
+    }
+    let header = format!(
+        "{:>3}  {:SHOWN$}  {:>5}  {:>7}  {:>7}  {:>7}  {:>5}  {:>5}  outcome",
+        "#", "instruction", "calls", "prompt", "written", "model", "edits", "words"
+    );
+    anstream::println!("{}", header.bold());
+    for (number, row) in rows.iter().enumerate() {
+        let mut text: String = row.instruction.split_whitespace().collect::<Vec<_>>().join(" ");
+        if text.chars().count() > SHOWN {
+            text = text.chars().take(SHOWN - 1).chain(['…']).collect();
+        }
+        anstream::println!(
+            "{:>3}  {text:SHOWN$}  {:>5}  {:>7}  {:>7}  {:>6.1}s  {:>5}  {:>5}  {}",
+            number + 1,
+            row.calls,
+            row.prompt,
+            row.completion,
+            row.seconds,
+            row.edits,
+            row.words,
+            row.outcome
+        );
+    }
+    anstream::println!("\n{} accepted", plural(standing(log), "plan"));
+}
+
+impl Row {
+    fn hear(&mut self, event: &Event) {
+        match event {
+            Event::Reply {
+                usage, milliseconds, ..
+            } => {
+                self.calls += 1;
+                self.prompt = self.prompt.max(usage.prompt_tokens);
+                self.completion += usage.completion_tokens;
+                self.seconds += milliseconds / 1000.0;
+            }
+            Event::Verdict { answer } => {
+                self.edits = answer["edits"].as_array().map_or(0, Vec::len);
+            }
+            Event::Feedback { .. } | Event::Answer { .. } => self.words += 1,
+            Event::Question { .. } => self.outcome = "asks back".to_owned(),
+            Event::Accept { number, .. } => self.outcome = format!("accepted as {number}"),
+            Event::Stuck { why } | Event::Failed { error: why } => self.outcome = why.clone(),
+            Event::Cancel => self.outcome = "given up".to_owned(),
+            _ => {}
+        }
+    }
+}
+
+fn replayed(folder: &Path) -> Result<u8> {
+    let log = SessionFolder::read(folder)?;
+    let domain = match log.events().next() {
+        Some(Event::Begin { domain, .. }) => inputs::domain(domain)?,
+        // A log that was read begins.
+        _ => return Ok(crate::failure::UNREADABLE),
+    };
+    let outcome = replay(domain, &log, stopwatch)?;
+    for difference in &outcome.differing {
+        let text = |value: &Option<serde_json::Value>| value.as_ref().map_or("nothing".to_owned(), ToString::to_string);
+        anstream::println!("line {}:", difference.line);
+        anstream::println!("  {} {}", "recorded".red(), text(&difference.recorded));
+        anstream::println!("  {} {}", "today   ".green(), text(&difference.today));
+    }
+    let told = format!(
+        "{}, {} accepted",
+        plural(outcome.instructions, "instruction"),
+        plural(outcome.accepted, "plan")
+    );
+    if outcome.differing.is_empty() {
+        anstream::println!("{} {told}", "The same again:".green().bold());
+        Ok(0)
+    } else {
+        let many = plural(outcome.differing.len(), "event");
+        anstream::println!("{} {many} ({told})", "Not the same:".red().bold());
+        Ok(10)
+    }
+}

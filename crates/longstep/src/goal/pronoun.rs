@@ -1,0 +1,110 @@
+//! "Put it back": what an instruction leaves to the one before it.
+
+use super::mention::Spoken;
+use crate::domain::{Domain, plain_words};
+use crate::world::{EntityId, World};
+
+/// Words that stand for one thing, and for several.
+const ONE: [&str; 1] = ["it"];
+const SEVERAL: [&str; 2] = ["them", "these"];
+
+/// An instruction with the things of an earlier one in place of a pronoun that has nothing to stand for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SpelledOut {
+    /// The instruction.
+    pub text: String,
+    /// The pronoun.
+    pub pronoun: String,
+    /// What it was taken for.
+    pub meant: Vec<EntityId>,
+}
+
+/// Spells out a pronoun that stands before anything that it could mean: in "put it on the desk" it is what was handled
+/// `before`, in "take the pen and put it on the desk" it is the pen.
+///
+/// None where there is no such pronoun, or where `before` does not tell what it means: "it" is one thing.
+///
+/// ```
+/// use longstep::{domain, goal, json, world};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let environment = world::Environment::from_json(r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#).unwrap();
+/// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let pen = world.find("<pen>").unwrap();
+/// let spelled = goal::spelled_out(&household, &world, "Now put it on the desk", &[pen]).unwrap();
+/// assert_eq!(spelled.text, "Now put the pen on the desk");
+/// assert_eq!(goal::spelled_out(&household, &world, "Take the pen and put it on the desk", &[pen]), None);
+/// ```
+pub fn spelled_out(domain: &Domain, world: &World, instruction: &str, before: &[EntityId]) -> Option<SpelledOut> {
+    let mut words: Vec<&str> = instruction.split_whitespace().collect();
+    let plain = |word: &str| plain_words(word).concat();
+    let at = words.iter().position(|word| {
+        let word = plain(word);
+        ONE.contains(&word.as_str()) || SEVERAL.contains(&word.as_str())
+    })?;
+    let pronoun = plain(words[at]);
+    let one = ONE.contains(&pronoun.as_str());
+    if before.is_empty() || (one && before.len() > 1) {
+        return None;
+    }
+    // What is named already is meant.
+    if !Spoken::of(domain, world, &words[..at].join(" ")).entities.is_empty() {
+        return None;
+    }
+    let names: Vec<String> = before
+        .iter()
+        .map(|id| format!("the {}", world.entity(*id).name))
+        .collect();
+    let end = words[at].trim_start_matches(char::is_alphanumeric);
+    let meant = format!("{}{end}", names.join(" and "));
+    words[at] = &meant;
+    Some(SpelledOut {
+        text: words.join(" "),
+        pronoun,
+        meant: before.to_vec(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain;
+    use crate::json::Path;
+    use crate::world::{self, Environment};
+
+    #[track_caller]
+    fn check(instruction: &str, before: &[&str], expected: Option<&str>) {
+        let household = domain::shipped("household").unwrap().unwrap();
+        let text =
+            r#"{"assets": ["<desk>", "<shelf>", "<drawer>"], "objects": ["<pen>", "<ruler>", "<drawer_handle>"]}"#;
+        let environment = Environment::from_json(text).unwrap();
+        let world = world::read(&household, &environment, "", "", &Path::default()).unwrap();
+        let before: Vec<_> = before.iter().map(|name| world.find(name).unwrap()).collect();
+        let spelled = spelled_out(&household, &world, instruction, &before);
+        assert_eq!(
+            spelled.as_ref().map(|spelled| spelled.text.as_str()),
+            expected,
+            "{instruction}"
+        );
+    }
+
+    #[test]
+    fn a_pronoun_without_anything_to_stand_for_is_what_was_handled_before() {
+        check("Put it on the shelf", &["<pen>"], Some("Put the pen on the shelf"));
+        check(
+            "Put it, please, on the shelf",
+            &["<pen>"],
+            Some("Put the pen, please, on the shelf"),
+        );
+        check("Take the ruler and put it on the shelf", &["<pen>"], None);
+        check("Open the drawer and put it in", &["<pen>"], None);
+        check("Put the ruler away", &["<pen>"], None);
+        check("Put it on the shelf", &[], None);
+        check("Put it on the shelf", &["<pen>", "<ruler>"], None);
+        check(
+            "Put them on the shelf",
+            &["<pen>", "<ruler>"],
+            Some("Put the pen and the ruler on the shelf"),
+        );
+        check("Close it", &["<drawer>"], Some("Close the drawer"));
+    }
+}

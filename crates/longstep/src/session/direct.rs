@@ -1,0 +1,173 @@
+//! The direct strategy: the model writes the whole plan, and the environment after it.
+
+use super::asking::{Asking, What, unusable};
+use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn, sentence};
+use crate::answer::Status;
+use crate::attempt::Attempt;
+use crate::feedback;
+use crate::plan;
+use crate::prompt::{
+    DialogueError, Exchange, Finish, Prepared, PromptError, Reply, Round, TokenCounter, direct_request, query,
+};
+use crate::repair::Outcome;
+use crate::verify::VerifiedPlan;
+
+/// The model's last word is the plan that the person saw, repaired or not: that is what their words are about.
+pub(super) fn round(proposal: &Proposal, words: &str) -> Round {
+    Round {
+        // A plan is plain data with string keys; writing it as JSON does not fail.
+        replied: serde_json::to_string_pretty(&proposal.answer.plan).unwrap_or_default(),
+        said: words.to_owned(),
+    }
+}
+
+impl Session {
+    /// The request for a plan.
+    pub(super) fn plan_request(&self, turn: &Turn, counter: &mut dyn TokenCounter) -> Result<Prepared, PromptError> {
+        let skipped = self.accepted.len().saturating_sub(self.settings.history);
+        let history: Vec<Exchange> = (skipped..self.accepted.len())
+            .filter_map(|number| self.exchange(number))
+            .collect();
+        let rounds = &turn.rounds;
+        direct_request(
+            &self.domain,
+            &self.world,
+            &turn.instruction,
+            &history,
+            rounds,
+            self.model.context,
+            counter,
+        )
+    }
+
+    /// An earlier instruction as a model is shown it: as if it had written the plan that was accepted.
+    fn exchange(&self, number: usize) -> Option<Exchange> {
+        let Accepted {
+            instruction, before, ..
+        } = self.accepted.get(number)?;
+        Some(Exchange {
+            said: query(&self.domain, before, instruction).ok()?,
+            replied: serde_json::to_string_pretty(&self.plan_file(number)?).ok()?,
+        })
+    }
+
+    pub(super) fn plan_reply(&mut self, turn: Turn, reply: &Reply) {
+        match reply.finish {
+            Finish::Stop => {}
+            Finish::Length => {
+                let error = DialogueError::CutOff(reply.text.chars().take(80).collect());
+                return self.give_up(turn, unusable(&error));
+            }
+            Finish::Refused => return self.give_up(turn, unusable(&DialogueError::Refused)),
+        }
+        let draft = match plan::read(&reply.text) {
+            Ok(draft) => draft,
+            Err(error) => {
+                let stuck = unusable(&DialogueError::Unreadable(error.to_string()));
+                let told = format!(
+                    "{error}. {} Answer with the whole plan, in the format above.",
+                    error.hint()
+                );
+                return self.correct(turn, reply, told, stuck);
+            }
+        };
+        let attempt = Attempt::new(&self.domain, &self.world, draft, Some(&turn.instruction));
+        if let Some(question) = attempt.question() {
+            let question = question.to_owned();
+            return self.ask_person(turn, reply.text.clone(), question);
+        }
+        let last = turn.corrections >= self.settings.rounds;
+        let mend = match self.settings.repair {
+            RepairPolicy::First => true,
+            RepairPolicy::AfterFeedback => last,
+            RepairPolicy::Never => false,
+        };
+        self.check(turn, reply, &attempt, mend);
+    }
+
+    /// Looks at a plan that the model wrote.
+    fn check(&mut self, turn: Turn, reply: &Reply, attempt: &Attempt, mend: bool) {
+        let (domain, world) = (&self.domain, &self.world);
+        let started = (self.now)();
+        // What a person asked for is not repaired away.
+        let pins = turn
+            .proposal
+            .as_ref()
+            .map(|proposal| feedback::pins(proposal.plan.plan(), &attempt.resolved))
+            .unwrap_or_default();
+        let outcome = match mend {
+            true => Some(attempt.repair(domain, world, &pins)),
+            false => None,
+        };
+        let searched = (self.now)();
+        let plan: Option<VerifiedPlan> = match &outcome {
+            Some(Outcome::Valid(plan)) => Some(plan.clone()),
+            // Giving up what the plan was for is no way to do what the person said about it.
+            Some(Outcome::Repaired(repaired)) if turn.proposal.is_some() && !repaired.given_up.is_empty() => None,
+            Some(Outcome::Repaired(repaired)) => Some(repaired.plan.clone()),
+            Some(_) => None,
+            None => attempt.verified(domain, world),
+        };
+        let mut answer = match outcome {
+            Some(outcome) if plan.is_some() => attempt.repaired(domain, world, outcome),
+            _ => attempt.verdict(domain, world),
+        };
+        turn.price(&mut answer);
+        answer.plan.instruction_summary.clone_from(&turn.instruction);
+        answer.timings_ms.search = searched - started;
+        answer.timings_ms.verify = (self.now)() - searched;
+        match plan {
+            Some(plan) => {
+                let proposal = Proposal {
+                    plan,
+                    purpose: attempt.purpose.clone(),
+                    goal: None,
+                    answer,
+                    refused: Vec::new(),
+                };
+                self.propose(turn, proposal);
+            }
+            None => {
+                let wrong: Vec<String> = answer.violations.iter().map(|v| v.message.clone()).collect();
+                let why = match wrong.is_empty() {
+                    true => sentence(answer.status).to_owned(),
+                    false => wrong.join("; "),
+                };
+                // What repair could not mend is told without the changes that it would make.
+                let told = attempt.feedback(domain, world);
+                let stuck = Stuck {
+                    why,
+                    trouble: Trouble::Plan,
+                    answer: Some(Box::new(answer)),
+                };
+                self.correct(turn, reply, told, stuck);
+            }
+        }
+    }
+
+    /// Tells the model what is wrong and asks again; when it has been told often enough, nothing came of it.
+    fn correct(&mut self, mut turn: Turn, reply: &Reply, told: String, stuck: Stuck) {
+        if turn.corrections >= self.settings.rounds {
+            return self.give_up(turn, stuck);
+        }
+        if let Some(answer) = &stuck.answer {
+            self.verdict(answer);
+        }
+        self.events.push(Event::Correction { text: told.clone() });
+        turn.corrections += 1;
+        turn.rounds.push(Round {
+            replied: reply.text.clone(),
+            said: told,
+        });
+        self.stage = Stage::Asking(turn, Asking::new(What::Plan));
+    }
+
+    /// What a conversation goes on from when nothing came of it: what the model said last.
+    pub(super) fn reply_of(&self, stuck: &Stuck) -> String {
+        match &stuck.answer {
+            Some(answer) if answer.status != Status::Question && !answer.goal.is_empty() => answer.goal.join(" & "),
+            Some(answer) => serde_json::to_string_pretty(&answer.plan).unwrap_or_default(),
+            None => String::new(),
+        }
+    }
+}

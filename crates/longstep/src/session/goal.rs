@@ -1,0 +1,215 @@
+//! The goal strategy: the model says what is wanted, and search finds the steps.
+
+use super::asking::{Asking, What, unusable};
+use super::{Event, Proposal, Session, Stage, Stuck, Trouble, Turn, sentence};
+use crate::answer::{Answer, EditAnswer};
+use crate::feedback::{Amended, StepWish, amend};
+use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
+use crate::prompt::{
+    DialogueError, GoalDialogue, OverBudget, PartCost, Prepared, Reply, Round, TokenCounter, Turn as DialogueTurn,
+};
+use crate::solution;
+use crate::world::World;
+
+/// A conversation about goals.
+#[derive(Debug, Clone)]
+pub(super) struct GoalAsking {
+    dialogue: GoalDialogue,
+    /// The part of the world that the model is told of; none if it is all of it.
+    seen: Option<World>,
+    left_out: usize,
+    costs: Vec<PartCost>,
+}
+
+impl Session {
+    /// The request for goals.
+    pub(super) fn goal_request(
+        &mut self,
+        turn: &Turn,
+        goal: &mut Option<Box<GoalAsking>>,
+        counter: &mut dyn TokenCounter,
+    ) -> Result<Prepared, OverBudget> {
+        let asking = match goal {
+            Some(asking) => asking,
+            None => {
+                let context = self.model.context;
+                let (domain, world) = (&self.domain, &self.world);
+                let (instruction, rounds) = (self.spelled_out(turn), &turn.rounds);
+                let fitted =
+                    GoalDialogue::fitted(domain, world, &instruction, rounds, self.model.kind, context, counter)?;
+                if let Some(seen) = &fitted.narrowed {
+                    let kept = seen.entities().map(|(_, entity)| entity.identifier.clone());
+                    self.events.push(Event::Focus { kept: kept.collect() });
+                }
+                goal.insert(Box::new(GoalAsking {
+                    dialogue: fitted.dialogue,
+                    seen: fitted.narrowed,
+                    left_out: fitted.left_out,
+                    costs: fitted.costs,
+                }))
+            }
+        };
+        let seen = asking.seen.as_ref().unwrap_or(&self.world);
+        Ok(Prepared {
+            request: asking.dialogue.request(&self.domain, seen),
+            costs: asking.costs.clone(),
+            dropped: 0,
+            left_out: asking.left_out,
+        })
+    }
+
+    /// The instruction with what was handled last in place of a pronoun that leaves it open.
+    fn spelled_out(&self, turn: &Turn) -> String {
+        let spelled = self.pronoun(&turn.instruction);
+        spelled.map_or_else(|| turn.instruction.clone(), |spelled| spelled.text)
+    }
+
+    fn pronoun(&self, instruction: &str) -> Option<SpelledOut> {
+        let last = self.accepted.last()?;
+        goal::spelled_out(&self.domain, &self.world, instruction, &last.subjects(&self.domain))
+    }
+
+    /// The conversation as it begins when the model was told of these things, or of everything.
+    pub(super) fn goal_asking(&self, turn: &Turn, kept: Option<&[String]>) -> GoalAsking {
+        let (domain, world) = (&self.domain, &self.world);
+        let seen = kept.map(|kept| {
+            let kept: Vec<_> = kept.iter().filter_map(|identifier| world.find(identifier)).collect();
+            world.narrowed(domain, &kept)
+        });
+        let told = seen.as_ref().unwrap_or(world);
+        let dialogue = GoalDialogue::again(domain, told, &self.spelled_out(turn), &turn.rounds, self.model.kind);
+        GoalAsking {
+            dialogue,
+            seen,
+            left_out: 0,
+            costs: Vec::new(),
+        }
+    }
+
+    /// What the model was told of, where a log says so: the conversation begins with that.
+    pub(super) fn focus(&mut self, kept: Option<Vec<String>>) {
+        let Stage::Asking(turn, asking) = &self.stage else {
+            return;
+        };
+        if let What::Goal(None) = asking.what {
+            let begun = self.goal_asking(turn, kept.as_deref());
+            self.stage = Stage::Asking(turn.clone(), Asking::new(What::Goal(Some(Box::new(begun)))));
+        }
+    }
+
+    pub(super) fn goal_reply(&mut self, turn: Turn, goal: Option<Box<GoalAsking>>, reply: &Reply) {
+        let mut asking = goal.unwrap_or_else(|| Box::new(self.goal_asking(&turn, None)));
+        let seen = asking.seen.as_ref().unwrap_or(&self.world);
+        match asking.dialogue.supply(&self.domain, seen, reply) {
+            Ok(DialogueTurn::GoOn) => {
+                self.stage = Stage::Asking(turn, Asking::new(What::Goal(Some(asking))));
+            }
+            Ok(DialogueTurn::Done(understood)) => {
+                let carried = match &asking.seen {
+                    Some(seen) => understood.carried(&self.domain, seen, &self.world),
+                    None => Some(understood),
+                };
+                match carried {
+                    Some(Understanding::Goal(goal, left_out)) => self.pursue(turn, goal, &left_out),
+                    Some(Understanding::Question(question)) => {
+                        self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
+                    }
+                    // A part of the world has only things of the whole.
+                    None => self.give_up(turn, unusable(&DialogueError::Refused)),
+                }
+            }
+            Err(error) => self.give_up(turn, unusable(&error)),
+        }
+    }
+
+    /// Plans for a goal.
+    fn pursue(&mut self, turn: Turn, goal: Goal, left_out: &[LeftOut]) {
+        let (domain, world) = (&self.domain, &self.world);
+        let solution = solution::of_goal(domain, world, &goal, &turn.instruction, self.now);
+        let mut answer = solution.answer;
+        answer.tell_left_out(domain, world, left_out);
+        if let Some(spelled) = self.pronoun(&turn.instruction) {
+            let names = spelled.meant.iter().map(|id| world.entity(*id).with_article());
+            let names: Vec<String> = names.collect();
+            let told = format!("\"{}\" was taken for {}", spelled.pronoun, names.join(" and "));
+            answer.assumptions.push(told);
+        }
+        turn.price(&mut answer);
+        match solution.plan {
+            Some(plan) => {
+                let proposal = Proposal {
+                    plan,
+                    purpose: goal.purpose(domain),
+                    goal: Some(goal),
+                    answer,
+                    refused: Vec::new(),
+                };
+                self.propose(turn, proposal);
+            }
+            None => {
+                let stuck = Stuck {
+                    why: sentence(answer.status).to_owned(),
+                    answer: Some(Box::new(answer)),
+                    trouble: Trouble::Plan,
+                };
+                self.give_up(turn, stuck);
+            }
+        }
+    }
+
+    /// The words are about what is wanted: the conversation about it goes on.
+    pub(super) fn ask_for_another_goal(&mut self, mut turn: Turn, words: String) {
+        let facts = turn.proposal.iter().flat_map(|proposal| &proposal.goal);
+        let texts = facts.flat_map(|goal| &goal.facts);
+        let texts: Vec<String> = texts.map(|fact| fact.everyday(&self.domain, &self.world)).collect();
+        turn.rounds.push(Round {
+            replied: texts.join(goal::JOINT),
+            said: words,
+        });
+        self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
+    }
+
+    /// The words are about the steps: the plan is changed so, if that can be had.
+    pub(super) fn amend(&mut self, mut turn: Turn, wishes: &[StepWish]) {
+        let Some(proposal) = turn.proposal.as_deref() else {
+            return self.stage = Stage::Idle;
+        };
+        let (domain, world) = (&self.domain, &self.world);
+        let (purpose, goal) = (proposal.purpose.clone(), proposal.goal.clone());
+        let started = (self.now)();
+        match amend(domain, world, proposal.plan.plan(), wishes, &purpose) {
+            Amended::Done(amendment) => {
+                let report = amendment.plan.report();
+                let mut answer = Answer::of_report(domain, world, report, goal.as_ref(), &turn.instruction);
+                answer.edits = amendment.edits.iter().map(EditAnswer::from).collect();
+                answer.timings_ms.search = (self.now)() - started;
+                turn.price(&mut answer);
+                let plan = amendment.plan;
+                let proposal = Proposal {
+                    plan,
+                    purpose,
+                    goal,
+                    answer,
+                    refused: Vec::new(),
+                };
+                self.propose(turn, proposal);
+            }
+            Amended::Impossible { why, .. } => {
+                self.events.push(Event::Refused { why: why.clone() });
+                if let Some(proposal) = &mut turn.proposal {
+                    proposal.refused = why;
+                }
+                self.stage = Stage::Proposed(turn);
+            }
+        }
+    }
+}
+
+impl Turn {
+    /// Puts what the instruction has cost so far into an answer.
+    pub(super) fn price(&self, answer: &mut Answer) {
+        answer.usage = self.usage.into();
+        answer.usage.rounds = self.corrections;
+        answer.timings_ms.model = self.model_milliseconds;
+    }
+}

@@ -1,0 +1,648 @@
+//! Many instructions, one world: the conversation as a state machine.
+//!
+//! A [`Session`] never calls a model and never waits for anybody. It says what it needs ([`Session::need`]) and is
+//! given it: a model's reply ([`Session::supply`]), or a person's words ([`Session::instruct`], [`Session::answer`],
+//! [`Session::feedback`], [`Session::accept`]). So the program, a server, a notebook and an evaluation share one
+//! loop. Each instruction begins in the world that the last accepted plan was simulated to end in.
+//!
+//! Everything that happens comes out as an [`Event`] ([`Session::take_events`]). Whoever keeps the events can go on
+//! later from where the session was ([`Session::resume`]): a session is a function of what it was given.
+//!
+//! ```
+//! use longstep::prompt::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
+//! use longstep::session::{ModelFacts, Need, Session, Settings};
+//! use longstep::{domain, json, world};
+//!
+//! let household = domain::shipped("household").unwrap().unwrap();
+//! let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+//! let environment = world::Environment::from_json(text)?;
+//! let world = world::read(&household, &environment, "env.json", text, &json::Path::default())?;
+//! let model = ModelFacts { name: "mine".to_owned(), kind: ConstraintKind::JsonSchema, context: None };
+//! let mut session = Session::new("household", household, world, Settings::default(), model, || 0.0);
+//!
+//! session.instruct("The pen belongs on the shelf")?;
+//! let Need::Model(prepared) = session.need(&mut EstimatedTokens::default())? else { panic!() };
+//! assert!(prepared.request.messages.last().unwrap().text.contains("The pen belongs on the shelf"));
+//! // Whoever holds the model sends the request; here is what came back.
+//! let text = r#"{"question": "", "goals": ["put(pen, shelf)"]}"#.to_owned();
+//! session.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default() }, 740.0)?;
+//!
+//! let proposal = session.proposal().unwrap();
+//! assert_eq!(proposal.plan.steps().len(), 6);
+//! session.accept()?;
+//! assert_eq!(session.world().environment.object_states["<pen>"].as_slice(), ["on_something(<shelf>)"]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod asking;
+mod direct;
+mod event;
+mod goal;
+mod log;
+mod resume;
+#[cfg(test)]
+mod tests;
+mod why;
+
+pub use event::{Event, MessageRecord, StepRecord, UsageRecord, VERSION};
+pub use log::{Entry, Log, LogError};
+pub use resume::{Replay, ReplayDifference, ResumeError, Resumed, replay};
+pub use why::{Why, why};
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::answer::{Answer, Status};
+use crate::domain::Domain;
+use crate::goal::Goal;
+use crate::plan::{PlanFile, TaskCohesion};
+use crate::prompt::{ConstraintKind, Message, Prepared, PromptError, Round, TokenCounter, Usage};
+use crate::solution::Stopwatch;
+use crate::verify::{Purpose, VerifiedPlan};
+use crate::world::{EntityId, World};
+
+use asking::Asking;
+
+/// What a model is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Strategy {
+    /// Only what is wanted; search finds the steps. Few tokens, and what small models can do.
+    #[default]
+    Goal,
+    /// The whole plan and the environment after it, as in the paper.
+    Direct,
+}
+
+/// What happens to a plan of a model that is not valid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RepairPolicy {
+    /// It is repaired; only what repair cannot mend goes back to the model.
+    #[default]
+    First,
+    /// It goes back to the model, and is repaired when the rounds are used up.
+    AfterFeedback,
+    /// It goes back to the model and is never repaired.
+    Never,
+}
+
+/// How a session goes about it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// What a model is asked for.
+    pub strategy: Strategy,
+    /// What happens to a plan that is not valid.
+    pub repair: RepairPolicy,
+    /// How often a model is told what is wrong with its reply, for each instruction.
+    pub rounds: u32,
+    /// Whether verified plans are accepted without asking.
+    pub accept: bool,
+    /// How many earlier instructions a model is shown at most, with the plans that were accepted for them (direct
+    /// strategy). What does not fit is dropped, oldest first.
+    pub history: usize,
+}
+
+impl Default for Settings {
+    /// The goal strategy, repair first, three rounds (the most that the paper needed), and two earlier instructions:
+    /// enough for "put it back", and the same for the hundredth instruction as for the third.
+    fn default() -> Self {
+        Self {
+            strategy: Strategy::default(),
+            repair: RepairPolicy::default(),
+            rounds: 3,
+            accept: false,
+            history: 2,
+        }
+    }
+}
+
+/// What a session has to know of the model that is asked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModelFacts {
+    /// What it is called, for the log.
+    pub name: String,
+    /// What it obeys.
+    pub kind: ConstraintKind,
+    /// How many tokens prompt and answer may have together; none if nobody knows.
+    pub context: Option<u64>,
+}
+
+/// What a session needs now.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Need {
+    /// A person's instruction.
+    Instruction,
+    /// A model's reply to this request.
+    Model(Box<Prepared>),
+    /// A person's answer to this question.
+    Answer(String),
+    /// A look at [`Session::proposal`]: accept it, or say what is to be different.
+    Decision,
+    /// Other words: [`Session::stuck`] tells why nothing came of the instruction.
+    Help,
+}
+
+/// A verified plan that waits for a person's word.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    /// The plan.
+    pub plan: VerifiedPlan,
+    /// What it is for.
+    pub purpose: Purpose,
+    /// The goal that it was made for, if it was made for one.
+    pub goal: Option<Goal>,
+    /// The same as everybody is answered.
+    pub answer: Answer,
+    /// What the person asked for last and cannot have, and why; empty if they have it.
+    pub refused: Vec<String>,
+}
+
+/// Why nothing came of an instruction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stuck {
+    /// In one sentence.
+    pub why: String,
+    /// The plan that is not valid, or that there is none; missing where a reply could not be read at all.
+    pub answer: Option<Box<Answer>>,
+    /// What kind of trouble it is.
+    pub trouble: Trouble,
+}
+
+/// A kind of trouble, which decides the exit code of a program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trouble {
+    /// No plan, or none that is valid: the answer tells.
+    Plan,
+    /// A limit of tokens or rounds.
+    Limit,
+    /// The model did not answer, or its reply cannot be used.
+    Model,
+}
+
+/// One instruction, from its words to an accepted plan.
+#[derive(Debug, Clone)]
+struct Turn {
+    instruction: String,
+    /// What the model replied and what was said to it then.
+    rounds: Vec<Round>,
+    /// How often it was told what is wrong.
+    corrections: u32,
+    usage: Usage,
+    model_milliseconds: f64,
+    /// The plan that the person has words about.
+    proposal: Option<Box<Proposal>>,
+}
+
+/// Where a session is.
+#[derive(Debug, Clone)]
+enum Stage {
+    Idle,
+    Asking(Turn, Asking),
+    /// The reply that asked, and the question in it.
+    Question(Turn, String, String),
+    /// A plan: the one of the turn.
+    Proposed(Turn),
+    Stuck(Turn, Stuck),
+}
+
+/// An instruction that was carried through.
+#[derive(Debug, Clone)]
+pub struct Accepted {
+    /// What was asked for.
+    pub instruction: String,
+    /// The world before.
+    pub before: World,
+    /// What was done.
+    pub plan: VerifiedPlan,
+    /// The goal that it was made for, if it was made for one.
+    pub goal: Option<Goal>,
+}
+
+/// Something that does not fit where the session is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("{what} does not fit here: the session {state}")]
+pub struct OutOfTurn {
+    what: &'static str,
+    state: &'static str,
+}
+
+/// A chain of instructions over one evolving world.
+#[derive(Debug, Clone)]
+pub struct Session {
+    domain: Arc<Domain>,
+    settings: Settings,
+    model: ModelFacts,
+    world: World,
+    accepted: Vec<Accepted>,
+    stage: Stage,
+    /// The fixed parts that requests began with so far.
+    prompts: Vec<Vec<Message>>,
+    events: Vec<Event>,
+    now: Stopwatch,
+}
+
+impl Session {
+    /// Begins a session. `domain_name` is how the domain is found again: its name or folder.
+    pub fn new(
+        domain_name: &str,
+        domain: impl Into<Arc<Domain>>,
+        world: World,
+        settings: Settings,
+        model: ModelFacts,
+        now: Stopwatch,
+    ) -> Self {
+        let begin = Event::Begin {
+            version: VERSION,
+            domain: domain_name.to_owned(),
+            environment: world.environment.clone(),
+            settings,
+        };
+        let mut session = Self {
+            domain: domain.into(),
+            settings,
+            model: model.clone(),
+            world,
+            accepted: Vec::new(),
+            stage: Stage::Idle,
+            prompts: Vec::new(),
+            events: vec![begin],
+            now,
+        };
+        session.set_model(model);
+        session
+    }
+
+    /// What the session needs to go on. `counter` counts tokens as the model does.
+    ///
+    /// # Errors
+    ///
+    /// When even what must be said does not fit into the model's context, or the domain's prompt cannot be rendered.
+    /// The instruction is then stuck.
+    pub fn need(&mut self, counter: &mut dyn TokenCounter) -> Result<Need, PromptError> {
+        self.stage = match std::mem::replace(&mut self.stage, Stage::Idle) {
+            Stage::Asking(turn, asking) => return self.request(turn, asking, counter).map(Need::Model),
+            other => other,
+        };
+        Ok(match &self.stage {
+            Stage::Idle | Stage::Asking(..) => Need::Instruction,
+            Stage::Question(_, _, question) => Need::Answer(question.clone()),
+            Stage::Proposed(_) => Need::Decision,
+            Stage::Stuck(..) => Need::Help,
+        })
+    }
+
+    /// The events since the last time.
+    pub fn take_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
+    }
+
+    /// The domain.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// The world as it is before the instruction at hand.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// How the session goes about it.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// The plans accepted so far, in order.
+    pub fn accepted(&self) -> &[Accepted] {
+        &self.accepted
+    }
+
+    /// The plan that waits for a decision.
+    pub fn proposal(&self) -> Option<&Proposal> {
+        match &self.stage {
+            Stage::Proposed(turn) => turn.proposal.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// Why nothing came of the instruction.
+    pub fn stuck(&self) -> Option<&Stuck> {
+        match &self.stage {
+            Stage::Stuck(_, stuck) => Some(stuck),
+            _ => None,
+        }
+    }
+
+    /// The question that waits for a person's answer.
+    pub fn question(&self) -> Option<&str> {
+        match &self.stage {
+            Stage::Question(_, _, question) => Some(question),
+            _ => None,
+        }
+    }
+
+    /// Whether a model is to be asked.
+    pub fn wants_model(&self) -> bool {
+        matches!(self.stage, Stage::Asking(..))
+    }
+
+    /// The model that is asked.
+    pub fn model(&self) -> &ModelFacts {
+        &self.model
+    }
+
+    /// The instruction at hand.
+    pub fn instruction(&self) -> Option<&str> {
+        match &self.stage {
+            Stage::Idle => None,
+            Stage::Asking(turn, _) | Stage::Question(turn, ..) | Stage::Proposed(turn) | Stage::Stuck(turn, _) => {
+                Some(&turn.instruction)
+            }
+        }
+    }
+
+    /// What the instruction at hand has cost so far, and for how many milliseconds a model was at work.
+    pub fn cost(&self) -> (Usage, f64) {
+        match &self.stage {
+            Stage::Idle => (Usage::default(), 0.0),
+            Stage::Asking(turn, _) | Stage::Question(turn, ..) | Stage::Proposed(turn) | Stage::Stuck(turn, _) => {
+                (turn.usage, turn.model_milliseconds)
+            }
+        }
+    }
+
+    /// From now on another model is asked.
+    pub fn set_model(&mut self, model: ModelFacts) {
+        self.events.push(Event::Model {
+            name: model.name.clone(),
+            schema: model.kind == ConstraintKind::JsonSchema,
+            context: model.context,
+        });
+        self.model = model;
+    }
+
+    /// From now on the session goes about it in another way.
+    pub fn set_settings(&mut self, settings: Settings) {
+        self.events.push(Event::Settings(settings));
+        self.settings = settings;
+    }
+
+    /// Takes an instruction. One that is stuck makes room for it.
+    ///
+    /// # Errors
+    ///
+    /// When another instruction is at hand.
+    pub fn instruct(&mut self, text: &str) -> Result<(), OutOfTurn> {
+        match self.stage {
+            Stage::Idle | Stage::Stuck(..) => {}
+            _ => return Err(self.out_of_turn("an instruction")),
+        }
+        self.events.push(Event::Instruction { text: text.to_owned() });
+        let turn = Turn {
+            instruction: text.to_owned(),
+            rounds: Vec::new(),
+            corrections: 0,
+            usage: Usage::default(),
+            model_milliseconds: 0.0,
+            proposal: None,
+        };
+        self.stage = Stage::Asking(turn, self.ask());
+        Ok(())
+    }
+
+    /// Takes the person's answer to the question.
+    ///
+    /// # Errors
+    ///
+    /// When there is no question.
+    pub fn answer(&mut self, text: &str) -> Result<(), OutOfTurn> {
+        let Stage::Question(turn, reply, _) = &self.stage else {
+            return Err(self.out_of_turn("an answer"));
+        };
+        let (mut turn, replied) = (turn.clone(), reply.clone());
+        self.events.push(Event::Answer { text: text.to_owned() });
+        turn.rounds.push(Round {
+            replied,
+            said: text.to_owned(),
+        });
+        self.stage = Stage::Asking(turn, self.ask());
+        Ok(())
+    }
+
+    /// Takes what a person wants to be different about the plan, or about what came of the instruction.
+    ///
+    /// # Errors
+    ///
+    /// When there is neither a plan nor trouble.
+    pub fn feedback(&mut self, text: &str) -> Result<(), OutOfTurn> {
+        let (turn, asking) = match &self.stage {
+            Stage::Proposed(turn) => {
+                let mut turn = turn.clone();
+                let asking = self.ask_about(&mut turn, text);
+                (turn, asking)
+            }
+            Stage::Stuck(turn, stuck) => {
+                let mut turn = turn.clone();
+                turn.corrections = 0;
+                turn.rounds.push(Round {
+                    replied: self.reply_of(stuck),
+                    said: text.to_owned(),
+                });
+                (turn, self.ask())
+            }
+            _ => return Err(self.out_of_turn("feedback")),
+        };
+        self.events.push(Event::Feedback { text: text.to_owned() });
+        self.stage = Stage::Asking(turn, asking);
+        Ok(())
+    }
+
+    /// Accepts the plan: the next instruction begins where it ends.
+    ///
+    /// # Errors
+    ///
+    /// When there is no plan to accept.
+    pub fn accept(&mut self) -> Result<(), OutOfTurn> {
+        let Stage::Proposed(turn) = &mut self.stage else {
+            return Err(self.out_of_turn("accepting"));
+        };
+        let Some(proposal) = turn.proposal.take() else {
+            return Err(self.out_of_turn("accepting"));
+        };
+        let instruction = std::mem::take(&mut turn.instruction);
+        let accepted = Accepted {
+            before: self.world.clone(),
+            instruction,
+            plan: proposal.plan,
+            goal: proposal.goal,
+        };
+        let world = accepted.before.after(&self.domain, &accepted.plan);
+        self.events.push(Event::Accept {
+            number: self.accepted.len(),
+            instruction: accepted.instruction.clone(),
+            goal: accepted.goal_texts(&self.domain),
+            steps: accepted.steps(&self.domain),
+            plan: Box::new(accepted.file(&self.domain, &world)),
+        });
+        self.accepted.push(accepted);
+        self.world = world;
+        self.stage = Stage::Idle;
+        Ok(())
+    }
+
+    /// Gives up what is under way: words about a plan, and the plan is there again; else the instruction.
+    ///
+    /// # Errors
+    ///
+    /// When nothing is under way.
+    pub fn cancel(&mut self) -> Result<(), OutOfTurn> {
+        self.stage = match std::mem::replace(&mut self.stage, Stage::Idle) {
+            Stage::Idle => return Err(self.out_of_turn("cancelling")),
+            Stage::Asking(turn, _) | Stage::Question(turn, ..) if turn.proposal.is_some() => Stage::Proposed(turn),
+            _ => Stage::Idle,
+        };
+        self.events.push(Event::Cancel);
+        Ok(())
+    }
+
+    /// Takes the last accepted plan back, and returns its number.
+    ///
+    /// # Errors
+    ///
+    /// When an instruction is at hand, or when there is nothing to take back.
+    pub fn undo(&mut self) -> Result<usize, OutOfTurn> {
+        if !matches!(self.stage, Stage::Idle | Stage::Stuck(..)) {
+            return Err(self.out_of_turn("undoing"));
+        }
+        let Some(last) = self.accepted.pop() else {
+            return Err(OutOfTurn {
+                what: "undoing",
+                state: "has no accepted plan",
+            });
+        };
+        self.world = last.before;
+        self.stage = Stage::Idle;
+        let number = self.accepted.len();
+        self.events.push(Event::Undo { number });
+        Ok(number)
+    }
+
+    /// The plan with this number as it is saved.
+    pub fn plan_file(&self, number: usize) -> Option<PlanFile> {
+        let accepted = self.accepted.get(number)?;
+        let after = self.accepted.get(number + 1).map_or(&self.world, |next| &next.before);
+        Some(accepted.file(&self.domain, after))
+    }
+
+    fn out_of_turn(&self, what: &'static str) -> OutOfTurn {
+        let state = match &self.stage {
+            Stage::Idle => "waits for an instruction",
+            Stage::Asking(..) => "waits for a model's reply",
+            Stage::Question(..) => "waits for an answer",
+            Stage::Proposed(_) => "waits for a decision on a plan",
+            Stage::Stuck(..) => "waits for other words",
+        };
+        OutOfTurn { what, state }
+    }
+
+    fn propose(&mut self, mut turn: Turn, proposal: Proposal) {
+        self.verdict(&proposal.answer);
+        turn.proposal = Some(Box::new(proposal));
+        self.stage = Stage::Proposed(turn);
+        if self.settings.accept {
+            // A plan was proposed in the line above.
+            let _ = self.accept();
+        }
+    }
+
+    fn ask_person(&mut self, turn: Turn, reply: String, question: String) {
+        self.events.push(Event::Question { text: question.clone() });
+        self.stage = Stage::Question(turn, reply, question);
+    }
+
+    /// Nothing came of the instruction, or of the words about a plan, which then stays.
+    fn give_up(&mut self, mut turn: Turn, stuck: Stuck) {
+        if let Some(answer) = &stuck.answer {
+            self.verdict(answer);
+        }
+        self.stage = match &mut turn.proposal {
+            Some(proposal) => {
+                proposal.refused = vec![stuck.why];
+                self.events.push(Event::Refused {
+                    why: proposal.refused.clone(),
+                });
+                Stage::Proposed(turn)
+            }
+            None => {
+                self.events.push(Event::Stuck { why: stuck.why.clone() });
+                Stage::Stuck(turn, stuck)
+            }
+        };
+    }
+
+    fn verdict(&mut self, answer: &Answer) {
+        // An answer is plain data with string keys; writing it as JSON does not fail.
+        let answer = serde_json::to_value(answer).unwrap_or_default();
+        self.events.push(Event::Verdict { answer });
+    }
+}
+
+impl Accepted {
+    /// The plan as it is saved; `after` is the world that it leads to.
+    fn file(&self, domain: &Domain, after: &World) -> PlanFile {
+        PlanFile {
+            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.steps()),
+            environment_before: Some(self.before.environment.clone()),
+            environment_after: Some(after.environment.clone()),
+            instruction_summary: self.instruction.clone(),
+            question: String::new(),
+        }
+    }
+
+    fn goal_texts(&self, domain: &Domain) -> Vec<String> {
+        let facts = self.goal.iter().flat_map(|goal| &goal.facts);
+        facts.map(|fact| fact.exact(domain, &self.before)).collect()
+    }
+
+    /// What the instruction was about: the subjects of its goal, or what was handled.
+    fn subjects(&self, domain: &Domain) -> Vec<EntityId> {
+        let mut subjects: Vec<EntityId> = match &self.goal {
+            Some(goal) => goal.facts.iter().filter_map(|fact| fact.subject(domain)).collect(),
+            None => self
+                .plan
+                .steps()
+                .iter()
+                .filter_map(|step| step.object(domain))
+                .collect(),
+        };
+        subjects.sort_unstable();
+        subjects.dedup();
+        subjects
+    }
+
+    fn steps(&self, domain: &Domain) -> Vec<StepRecord> {
+        let record = |step: &crate::plan::Step| StepRecord {
+            action: domain.action(step.action).name.clone(),
+            arguments: step
+                .arguments
+                .iter()
+                .map(|id| self.before.entity(*id).identifier.clone())
+                .collect(),
+            explanation: step.explanation.clone(),
+        };
+        self.plan.steps().iter().map(record).collect()
+    }
+}
+
+/// Why an answer is not a verified plan, in one sentence.
+fn sentence(status: Status) -> &'static str {
+    match status {
+        Status::Verified => "there is a plan",
+        Status::Invalid => "the plan is not valid",
+        Status::Unsolvable => "no plan can do this",
+        Status::GaveUp => "no plan was found within the limits",
+        Status::Question => "there is a question",
+    }
+}

@@ -1,0 +1,348 @@
+//! A session from its log: to go on with it, or to see whether it would go the same way again.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::{Accepted, Event, Log, ModelFacts, OutOfTurn, Session, Stage, StepRecord};
+use crate::diagnostic::Diagnostics;
+use crate::domain::Domain;
+use crate::goal::{self, Goal};
+use crate::json::Path;
+use crate::plan::{Plan, Step};
+use crate::prompt::{ConstraintKind, Message, Role};
+use crate::solution::Stopwatch;
+use crate::verify::{Purpose, check};
+use crate::world;
+
+/// Why a session cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// Its first environment means something else in the domain, which has changed since.
+    #[error("the first environment of the session cannot be read any more: {0}")]
+    Environment(#[from] Diagnostics),
+    /// An accepted plan is not valid any more: the domain has changed since.
+    #[error("plan {number} of the session is not valid any more: {why}")]
+    Plan {
+        /// Its number.
+        number: usize,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The log does not begin a session, or takes back a plan that was never accepted.
+    #[error("the log of the session contradicts itself: {0}")]
+    Contradiction(String),
+}
+
+/// A session that goes on.
+#[derive(Debug)]
+pub struct Resumed {
+    /// Where it was.
+    pub session: Session,
+    /// The instruction at hand that could not be taken up again, if there is one.
+    pub dropped: Option<String>,
+}
+
+impl Session {
+    /// Takes up a session where its log ends.
+    ///
+    /// Accepted plans are verified again, each in the world that the one before left. What came after the last of
+    /// them is gone through again with the replies that the log holds, so a question or a proposed plan is there
+    /// again too.
+    ///
+    /// # Errors
+    ///
+    /// When the domain has changed so that the environment or an accepted plan does not fit it any more.
+    pub fn resume(domain: impl Into<Arc<Domain>>, log: &Log, now: Stopwatch) -> Result<Resumed, ResumeError> {
+        let mut session = begin(domain.into(), log, now)?;
+        let mut tail: Vec<&Event> = Vec::new();
+        for event in log.events().skip(1) {
+            match event {
+                Event::Accept {
+                    instruction,
+                    goal,
+                    steps,
+                    plan,
+                    ..
+                } => {
+                    session.accept_again(instruction, goal, steps)?;
+                    if plan.environment_after.as_ref() != Some(&session.world.environment) {
+                        return Err(ResumeError::Plan {
+                            number: session.accepted.len() - 1,
+                            why: "it ends in another environment than it did".to_owned(),
+                        });
+                    }
+                    session.settle(&mut tail);
+                }
+                Event::Undo { .. } => {
+                    session
+                        .undo()
+                        .map_err(|error| ResumeError::Contradiction(error.to_string()))?;
+                    session.settle(&mut tail);
+                }
+                Event::Prompt { messages, .. } => session.prompts.push(messages.iter().map(message).collect()),
+                Event::Instruction { .. } => {
+                    session.settle(&mut tail);
+                    tail.push(event);
+                }
+                event => tail.push(event),
+            }
+        }
+        session.events.clear();
+        let mut dropped = None;
+        let mut pending = None;
+        let gone_through = tail.iter().try_for_each(|event| session.take(event, &mut pending));
+        // All that is new is that a plan is accepted which the log only proposes.
+        session.events.retain(|event| matches!(event, Event::Accept { .. }));
+        if gone_through.is_err() {
+            dropped = session.instruction().map(str::to_owned);
+            session.stage = Stage::Idle;
+            session.events.push(Event::Cancel);
+        }
+        Ok(Resumed { session, dropped })
+    }
+
+    /// Takes what outlasts an instruction from what led to it.
+    fn settle(&mut self, tail: &mut Vec<&Event>) {
+        for event in tail.drain(..) {
+            if let Event::Model { .. } | Event::Settings(_) = event {
+                // Neither can be out of turn.
+                let _ = self.take(event, &mut None);
+            }
+        }
+    }
+
+    /// An accepted plan of the log, verified again.
+    fn accept_again(&mut self, instruction: &str, goal: &[String], steps: &[StepRecord]) -> Result<(), ResumeError> {
+        let number = self.accepted.len();
+        let invalid = |why: String| ResumeError::Plan { number, why };
+        let goal: Option<Goal> = match goal {
+            [] => None,
+            parts => Some(
+                goal::parse(&self.domain, &self.world, &parts.join(" & "))
+                    .map_err(|error| invalid(error.to_string()))?,
+            ),
+        };
+        let purpose = goal
+            .as_ref()
+            .map_or_else(Purpose::default, |goal| goal.purpose(&self.domain));
+        let steps: Option<Vec<Step>> = steps.iter().map(|step| self.step(step)).collect();
+        let steps = steps.ok_or_else(|| invalid("it has steps that the domain does not know".to_owned()))?;
+        let report = check(&self.domain, &self.world, Plan::sequence(steps), &purpose);
+        let plan = report.into_verified().map_err(|report| {
+            let told = report.violations.iter();
+            let told = told.map(|v| v.message(&self.domain, &self.world, report.plan.steps(), goal.as_ref()));
+            invalid(told.collect::<Vec<_>>().join("; "))
+        })?;
+        let before = self.world.clone();
+        self.world = before.after(&self.domain, &plan);
+        self.stage = Stage::Idle;
+        self.accepted.push(Accepted {
+            instruction: instruction.to_owned(),
+            before,
+            plan,
+            goal,
+        });
+        Ok(())
+    }
+
+    fn step(&self, record: &StepRecord) -> Option<Step> {
+        let mut actions = self.domain.action_ids();
+        let (action, declared) = actions.find(|(_, action)| action.name == record.action)?;
+        let arguments: Option<Vec<_>> = record.arguments.iter().map(|name| self.world.find(name)).collect();
+        let arguments = arguments.filter(|arguments| arguments.len() == declared.parameters.len())?;
+        Some(Step {
+            action,
+            arguments,
+            explanation: record.explanation.clone(),
+        })
+    }
+
+    /// Takes from the log what came from outside; what followed from it follows again. `kept` is what the model was
+    /// told of, where that was not everything.
+    fn take(&mut self, event: &Event, kept: &mut Option<Vec<String>>) -> Result<(), OutOfTurn> {
+        match event {
+            Event::Instruction { text } => self.instruct(text),
+            Event::Answer { text } => self.answer(text),
+            Event::Feedback { text } => self.feedback(text),
+            Event::Failed { error } => self.failed(error),
+            Event::Cancel => self.cancel(),
+            Event::Undo { .. } => self.undo().map(|_| ()),
+            Event::Accept { .. } => self.accept(),
+            Event::Focus { kept: identifiers } => {
+                *kept = Some(identifiers.clone());
+                Ok(())
+            }
+            Event::Model { name, schema, context } => {
+                self.set_model(ModelFacts {
+                    name: name.clone(),
+                    kind: match schema {
+                        true => ConstraintKind::JsonSchema,
+                        false => ConstraintKind::Grammar,
+                    },
+                    context: *context,
+                });
+                Ok(())
+            }
+            Event::Settings(settings) => {
+                self.set_settings(*settings);
+                Ok(())
+            }
+            Event::Reply { .. } => {
+                self.focus(kept.take());
+                match event.as_reply() {
+                    Some((reply, milliseconds)) => self.supply(&reply, milliseconds),
+                    None => Ok(()),
+                }
+            }
+            Event::Begin { .. }
+            | Event::Prompt { .. }
+            | Event::Request { .. }
+            | Event::Verdict { .. }
+            | Event::Correction { .. }
+            | Event::Question { .. }
+            | Event::Refused { .. }
+            | Event::Stuck { .. } => Ok(()),
+        }
+    }
+}
+
+fn begin(domain: Arc<Domain>, log: &Log, now: Stopwatch) -> Result<Session, ResumeError> {
+    let Some(Event::Begin {
+        domain: name,
+        environment,
+        settings,
+        ..
+    }) = log.events().next()
+    else {
+        return Err(ResumeError::Contradiction("it does not begin".to_owned()));
+    };
+    // The log names the model in its second line.
+    let model = ModelFacts {
+        name: String::new(),
+        kind: ConstraintKind::Grammar,
+        context: None,
+    };
+    let world = world::read(&domain, environment, "environment", "", &Path::default())?;
+    let mut session = Session::new(name, domain, world, *settings, model, now);
+    session.events.clear();
+    Ok(session)
+}
+
+fn message(record: &super::MessageRecord) -> Message {
+    let role = match record.role.as_str() {
+        "system" => Role::System,
+        "assistant" => Role::Assistant,
+        _ => Role::User,
+    };
+    Message::new(role, record.text.clone())
+}
+
+/// What came of going through a log again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replay {
+    /// Instructions in the log.
+    pub instructions: usize,
+    /// Plans that stand accepted at its end.
+    pub accepted: usize,
+    /// Where it went another way.
+    pub differing: Vec<ReplayDifference>,
+}
+
+/// A line of a log that would be another one today.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplayDifference {
+    /// The line, from 1.
+    pub line: usize,
+    /// What it says; nothing if today there is an event more.
+    pub recorded: Option<Value>,
+    /// What happens today; nothing if there is an event less.
+    pub today: Option<Value>,
+}
+
+/// Goes through a log again without a model: the replies are those of the log, and everything else is done anew and
+/// compared. How long things took is not.
+///
+/// # Errors
+///
+/// When the log's beginning does not fit the domain.
+pub fn replay(domain: impl Into<Arc<Domain>>, log: &Log, now: Stopwatch) -> Result<Replay, ResumeError> {
+    let mut session = begin(domain.into(), log, now)?;
+    let mut replay = Replay {
+        instructions: 0,
+        accepted: 0,
+        differing: Vec::new(),
+    };
+    let mut kept = None;
+    let mut happened: VecDeque<Event> = VecDeque::new();
+    let differ = |replay: &mut Replay, line: usize, recorded: Option<&Event>, today: Option<&Event>| {
+        replay.differing.push(ReplayDifference {
+            line,
+            recorded: recorded.map(comparable),
+            today: today.map(comparable),
+        });
+    };
+    for (index, event) in log.events().enumerate().skip(1) {
+        let line = index + 1;
+        let expected = happened.front().is_some_and(|today| same_kind(today, event));
+        match event {
+            Event::Prompt { .. } | Event::Request { .. } => continue,
+            Event::Focus { .. } => {
+                let _ = session.take(event, &mut kept);
+                continue;
+            }
+            event if event.is_given() && !expected => {
+                for today in happened.drain(..) {
+                    differ(&mut replay, line, None, Some(&today));
+                }
+                replay.instructions += usize::from(matches!(event, Event::Instruction { .. }));
+                if session.take(event, &mut kept).is_err() {
+                    differ(&mut replay, line, Some(event), None);
+                    continue;
+                }
+                happened.extend(session.take_events());
+            }
+            _ => {}
+        }
+        match happened.pop_front() {
+            Some(today) if comparable(&today) == comparable(event) => {}
+            today => differ(&mut replay, line, Some(event), today.as_ref()),
+        }
+    }
+    replay.accepted = session.accepted.len();
+    Ok(replay)
+}
+
+impl Event {
+    /// Whether it comes from a person or a model, rather than following from what they say.
+    fn is_given(&self) -> bool {
+        matches!(
+            self,
+            Self::Model { .. }
+                | Self::Settings(_)
+                | Self::Instruction { .. }
+                | Self::Reply { .. }
+                | Self::Failed { .. }
+                | Self::Answer { .. }
+                | Self::Feedback { .. }
+                | Self::Accept { .. }
+                | Self::Undo { .. }
+                | Self::Cancel
+        )
+    }
+}
+
+fn same_kind(one: &Event, other: &Event) -> bool {
+    std::mem::discriminant(one) == std::mem::discriminant(other)
+}
+
+/// An event without what differs from run to run.
+fn comparable(event: &Event) -> Value {
+    // Events are plain data with string keys; writing them as JSON does not fail.
+    let mut value = serde_json::to_value(event).unwrap_or_default();
+    if let Some(answer) = value.get_mut("answer").and_then(Value::as_object_mut) {
+        answer.remove("timings_ms");
+    }
+    value
+}

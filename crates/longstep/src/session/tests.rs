@@ -1,0 +1,567 @@
+//! Sessions with replies that are written here, as a server would send them.
+
+use super::{Entry, Event, Log, LogError, ModelFacts, Need, RepairPolicy, Session, Settings, Strategy, replay};
+use crate::domain::{self, Domain};
+use crate::json::Path;
+use crate::prompt::{ConstraintKind, EstimatedTokens, Finish, PromptError, Reply, Usage};
+use crate::world::{self, Environment};
+
+const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>", "<ruler>", "<cupboard_handle>"],
+    "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "inside_something(<cupboard>)",
+        "<cupboard_handle>": "closed()"}}"#;
+
+fn household() -> Domain {
+    domain::shipped("household").unwrap().unwrap()
+}
+
+fn session(settings: Settings) -> Session {
+    let household = household();
+    let environment = Environment::from_json(SCENE).unwrap();
+    let world = world::read(&household, &environment, "", "", &Path::default()).unwrap();
+    let model = ModelFacts {
+        name: "script".to_owned(),
+        kind: ConstraintKind::JsonSchema,
+        context: None,
+    };
+    Session::new("household", household, world, settings, model, || 0.0)
+}
+
+fn direct() -> Settings {
+    Settings {
+        strategy: Strategy::Direct,
+        ..Settings::default()
+    }
+}
+
+fn reply(text: &str) -> Reply {
+    let usage = Usage {
+        calls: 1,
+        prompt_tokens: 7,
+        ..Usage::default()
+    };
+    Reply {
+        text: text.to_owned(),
+        finish: Finish::Stop,
+        usage,
+    }
+}
+
+fn goals(goals: &[&str]) -> String {
+    serde_json::json!({"question": "", "goals": goals}).to_string()
+}
+
+fn edits(edits: &[&str]) -> String {
+    serde_json::json!({"question": "", "goal": false, "edits": edits}).to_string()
+}
+
+/// A plan for the pen, in the paper's format.
+fn pen_plan(calls: &[&str], place: &str) -> String {
+    let explanations: Vec<&str> = calls.iter().map(|_| "with the pen").collect();
+    serde_json::json!({
+        "task_cohesion": {"task_sequence": calls, "step_instructions": explanations, "object_name": "<pen>"},
+        "environment_after": {"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+            "object_states": {"<pen>": format!("on_something(<{place}>)")}},
+        "instruction_summary": "", "question": "",
+    })
+    .to_string()
+}
+
+const MOVE_PEN: [&str; 6] = [
+    "move_hand()",
+    "grasp_object()",
+    "detach_from_plane()",
+    "move_object()",
+    "attach_to_plane()",
+    "release_object()",
+];
+
+/// What is done to a session: a word for who, and what they say.
+fn play(session: &mut Session, script: &[(&str, &str)]) {
+    for (who, text) in script {
+        let done = match *who {
+            "person" => session.instruct(text),
+            "model" => {
+                let need = session.need(&mut EstimatedTokens::default()).unwrap();
+                assert!(matches!(need, Need::Model(_)), "{text}: {need:?}");
+                session.supply(&reply(text), 5.0)
+            }
+            "answer" => session.answer(text),
+            "feedback" => session.feedback(text),
+            "accept" => session.accept(),
+            "cancel" => session.cancel(),
+            "undo" => session.undo().map(|_| ()),
+            other => panic!("{other}"),
+        };
+        done.unwrap_or_else(|error| panic!("{who} {text}: {error}"));
+    }
+}
+
+fn calls(session: &Session) -> Vec<String> {
+    let answer = &session.proposal().expect("a plan").answer;
+    answer.plan.task_cohesion.task_sequence.clone()
+}
+
+fn state(session: &Session, identifier: &str) -> String {
+    session.world().environment.object_states[identifier]
+        .as_slice()
+        .join(", ")
+}
+
+fn text_of(events: Vec<Event>) -> String {
+    let entry = |event| Entry {
+        at: "2026-01-01T00:00:00Z".to_owned(),
+        event,
+    };
+    events.into_iter().map(|event| entry(event).line()).collect()
+}
+
+#[test]
+fn each_instruction_begins_where_the_last_plan_ended() {
+    let mut session = session(Settings::default());
+    play(
+        &mut session,
+        &[
+            ("person", "The pen goes on the shelf"),
+            ("model", &goals(&["put(pen, shelf)"])),
+            ("accept", ""),
+            ("person", "Now put it back on the desk"),
+            ("model", &goals(&["put(pen, desk)"])),
+        ],
+    );
+    assert_eq!(state(&session, "<pen>"), "on_something(<shelf>)");
+    play(&mut session, &[("accept", "")]);
+    assert_eq!(state(&session, "<pen>"), "on_something(<desk>)");
+    play(&mut session, &[("undo", "")]);
+    assert_eq!(state(&session, "<pen>"), "on_something(<shelf>)");
+    assert_eq!(
+        session.plan_file(0).unwrap().instruction_summary,
+        "The pen goes on the shelf"
+    );
+    assert_eq!(session.plan_file(1), None);
+}
+
+#[test]
+fn questions_are_passed_on_and_answers_go_back() {
+    let mut session = session(Settings::default());
+    let question = r#"{"question": "Which one?", "goals": []}"#;
+    play(&mut session, &[("person", "Move it over"), ("model", question)]);
+    let need = session.need(&mut EstimatedTokens::default()).unwrap();
+    assert_eq!(need, Need::Answer("Which one?".to_owned()));
+    play(&mut session, &[("answer", "the pen, on the shelf")]);
+    let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+        panic!("the model is to be asked")
+    };
+    let said: Vec<&str> = prepared.request.messages.iter().map(|m| m.text.as_str()).collect();
+    assert!(said.iter().any(|text| text.contains("Which one?")), "{said:?}");
+    assert!(said.last().unwrap().contains("the pen, on the shelf"), "{said:?}");
+    play(&mut session, &[("model", &goals(&["put(pen, shelf)"])), ("accept", "")]);
+    assert_eq!(state(&session, "<pen>"), "on_something(<shelf>)");
+}
+
+#[test]
+fn words_about_steps_change_the_plan_or_are_refused() {
+    let mut session = session(Settings::default());
+    play(
+        &mut session,
+        &[
+            ("person", "The pen goes on the shelf"),
+            ("model", &goals(&["put(pen, shelf)"])),
+            ("feedback", "insert another move_object() to lift the pen higher"),
+            ("model", &edits(&["insert move_object() after 4"])),
+        ],
+    );
+    assert_eq!(calls(&session).len(), 7);
+    play(
+        &mut session,
+        &[("feedback", "leave out step 2"), ("model", &edits(&["drop 2"]))],
+    );
+    let proposal = session.proposal().unwrap();
+    assert!(
+        proposal.refused[0].contains("the hand holds the pen"),
+        "{:?}",
+        proposal.refused
+    );
+    assert_eq!(calls(&session).len(), 7);
+    play(&mut session, &[("accept", "")]);
+    assert_eq!(session.accepted()[0].plan.steps().len(), 7);
+}
+
+#[test]
+fn words_about_the_goal_lead_to_another_goal() {
+    let mut session = session(Settings::default());
+    play(
+        &mut session,
+        &[
+            ("person", "Put the pen away"),
+            ("model", &goals(&["put(pen, shelf)"])),
+            ("feedback", "not there, in the cupboard"),
+            ("model", r#"{"question": "", "goal": true, "edits": []}"#),
+            ("model", &goals(&["put(pen, cupboard)"])),
+            ("accept", ""),
+        ],
+    );
+    assert_eq!(state(&session, "<pen>"), "inside_something(<cupboard>)");
+}
+
+#[test]
+fn a_called_off_call_brings_the_plan_back() {
+    let mut session = session(Settings::default());
+    play(
+        &mut session,
+        &[
+            ("person", "Put the pen away"),
+            ("model", &goals(&["put(pen, shelf)"])),
+            ("feedback", "not there"),
+            ("cancel", ""),
+        ],
+    );
+    assert!(session.proposal().is_some());
+    play(&mut session, &[("feedback", "hm")]);
+    session.failed("the server is down").unwrap();
+    assert_eq!(session.proposal().unwrap().refused, ["the server is down"]);
+    play(&mut session, &[("cancel", "")]);
+    assert!(session.instruction().is_none());
+}
+
+#[test]
+fn what_does_not_fit_is_told_and_changes_nothing() {
+    let mut session = session(Settings::default());
+    let error = session.accept().unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "accepting does not fit here: the session waits for an instruction"
+    );
+    assert_eq!(
+        session.undo().unwrap_err().to_string(),
+        "undoing does not fit here: the session has no accepted plan"
+    );
+    assert!(session.supply(&reply("x"), 0.0).is_err());
+    play(&mut session, &[("person", "The pen goes on the shelf")]);
+    assert!(session.instruct("another").is_err());
+    assert!(session.accept().is_err());
+    assert!(session.undo().is_err());
+}
+
+#[test]
+fn a_plan_of_the_model_is_repaired_before_it_is_asked_again() {
+    let mut session = session(direct());
+    let without_grasp: Vec<&str> = MOVE_PEN
+        .iter()
+        .copied()
+        .filter(|call| *call != "grasp_object()")
+        .collect();
+    play(
+        &mut session,
+        &[
+            ("person", "The pen goes on the shelf"),
+            ("model", &pen_plan(&without_grasp, "shelf")),
+        ],
+    );
+    let answer = &session.proposal().unwrap().answer;
+    assert_eq!(answer.plan.task_cohesion.task_sequence, MOVE_PEN);
+    assert_eq!(answer.edits.len(), 1);
+    assert_eq!(answer.usage.calls, 1);
+}
+
+#[test]
+fn without_repair_the_model_is_told_what_is_wrong() {
+    for (repair, mended) in [(RepairPolicy::Never, false), (RepairPolicy::AfterFeedback, true)] {
+        let settings = Settings {
+            repair,
+            rounds: 1,
+            ..direct()
+        };
+        let mut session = session(settings);
+        let bad = pen_plan(&MOVE_PEN[1..], "shelf");
+        play(
+            &mut session,
+            &[("person", "The pen goes on the shelf"), ("model", &bad)],
+        );
+        let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+            panic!("{repair:?}")
+        };
+        let told = &prepared.request.messages.last().unwrap().text;
+        assert!(
+            told.contains("grasp_object() needs that the hand is at <pen>"),
+            "{told}"
+        );
+        play(&mut session, &[("model", &bad)]);
+        assert_eq!(session.proposal().is_some(), mended, "{repair:?}");
+        assert_eq!(session.stuck().is_some(), !mended, "{repair:?}");
+    }
+}
+
+#[test]
+fn replies_that_are_no_plan_are_asked_for_again_and_then_given_up() {
+    for text in [
+        "I would rather not.",
+        "{\"task_cohesion\": {\"task_sequence\": [\"move_hand()\"",
+        "[]",
+        "",
+    ] {
+        let settings = Settings { rounds: 2, ..direct() };
+        let mut session = session(settings);
+        play(
+            &mut session,
+            &[
+                ("person", "The pen goes on the shelf"),
+                ("model", text),
+                ("model", text),
+                ("model", text),
+            ],
+        );
+        assert!(session.stuck().is_some(), "{text}");
+        assert!(session.accept().is_err());
+        play(
+            &mut session,
+            &[
+                ("feedback", "try again"),
+                ("model", &pen_plan(&MOVE_PEN, "shelf")),
+                ("accept", ""),
+            ],
+        );
+    }
+}
+
+#[test]
+fn what_a_person_asked_for_is_not_repaired_away_when_the_model_writes_the_plan() {
+    let mut session = session(direct());
+    let without_grasp: Vec<&str> = MOVE_PEN
+        .iter()
+        .copied()
+        .filter(|call| *call != "grasp_object()")
+        .collect();
+    let settings = Settings { rounds: 0, ..direct() };
+    session.set_settings(settings);
+    play(
+        &mut session,
+        &[
+            ("person", "The pen goes on the shelf"),
+            ("model", &pen_plan(&MOVE_PEN, "shelf")),
+            ("feedback", "do not grasp it"),
+            ("model", &pen_plan(&without_grasp, "shelf")),
+        ],
+    );
+    let proposal = session.proposal().unwrap();
+    assert!(
+        proposal.refused[0].contains("the hand holds the pen"),
+        "{:?}",
+        proposal.refused
+    );
+    assert_eq!(calls(&session), MOVE_PEN);
+}
+
+#[test]
+fn plans_are_accepted_without_asking_where_that_is_wanted() {
+    let settings = Settings {
+        accept: true,
+        ..Settings::default()
+    };
+    let mut session = session(settings);
+    play(
+        &mut session,
+        &[
+            ("person", "The pen goes on the shelf"),
+            ("model", &goals(&["put(pen, shelf)"])),
+        ],
+    );
+    assert_eq!(session.accepted().len(), 1);
+    // What cannot be done is not accepted either.
+    play(
+        &mut session,
+        &[
+            ("person", "The desk goes on the shelf"),
+            ("model", &goals(&["put(desk, shelf)"])),
+        ],
+    );
+    assert_eq!(session.accepted().len(), 1);
+    assert!(session.stuck().is_some());
+}
+
+#[test]
+fn a_prompt_that_cannot_fit_is_a_limit_and_says_by_how_much() {
+    let mut session = session(direct());
+    let small = ModelFacts {
+        name: "small".to_owned(),
+        kind: ConstraintKind::JsonSchema,
+        context: Some(300),
+    };
+    session.set_model(small);
+    session.instruct("The pen goes on the shelf").unwrap();
+    let error = session.need(&mut EstimatedTokens::default()).unwrap_err();
+    let PromptError::OverBudget(over) = &error else {
+        panic!("{error}")
+    };
+    assert!(error.to_string().contains(&over.by().to_string()), "{error}");
+    assert!(session.stuck().is_some());
+    assert!(session.instruct("again").is_ok());
+}
+
+/// A session with a bit of everything.
+fn eventful() -> (Session, String) {
+    let mut session = session(Settings::default());
+    let question = r#"{"question": "Which one?", "goals": []}"#;
+    play(
+        &mut session,
+        &[
+            ("person", "The pen goes on the shelf"),
+            ("model", &goals(&["put(pen, shelf)"])),
+            ("feedback", "insert another move_object()"),
+            ("model", &edits(&["insert move_object() after 4"])),
+            ("accept", ""),
+            ("person", "Open it"),
+            ("model", question),
+            ("answer", "the cupboard"),
+            ("model", &goals(&["opened(cupboard)"])),
+            ("accept", ""),
+            ("undo", ""),
+            ("person", "Get the ruler out, on the desk"),
+            ("model", &goals(&["put(ruler, desk)"])),
+            ("cancel", ""),
+            ("person", "Get the ruler out, on the shelf"),
+            ("model", &goals(&["put(ruler, shelf)"])),
+            ("accept", ""),
+            ("person", "The pen back on the desk"),
+            ("model", &goals(&["put(pen, desk)"])),
+        ],
+    );
+    let text = text_of(session.take_events());
+    (session, text)
+}
+
+#[test]
+fn a_session_cut_off_at_any_byte_goes_on_with_every_accepted_plan() {
+    let (_, text) = eventful();
+    let ends: Vec<usize> = text.match_indices('\n').map(|(index, _)| index + 1).collect();
+    for cut in 0..=text.len() {
+        // Within a line, every place is like every other.
+        let near = ends.iter().any(|end| cut.abs_diff(*end) < 3) || cut % 97 == 0;
+        if !near {
+            continue;
+        }
+        let bytes = &text.as_bytes()[..cut];
+        let log = match Log::read(bytes) {
+            Ok(log) => log,
+            Err(error) => {
+                assert!(cut < ends[0] && error == LogError::Empty, "{cut}: {error}");
+                continue;
+            }
+        };
+        assert_eq!(log.whole + log.torn, cut);
+        let standing = log.events().fold(0, |plans, event| match event {
+            Event::Accept { number, .. } => number + 1,
+            Event::Undo { number } => *number,
+            _ => plans,
+        });
+        let resumed = Session::resume(household(), &log, || 0.0).unwrap();
+        assert_eq!(resumed.session.accepted().len(), standing, "cut at {cut}");
+        assert_eq!(resumed.dropped, None, "cut at {cut}");
+    }
+}
+
+#[test]
+fn a_session_goes_on_exactly_where_it_was() {
+    let (original, text) = eventful();
+    let log = Log::read(text.as_bytes()).unwrap();
+    let mut resumed = Session::resume(household(), &log, || 0.0).unwrap().session;
+    assert_eq!(resumed.take_events(), []);
+    assert_eq!(calls(&resumed), calls(&original));
+    assert_eq!(resumed.world().environment, original.world().environment);
+    assert_eq!(resumed.world().state, original.world().state);
+    for number in 0..2 {
+        assert_eq!(resumed.plan_file(number), original.plan_file(number));
+    }
+    let mut original = original;
+    for session in [&mut original, &mut resumed] {
+        play(
+            session,
+            &[("accept", ""), ("undo", ""), ("undo", ""), ("person", "Now the ruler")],
+        );
+    }
+    assert_eq!(text_of(original.take_events()), text_of(resumed.take_events()));
+}
+
+#[test]
+fn a_log_goes_the_same_way_again_or_tells_where_it_does_not() {
+    let (_, text) = eventful();
+    let log = Log::read(text.as_bytes()).unwrap();
+    let same = replay(household(), &log, || 0.0).unwrap();
+    assert_eq!((same.instructions, same.accepted, same.differing), (5, 2, Vec::new()));
+
+    // The reply asks for something else than the plan that is recorded.
+    let forged = text.replacen("put(pen, shelf)", "put(pen, desk)", 1);
+    let log = Log::read(forged.as_bytes()).unwrap();
+    let other = replay(household(), &log, || 0.0).unwrap();
+    assert!(!other.differing.is_empty());
+}
+
+#[test]
+fn a_forged_plan_is_not_taken_up_again() {
+    let (_, text) = eventful();
+    // A step more, which was never verified.
+    let forged = text.replacen(
+        r#""steps":[{"action":"move-hand""#,
+        r#""steps":[{"action":"release""#,
+        1,
+    );
+    assert_ne!(forged, text);
+    let log = Log::read(forged.as_bytes()).unwrap();
+    let error = Session::resume(household(), &log, || 0.0).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("plan 0 of the session is not valid any more"),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_is_no_log_is_told() {
+    let (_, text) = eventful();
+    let first = text.lines().next().unwrap();
+    let table = [
+        (String::new(), "the session has not begun: its log has no whole line"),
+        (
+            "hello\n".to_owned(),
+            "this is no session log: its first line does not begin a session",
+        ),
+        (
+            text.lines().skip(1).map(|line| format!("{line}\n")).collect(),
+            "this is no session log: its first line does not begin a session",
+        ),
+        (
+            format!("{}\n", first.replace(r#""version":1"#, r#""version":99"#)),
+            "the session log has version 99, and this program reads up to 1",
+        ),
+        (
+            format!("{first}\nnothing\n{first}\n"),
+            "line 2 of the session log is damaged: expected ident at line 1 column 2",
+        ),
+    ];
+    for (text, expected) in table {
+        assert_eq!(Log::read(text.as_bytes()).unwrap_err().to_string(), expected);
+    }
+}
+
+#[test]
+fn a_hundred_instructions_send_no_longer_prompts_than_three() {
+    for settings in [Settings::default(), direct()] {
+        let mut session = session(settings);
+        let mut lengths = Vec::new();
+        for number in 0..100 {
+            let place = if number % 2 == 0 { "shelf" } else { "desk" };
+            session.instruct("The pen goes over there").unwrap();
+            let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+                panic!()
+            };
+            lengths.push(prepared.costs.iter().map(|cost| cost.tokens).sum::<u64>());
+            let text = match settings.strategy {
+                Strategy::Goal => goals(&[&format!("put(pen, {place})")]),
+                Strategy::Direct => pen_plan(&MOVE_PEN, place),
+            };
+            play(&mut session, &[("model", &text), ("accept", "")]);
+        }
+        let spread = lengths[3..].iter().max().unwrap() - lengths[3..].iter().min().unwrap();
+        assert!(spread <= 10, "{:?}: {lengths:?}", settings.strategy);
+    }
+}
