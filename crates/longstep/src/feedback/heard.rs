@@ -20,6 +20,8 @@ pub(super) struct Heard {
     pub(super) entities: Vec<EntityId>,
     /// For each step of the plan, how many of the words its sentence has.
     pub(super) likeness: Vec<usize>,
+    /// Whether the words ask for more of the same.
+    pub(super) again: bool,
     /// What should be done, as far as the words tell: the verbs of the language.
     pub(super) verbs: Vec<&'static str>,
 }
@@ -63,6 +65,20 @@ const CUES: [(&str, &[&str]); 4] = [
     ),
 ];
 
+/// Words that ask for more of the same.
+const AGAIN: [&str; 10] = [
+    "again",
+    "another",
+    "more",
+    "twice",
+    "second",
+    "additional",
+    "extra",
+    "repeat",
+    "also",
+    "too",
+];
+
 const ORDINALS: [&str; 10] = [
     "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth",
 ];
@@ -81,13 +97,21 @@ impl Heard {
     pub(super) fn of(domain: &Domain, world: &World, plan: &Plan, words: &str) -> Self {
         let tokens = plain_words(words);
         let actions = named_actions(domain, words);
+        let (main, side) = clauses(words);
         let mut heard = Self {
             entities: Spoken::of(domain, world, words).entities,
-            likeness: likeness(domain, world, plan.steps(), &tokens),
+            likeness: likeness(domain, world, plan.steps(), &plain_words(&main)),
             actions,
             ..Self::default()
         };
         heard.numbered(plan, &tokens, domain);
+        heard.again = tokens.iter().any(|token| AGAIN.contains(&token.as_str()));
+        if let (Some((after, clause)), true) = (side, heard.places.is_empty()) {
+            let alike = likeness(domain, world, plan.steps(), &plain_words(&clause));
+            let most = alike.iter().copied().max().unwrap_or(0);
+            let best = alike.iter().enumerate().filter(|(_, like)| most > 0 && **like == most);
+            heard.places = best.map(|(step, _)| step + usize::from(after)).collect();
+        }
         let joined = tokens.join(" ");
         let says = |cue: &str| match cue.contains(' ') {
             true => joined.contains(cue),
@@ -191,6 +215,33 @@ impl Heard {
             Some(ordinal) => counted.get(ordinal).copied().into_iter().collect(),
         })
     }
+}
+
+/// The words, and in them what stands behind "before" or "after": whether it is "after", and the clause.
+fn clauses(words: &str) -> (String, Option<(bool, String)>) {
+    let lower = words.to_lowercase();
+    let find = |word: &str| {
+        lower.match_indices(word).map(|(at, _)| at).find(|at| {
+            let edge = |c: Option<char>| !c.is_some_and(char::is_alphanumeric);
+            edge(lower[..*at].chars().next_back()) && edge(lower[at + word.len()..].chars().next())
+        })
+    };
+    let Some((at, word)) = ["before", "after"]
+        .iter()
+        .filter_map(|word| Some((find(word)?, *word)))
+        .min()
+    else {
+        return (lower, None);
+    };
+    let begin = at + word.len();
+    let end = lower[begin..]
+        .find([',', '.', ';'])
+        .map_or(lower.len(), |end| begin + end);
+    let clause = lower[begin..end].to_owned();
+    (
+        format!("{}{}", &lower[..at], &lower[end..]),
+        Some((word == "after", clause)),
+    )
 }
 
 fn number_only(token: &str) -> bool {

@@ -40,11 +40,14 @@ pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard,
         ..Offers::default()
     };
     let calls = calls(domain, world, plan, heard);
+    // What the plan does not speak of is not had by moving or dropping its steps.
+    let in_plan = |thing: &EntityId| plan.steps().iter().any(|step| step.arguments.contains(thing));
+    let brings_in = !heard.is_about_steps() && !heard.entities.iter().all(in_plan);
     if asks("insert") {
         offers.inserts = inserts(domain, world, plan, heard, &calls);
     }
     let meant = meant_steps(plan, heard);
-    if asks("drop") {
+    if asks("drop") && !brings_in {
         offers.drops.clone_from(&meant);
     }
     if asks("replace") {
@@ -60,14 +63,18 @@ pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard,
             }
         }
     }
-    if asks("move") {
+    if asks("move") && !brings_in {
         let near: Vec<usize> = heard.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
         for step in &meant {
             let changes = |place: &usize| *place != *step && *place != *step + 1;
             let all: Vec<usize> = (0..=length).filter(changes).collect();
             let placed: Vec<usize> = all.iter().copied().filter(|at| heard.places.contains(at)).collect();
             let beside: Vec<usize> = all.iter().copied().filter(|at| near.contains(at)).collect();
-            let places = [placed, beside, all].into_iter().find(|places| !places.is_empty());
+            let ways = match heard.places.is_empty() {
+                true => vec![beside, all],
+                false => vec![placed],
+            };
+            let places = ways.into_iter().find(|places| !places.is_empty());
             offers.moves.extend(places.map(|places| (*step, places)));
         }
     }
@@ -173,7 +180,16 @@ fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[
             false => possible,
         }
     };
-    calls.iter().map(|call| (call.clone(), place(call))).collect()
+    let is_there = |(action, arguments): &&Called| {
+        let shown = &domain.action(*action).explicit;
+        let same = |step: &crate::plan::Step| {
+            step.action == *action && shown.iter().all(|p| arguments[*p] == Some(step.arguments[*p]))
+        };
+        !shown.is_empty() && plan.steps().iter().any(same)
+    };
+    // What the plan does already is not put in once more unless the words ask for more of it.
+    let wanted = calls.iter().filter(|call| heard.again || !is_there(call));
+    wanted.map(|call| (call.clone(), place(call))).collect()
 }
 
 /// The state before each step, and after the last.

@@ -59,7 +59,7 @@ impl Correction {
             false => said,
         };
         let (meant, denied) = parts(said);
-        let mut not_meant = Spoken::of(domain, world, &denied).entities;
+        let mut not_meant = exactly(world, Spoken::of(domain, world, &denied).entities, &denied);
         // "Not that plate" is the plate that was taken for it.
         if not_meant.iter().any(|entity| handled.contains(entity)) {
             not_meant.retain(|entity| handled.contains(entity));
@@ -76,12 +76,8 @@ impl Correction {
             not_meant.extend(others);
         }
         let heard = Spoken::of(domain, world, &meant);
-        let named: Vec<EntityId> = heard
-            .entities
-            .iter()
-            .copied()
-            .filter(|e| !not_meant.contains(e))
-            .collect();
+        let mut named = exactly(world, heard.entities.clone(), &meant);
+        named.retain(|entity| !not_meant.contains(entity));
         let stands_for_it = |entity: &EntityId| named.iter().any(|other| head_of(other) == head_of(entity));
         self.unknown = unknown_thing(domain, world, &meant);
         self.spoken.add(heard);
@@ -119,6 +115,21 @@ fn entities_of(domain: &Domain, fact: &GoalFact) -> Vec<EntityId> {
         GoalFact::Word { arguments, .. } => arguments.clone(),
         GoalFact::Plain(fact) => domain.arguments(*fact).collect(),
     }
+}
+
+/// Of things that share their last word, those that the words call by number: "mug 3" is no other mug.
+fn exactly(world: &World, mut entities: Vec<EntityId>, words: &str) -> Vec<EntityId> {
+    let words = plain_words(words);
+    let by_number = |entity: &EntityId| {
+        let name = plain_words(&world.entity(*entity).name);
+        let numbered = name.last().is_some_and(|last| last.parse::<usize>().is_ok());
+        numbered && words.windows(name.len()).any(|window| window == name)
+    };
+    let exact: Vec<EntityId> = entities.iter().copied().filter(by_number).collect();
+    let head_of = |entity: &EntityId| head(&world.entity(*entity).name);
+    let numbered_kind = |entity: &EntityId| exact.iter().any(|other| head_of(other) == head_of(entity));
+    entities.retain(|entity| exact.contains(entity) || !numbered_kind(entity));
+    entities
 }
 
 /// What is said to be meant, and what is said not to be: "not that plate, the blue one" is "the blue one" and "that

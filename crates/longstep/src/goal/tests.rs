@@ -188,3 +188,52 @@ fn goals_are_read_and_written() {
         assert_eq!(parse(&domain, &world, text).unwrap_err().to_string(), error);
     }
 }
+
+/// What is spoken of, excluded and rejected after words about an answer.
+#[track_caller]
+fn check_correction(instruction: &str, answer: &str, said: &str, expected: [&str; 3]) {
+    let (domain, world) = flat();
+    let mut correction = Correction::of(&domain, &world, instruction);
+    correction.hear(&domain, &world, answer, said);
+    let names = |entities: &[EntityId]| {
+        let names: Vec<_> = entities
+            .iter()
+            .map(|entity| world.entity(*entity).name.clone())
+            .collect();
+        names.join(", ")
+    };
+    let rejected: Vec<_> = correction
+        .rejected
+        .iter()
+        .map(|fact| fact.everyday(&domain, &world))
+        .collect();
+    let found = [
+        names(&correction.spoken.entities),
+        names(&correction.excluded),
+        rejected.join(" & "),
+    ];
+    assert_eq!(found, expected, "{said}");
+}
+
+#[test]
+fn later_words_win() {
+    let (instruction, answer) = ("Put the mug on the sofa", "put(mug 1, sofa)");
+    for (said, expected) in [
+        ("Not that mug, mug 3", ["sofa, mug 3", "mug 1", "put(mug 1, sofa)"]),
+        ("No, the other mug", ["sofa, mug 2, mug 3", "mug 1", "put(mug 1, sofa)"]),
+        (
+            "not the mug, the pillow",
+            ["sofa, mug 2, mug 3, pillow", "mug 1", "put(mug 1, sofa)"],
+        ),
+        (
+            "Put it on the desk instead",
+            ["desk, sofa, mug 1, mug 2, mug 3", "", "put(mug 1, sofa)"],
+        ),
+        ("And close the oven too", ["sofa, oven, mug 1, mug 2, mug 3", "", ""]),
+    ] {
+        check_correction(instruction, answer, said, expected);
+    }
+    let said = "The one on the shelf";
+    let expected = ["shelf, sofa, mug 1, mug 2, mug 3", "", ""];
+    check_correction(instruction, "question: Which mug do you mean?", said, expected);
+}
