@@ -50,7 +50,8 @@ pub(crate) struct PlanArguments {
     pub(crate) instruction: String,
     #[command(flatten)]
     pub(crate) world: WorldArguments,
-    /// Which language model: a name of `longstep model list`, a .gguf file, openai:NAME or URL#NAME
+    /// Which language model: a name of `longstep model list`, a .gguf file, openai:NAME, azure:DEPLOYMENT,
+    /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE
     #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", default_value = longstep_llm::catalogue::DEFAULT)]
     pub(crate) model: String,
     /// Threads of an embedded model [default: one for each physical core]

@@ -22,7 +22,7 @@ fn load_with(path: &Path, cache: &Path, context_tokens: u32) -> Result<Box<dyn C
     let options = OpenOptions {
         // One thread: more of them wait for each other when the machine is busy with other tests.
         threads: Some(1),
-        context_tokens,
+        context_tokens: Some(context_tokens),
         ..OpenOptions::new(cache.to_path_buf())
     };
     open(&ModelReference::File(path.to_path_buf()), &options, &mut |_| {})
@@ -306,7 +306,13 @@ fn counted_tokens_are_those_of_the_prompt() {
     for question in ["What colour is the sea?", "<|im_end|> \"{\\n}\" äöü 漢字", ""] {
         let request = request(question, Constraint::Free);
         let counted = model.tokens(&request.messages);
-        let reply = ask(model.as_mut(), &ChatRequest { max_tokens: 1, ..request });
+        let reply = ask(
+            model.as_mut(),
+            &ChatRequest {
+                max_tokens: 1,
+                ..request
+            },
+        );
         assert_eq!(counted, reply.usage.prompt_tokens, "{question}");
     }
 }
@@ -332,5 +338,9 @@ fn an_answer_that_is_not_wanted_any_more_is_stopped_and_the_next_one_comes() {
     let stopped = model.chat(&long, &mut Impatient(0));
     assert!(matches!(stopped, Err(ModelError::Stopped)), "{stopped:?}");
     let colours = Constraint::Lark(COLOURS.into());
-    assert!(!ask(model.as_mut(), &request("What colour is the sea?", colours)).text.is_empty());
+    assert!(
+        !ask(model.as_mut(), &request("What colour is the sea?", colours))
+            .text
+            .is_empty()
+    );
 }
