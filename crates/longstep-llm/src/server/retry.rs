@@ -18,7 +18,11 @@ pub(super) fn pause(failure: &Failure, tries: u32) -> Option<Duration> {
     let backoff = Duration::from_millis(500) * 2_u32.pow(tries.min(RETRIES));
     let pause = match failure {
         Failure::Unreachable(_) => backoff,
-        Failure::Rejected { status, wait, .. } if matches!(status, 408 | 429 | 500..) => wait.unwrap_or(backoff),
+        Failure::Rejected {
+            status: 408 | 429 | 500..,
+            wait,
+            ..
+        } => wait.unwrap_or(backoff),
         Failure::Rejected { .. } | Failure::Final(_) => return None,
     };
     (tries < RETRIES && pause <= PATIENCE).then_some(pause)
