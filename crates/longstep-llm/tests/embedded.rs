@@ -373,7 +373,8 @@ fn a_seed_decides_what_is_drawn_and_a_grammar_what_may_be() {
     };
     let drawn = answers(1);
     assert_eq!(drawn, answers(1));
-    assert_ne!(drawn, answers(2));
+    // Each answer begins with the seed, and two seeds may begin alike.
+    assert!((2..8).any(|seed| answers(seed) != drawn), "{drawn:?}");
     let known = ["red", "green", "blue", "black", "white", "brown"];
     assert!(drawn.iter().all(|colour| known.contains(&colour.as_str())), "{drawn:?}");
 }
