@@ -95,24 +95,29 @@ impl ChatModel for ServerModel {
             return Err(self.unsupported("a server takes a JSON schema, not a grammar"));
         }
         for _ in 0..CHANGES {
-            let (status, message) = match self.try_often(request, watch) {
+            let failure = match self.try_often(request, watch) {
                 Ok(reply) => {
                     self.look_at(&reply, request, watch);
                     return Ok(reply);
                 }
-                Err(Failure::Rejected { status, message, .. }) => (status, message),
-                Err(Failure::Final(error) | Failure::Unreachable(error)) => return Err(error),
+                Err(failure) => failure,
             };
             // What a server rejects is left out from now on, one thing at a time.
-            match self.dialect.without(&message, request, &self.sampling) {
-                Some((dialect, warning)) if status == 400 || status == 422 => {
-                    self.dialect = dialect;
-                    if let Some(warning) = warning {
-                        watch.tell(Progress::Warning(warning.into()));
-                    }
+            if let Some((dialect, warning)) = self.smaller(&failure, request) {
+                self.dialect = dialect;
+                if let Some(warning) = warning {
+                    watch.tell(Progress::Warning(warning.into()));
                 }
-                _ => return Err(self.status(status, message)),
+                continue;
             }
+            return Err(match failure {
+                Failure::Rejected { status, message, .. } => ModelError::Status {
+                    server: self.endpoint.server.clone(),
+                    status,
+                    message,
+                },
+                Failure::Final(error) | Failure::Unreachable(error) => error,
+            });
         }
         Err(self.unsupported("the server rejects every way of asking"))
     }
@@ -154,7 +159,8 @@ impl ServerModel {
                 Ok(reply) => return Ok(reply),
                 Err(failure) => failure,
             };
-            let Some(pause) = retry::pause(&failure, tries) else {
+            let pause = retry::pause(&failure, tries).filter(|_| self.smaller(&failure, request).is_none());
+            let Some(pause) = pause else {
                 return Err(failure);
             };
             tries += 1;
@@ -171,6 +177,18 @@ impl ServerModel {
         }
     }
 
+    /// The dialect without what the server rejects, and what to warn of; none if nothing was rejected that can be left
+    /// out.
+    fn smaller(&self, failure: &Failure, request: &ChatRequest) -> Option<(Dialect, Option<&'static str>)> {
+        let Failure::Rejected { status, message, .. } = failure else {
+            return None;
+        };
+        // llama-cpp-python's server takes a request that it cannot read for a failure of its own.
+        let rejected = matches!(status, 400 | 422) || (*status == 500 && message.contains("validation error"));
+        let smaller = || self.dialect.without(message, request, &self.sampling);
+        rejected.then(smaller).flatten()
+    }
+
     /// Learns from a reply: what its tokens say about counting, and whether the schema was heeded.
     fn look_at(&mut self, reply: &Reply, request: &ChatRequest, watch: &mut dyn Watch) {
         self.counter.learn(&request.messages, &reply.usage);
@@ -183,14 +201,6 @@ impl ServerModel {
             self.ignoring_told = true;
             let warning = "the server ignored the schema: its answer is not what was asked for";
             watch.tell(Progress::Warning(warning.into()));
-        }
-    }
-
-    fn status(&self, status: u16, message: String) -> ModelError {
-        ModelError::Status {
-            server: self.endpoint.server.clone(),
-            status,
-            message,
         }
     }
 
