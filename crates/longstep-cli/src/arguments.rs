@@ -53,12 +53,43 @@ pub(crate) struct WorldArguments {
 /// Which language model, and how it is asked.
 #[derive(Debug, Args)]
 pub(crate) struct ModelArguments {
-    /// Which language model: a name of `longstep model list`, a .gguf file, openai:NAME or URL#NAME
+    /// Which language model: a name of `longstep model list`, a .gguf file, openai:NAME, azure:DEPLOYMENT,
+    /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE
     #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", default_value = longstep_llm::catalogue::DEFAULT)]
     pub(crate) model: String,
     /// Threads of an embedded model [default: one for each physical core]
     #[arg(long, value_name = "N", env = "LONGSTEP_THREADS", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+    /// How freely the model chooses its words: 0 takes the likeliest
+    #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = temperature)]
+    pub(crate) temperature: f64,
+    /// Of the likeliest words, only those that make up this share
+    #[arg(long, value_name = "P", value_parser = share)]
+    pub(crate) top_p: Option<f64>,
+    /// The same seed chooses the same words again, where the model keeps to it
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Tokens that prompt and answer may have together [default: what the model says, 8192 for an embedded one]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) context: Option<u32>,
+    /// Also write every request and its reply to a file, which --model replay:FILE answers from
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
+}
+
+fn temperature(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
+    (0.0..=2.0)
+        .contains(&value)
+        .then_some(value)
+        .ok_or_else(|| "it is from 0 to 2".to_owned())
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
+    (value > 0.0 && value <= 1.0)
+        .then_some(value)
+        .ok_or_else(|| "it is above 0 and up to 1".to_owned())
 }
 
 /// How an instruction becomes a plan.

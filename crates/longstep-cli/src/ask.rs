@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Result;
 use longstep::session::ModelFacts;
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, Watch, cache_directory, open};
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, Sampling, Watch, cache_directory, open};
 
 use crate::arguments::ModelArguments;
 use crate::progress::Spinner;
@@ -15,6 +15,13 @@ pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn Ch
     let reference: ModelReference = name.parse()?;
     let mut options = OpenOptions::new(cache_directory()?);
     options.threads = arguments.threads.map(usize::from);
+    options.context_tokens = arguments.context;
+    options.record.clone_from(&arguments.record);
+    options.sampling = Sampling {
+        temperature: arguments.temperature,
+        top_p: arguments.top_p,
+        seed: arguments.seed,
+    };
     let spinner = Spinner::new();
     Ok(open(&reference, &options, &mut |progress| spinner.show(&progress))?)
 }

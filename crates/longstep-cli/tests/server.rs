@@ -12,7 +12,8 @@ use serde_json::{Value, json};
 
 const KEY: &str = "sk-a-very-secret-key";
 
-/// Serves one answer for each of `answers`, and returns the bodies that were sent.
+/// Serves one answer for each of `answers`, and returns the bodies that were sent. What is asked for as a stream of
+/// events is answered so.
 fn serve(answers: Vec<(u16, Value)>) -> (String, thread::JoinHandle<Vec<Value>>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("http://{}/v1", listener.local_addr().unwrap());
@@ -34,8 +35,12 @@ fn serve(answers: Vec<(u16, Value)>) -> (String, thread::JoinHandle<Vec<Value>>)
             }
             let mut body = vec![0; length];
             reader.read_exact(&mut body).unwrap();
-            bodies.push(serde_json::from_slice(&body).unwrap());
-            let text = answer.to_string();
+            let body: Value = serde_json::from_slice(&body).unwrap();
+            let text = match (status, &body["stream"]) {
+                (200, Value::Bool(true)) => streamed(&answer),
+                _ => answer.to_string(),
+            };
+            bodies.push(body);
             write!(
                 stream,
                 "HTTP/1.1 {status} X\r\ncontent-type: application/json\r\ncontent-length: {}\r\nconnection: close\r\n\r\n{text}",
@@ -46,6 +51,28 @@ fn serve(answers: Vec<(u16, Value)>) -> (String, thread::JoinHandle<Vec<Value>>)
         bodies
     });
     (address, server)
+}
+
+/// An answer in three events and the mark at the end.
+fn streamed(answer: &Value) -> String {
+    let choice = &answer["choices"][0];
+    let event = |choices: Value, usage: &Value| {
+        json!({"id": answer["id"], "object": "chat.completion.chunk", "created": 0, "model": answer["model"],
+               "choices": choices, "usage": usage})
+    };
+    let events = [
+        event(
+            json!([{"index": 0, "delta": choice["message"], "finish_reason": null}]),
+            &Value::Null,
+        ),
+        event(
+            json!([{"index": 0, "delta": {}, "finish_reason": choice["finish_reason"]}]),
+            &Value::Null,
+        ),
+        event(json!([]), &answer["usage"]),
+    ];
+    let events: String = events.iter().map(|event| format!("data: {event}\n\n")).collect();
+    events + "data: [DONE]\n\n"
 }
 
 fn says(content: &str) -> Value {
@@ -114,16 +141,20 @@ fn a_server_s_question_is_passed_on() {
 #[test]
 fn a_server_that_answers_nonsense_is_told_of() {
     let wrong = [
-        "Sure! I will put the cereal on the counter.",
-        r#"{"question": "", "goals": ["put(unicorn, counter)"]}"#,
-        r#"{"question": "", "goals": ["fly(cereal)"]}"#,
+        (
+            "Sure! I will put the cereal on the counter.",
+            "warning: the server ignored the schema: its answer is not what was asked for\n",
+        ),
+        (r#"{"question": "", "goals": ["put(unicorn, counter)"]}"#, ""),
+        (r#"{"question": "", "goals": ["fly(cereal)"]}"#, ""),
     ];
-    for content in wrong {
+    for (content, warning) in wrong {
         let (address, server) = serve(vec![(200, says(content))]);
         let output = plan(&address, "Put the cereal on the counter");
         let (stdout, stderr) = without_key(&output);
         assert_eq!((output.status.code(), stdout.as_str()), (Some(40), ""), "{stderr}");
-        assert!(stderr.starts_with("error: ") && stderr.contains("hint: "), "{stderr}");
+        let told = stderr.strip_prefix(warning).unwrap_or_default();
+        assert!(told.starts_with("error: ") && told.contains("hint: "), "{stderr}");
         server.join().unwrap();
     }
 }

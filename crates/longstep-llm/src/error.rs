@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 pub enum ModelError {
     /// A text that names no model.
     #[error(
-        "`{text}` is not a model: expected a name of the catalogue ({catalogue}), a path ending in .gguf, openai:NAME or URL#NAME"
+        "`{text}` is not a model: expected a name of the catalogue ({catalogue}), a path ending in .gguf, \
+         openai:NAME, azure:DEPLOYMENT, ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE"
     )]
     UnknownReference {
         /// What was given.
@@ -106,6 +107,40 @@ pub enum ModelError {
         /// The environment variable.
         variable: &'static str,
     },
+    /// A kind of server whose address is yours to say.
+    #[error("the address of {server} is not set ({variable})")]
+    NoAddress {
+        /// The kind of server.
+        server: &'static str,
+        /// The environment variable.
+        variable: &'static str,
+    },
+    /// A server that said nothing for too long.
+    #[error("{server} said nothing for {seconds} s")]
+    Silent {
+        /// The server.
+        server: String,
+        /// How long it may.
+        seconds: f64,
+    },
+    /// A request that is not in the recording that is replayed.
+    #[error("{} has no answer to this request: {difference}", path.display())]
+    NotRecorded {
+        /// The recording.
+        path: PathBuf,
+        /// What is different from the nearest recorded request.
+        difference: String,
+    },
+    /// A recording that cannot be read.
+    #[error("{} is no recording: line {line}: {reason}", path.display())]
+    BadRecording {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// Why.
+        reason: String,
+    },
     /// A server that could not be reached or did not answer in time.
     #[error("{server} cannot be reached: {reason}")]
     Unreachable {
@@ -154,12 +189,20 @@ impl ModelError {
             }
             Self::TooLong { .. } => Some("shorten the environment, or open the model with a larger context".into()),
             Self::NoKey { variable, .. } => Some(format!("set {variable}")),
+            Self::NoAddress { variable, .. } => {
+                Some(format!("set {variable}, for example https://NAME.openai.azure.com"))
+            }
+            Self::Silent { .. } => Some("the server may be busy or the model large: try again, or wait longer".into()),
+            Self::NotRecorded { .. } => {
+                Some("record it again with the model, or ask exactly what was asked then".into())
+            }
+            Self::BadRecording { .. } => Some("a recording is made by opening a model with a file to record to".into()),
             Self::Unreachable { .. } => {
                 Some("check the address and that the server is running, or use an embedded model".into())
             }
             Self::Status { status, .. } => status_hint(*status),
             Self::BadAnswer { .. } => {
-                Some("check that the address is that of a server with OpenAI's chat completions".into())
+                Some("check that the address is that of a server with OpenAI's chat completions, and try again".into())
             }
             Self::UnknownReference { .. }
             | Self::Unsupported { .. }
@@ -193,7 +236,10 @@ fn file_hint(kind: std::io::ErrorKind) -> Option<String> {
 
 fn status_hint(status: u16) -> Option<String> {
     let hint = match status {
-        401 => "check the key (OPENAI_API_KEY, or LONGSTEP_API_KEY for another server)",
+        401 => {
+            "check the key (OPENAI_API_KEY, AZURE_OPENAI_API_KEY, ANTHROPIC_API_KEY, GEMINI_API_KEY, or LONGSTEP_API_KEY \
+             for another server)"
+        }
         403 => "the key may not use this model; ask the server's owner",
         404 => "check the name of the model and the base address (it usually ends in /v1)",
         429 => "too many requests or no credit left: wait a little, or check the account",

@@ -1,8 +1,10 @@
 //! Language models for Longstep, behind one trait.
 //!
 //! A [`ModelReference`] says which model is meant, [`open`] makes a [`ChatModel`] of it: the
-//! embedded engine for a model of the [`catalogue`] or a `.gguf` file, or a client for a server
-//! that speaks OpenAI's dialect. Models of the catalogue come into the cache by [`store::pull`].
+//! embedded engine for a model of the [`catalogue`] or a `.gguf` file, a client for a server, or a
+//! recording that is replayed. Models of the catalogue come into the cache by [`store::pull`].
+//! Answers of servers are streamed; what a server does not take is left out with a warning, and one
+//! that is busy is asked again.
 //!
 //! ```no_run
 //! use longstep::prompt::{ChatRequest, Constraint, Message, Role};
@@ -31,8 +33,9 @@ pub mod catalogue;
 mod embedded;
 mod error;
 mod model;
-mod openai;
+mod record;
 mod reference;
+mod server;
 mod session_folder;
 pub mod store;
 #[cfg(test)]
@@ -43,7 +46,8 @@ mod whole_file;
 pub use advance::{AdvanceError, advance};
 pub use cache::{cache_directory, session_directory};
 pub use error::ModelError;
-pub use model::{ChatModel, OpenOptions, Progress, Watch, open};
+pub use model::{ChatModel, OpenOptions, Progress, Sampling, Watch, open};
+pub use record::Recording;
 pub use reference::ModelReference;
 pub use session_folder::{FolderError, LOG, SessionFolder};
 pub use understand::{UnderstandError, understand};

@@ -1,11 +1,13 @@
 //! The trait that every model stands behind, and how one is opened.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use longstep::prompt::{ChatRequest, ConstraintKind, Reply, TokenCounter};
 
 use crate::embedded::EmbeddedModel;
-use crate::openai::OpenAiModel;
+use crate::record::{Recording, Replay};
+use crate::server::ServerModel;
 use crate::{ModelError, ModelReference, store};
 
 /// A language model that answers one request at a time, and counts tokens as it does.
@@ -62,9 +64,9 @@ pub enum Progress {
         /// All tokens of the prompt.
         total: usize,
     },
-    /// The embedded engine writes.
+    /// The model writes.
     Writing {
-        /// Tokens written so far.
+        /// Tokens written so far; from a server, pieces of the answer, which are a token or a few.
         tokens: usize,
     },
     /// A request has gone to a server.
@@ -74,45 +76,85 @@ pub enum Progress {
 }
 
 /// How a model is opened.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OpenOptions {
     /// Threads of the embedded engine; `None` takes the machine's physical cores.
     pub threads: Option<usize>,
     /// The folder for models and engine states, usually
     /// [`cache_directory`](crate::cache_directory).
     pub cache: PathBuf,
-    /// How many tokens prompt and answer may have together, for the embedded engine. Memory
-    /// grows with it: about 28 KB a token with the default model.
-    pub context_tokens: u32,
+    /// How many tokens prompt and answer may have together. `None` takes 8192 for the embedded engine, whose memory
+    /// grows with it (about 28 KB a token with the default model). A server that says how many it has is believed more
+    /// than this.
+    pub context_tokens: Option<u32>,
+    /// How the next token is chosen.
+    pub sampling: Sampling,
+    /// How long a server may say nothing, before its answer and between the pieces of it; 60 s.
+    pub silence: Duration,
+    /// A file that every request and reply is appended to, as `replay:FILE` reads it. It holds what was said, and no
+    /// keys.
+    pub record: Option<PathBuf>,
 }
 
 impl OpenOptions {
-    /// A context of 8192 tokens, and as many threads as the machine has physical cores.
+    /// The likeliest token always, nothing recorded, and as many threads as the machine has physical cores.
     #[must_use]
     pub fn new(cache: PathBuf) -> Self {
         Self {
             threads: None,
             cache,
-            context_tokens: 8192,
+            context_tokens: None,
+            sampling: Sampling::default(),
+            silence: Duration::from_secs(60),
+            record: None,
         }
     }
 }
 
+/// How the next token is chosen among the allowed ones. A server that does not take one of these is asked without it,
+/// with a [`Progress::Warning`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sampling {
+    /// 0 (the default) takes the likeliest token; above, less likely ones have a chance: 1 leaves the model's
+    /// probabilities as they are, more evens them out. Negative or not a number counts as 0 for the embedded engine.
+    pub temperature: f64,
+    /// Only the likeliest tokens that together have this probability (0 to 1) are considered.
+    pub top_p: Option<f64>,
+    /// The same seed gives the same answer. `None` is 0 for the embedded engine, and leaves it to a server.
+    pub seed: Option<u64>,
+}
+
 /// Opens the model that is meant.
 ///
-/// An embedded model is loaded here (about a second); a server is not contacted before the
-/// first request.
+/// An embedded model is loaded here (about a second); a server is not contacted before the first request, or before
+/// something is asked that only it knows. Servers are waited for on the calling thread: not in asynchronous code.
 ///
 /// # Errors
 ///
 /// [`ModelError::NotPulled`] for a model of the catalogue that is not in the cache,
 /// [`ModelError::WrongHash`] for one that has changed there, [`ModelError::NotLoaded`] for a
-/// file that is no model, [`ModelError::NoKey`] for OpenAI without a key.
+/// file that is no model, [`ModelError::NoKey`] and [`ModelError::NoAddress`] for a server whose key or address is not
+/// set, [`ModelError::File`] and [`ModelError::BadRecording`] for a recording that cannot be read or written.
 pub fn open(
     reference: &ModelReference,
     options: &OpenOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Box<dyn ChatModel>, ModelError> {
+    let model = open_itself(reference, options, progress)?;
+    Ok(match &options.record {
+        Some(path) => Box::new(Recording::new(model, path)?),
+        None => model,
+    })
+}
+
+fn open_itself(
+    reference: &ModelReference,
+    options: &OpenOptions,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Box<dyn ChatModel>, ModelError> {
+    if let Some(model) = ServerModel::open(reference, options) {
+        return Ok(Box::new(model?));
+    }
     match reference {
         ModelReference::Catalogue(entry) => {
             progress(Progress::Loading);
@@ -131,7 +173,15 @@ pub fn open(
             let model = EmbeddedModel::open(&name, path, identity, options)?;
             Ok(Box::new(model))
         }
-        ModelReference::OpenAi { model } => Ok(Box::new(OpenAiModel::openai(model)?)),
-        ModelReference::Server { url, model } => Ok(Box::new(OpenAiModel::server(url, model))),
+        ModelReference::Replay(path) => Ok(Box::new(Replay::open(path)?)),
+        ModelReference::OpenAi { .. }
+        | ModelReference::Azure { .. }
+        | ModelReference::Ollama { .. }
+        | ModelReference::Anthropic { .. }
+        | ModelReference::Gemini { .. }
+        | ModelReference::Server { .. } => Err(ModelError::Unsupported {
+            model: reference.to_string(),
+            reason: "it is on a server".into(),
+        }),
     }
 }

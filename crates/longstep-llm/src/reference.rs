@@ -12,8 +12,13 @@ use crate::{ModelError, catalogue};
 /// |---|---|
 /// | `qwen2.5-coder-1.5b` | a model of the [`catalogue`] |
 /// | `models/mine.gguf` | a file |
-/// | `openai:NAME` | a model of OpenAI, or of `OPENAI_BASE_URL` |
-/// | `http://localhost:8080/v1#NAME` | a model of another server with OpenAI's dialect |
+/// | `openai:NAME` | a model of OpenAI, or of `OPENAI_BASE_URL`, with `OPENAI_API_KEY` |
+/// | `azure:DEPLOYMENT` | a deployment of Azure OpenAI at `AZURE_OPENAI_ENDPOINT`, with `AZURE_OPENAI_API_KEY` or `AZURE_OPENAI_AD_TOKEN`, and `OPENAI_API_VERSION` (2024-10-21) |
+/// | `ollama:NAME` | a model of Ollama at `OLLAMA_HOST` (`http://localhost:11434`) |
+/// | `anthropic:NAME` | a model of Anthropic, with `ANTHROPIC_API_KEY` |
+/// | `gemini:NAME` | a model of Gemini, with `GEMINI_API_KEY` or `GOOGLE_API_KEY` |
+/// | `http://localhost:8080/v1#NAME` | a model of another server with OpenAI's dialect, such as llama.cpp's or vLLM; a key from `LONGSTEP_API_KEY` |
+/// | `replay:FILE` | what was recorded in a file, see [`OpenOptions::record`](crate::OpenOptions::record) |
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ModelReference {
     /// A model of the catalogue.
@@ -25,6 +30,28 @@ pub enum ModelReference {
         /// The model's name there.
         model: String,
     },
+    /// A deployment of Azure OpenAI.
+    Azure {
+        /// The deployment's name, which need not be the model's.
+        deployment: String,
+    },
+    /// A model of Ollama.
+    Ollama {
+        /// The model's name there, such as `qwen2.5-coder:1.5b`.
+        model: String,
+    },
+    /// A model of Anthropic.
+    Anthropic {
+        /// The model's name there.
+        model: String,
+    },
+    /// A model of Gemini.
+    Gemini {
+        /// The model's name there.
+        model: String,
+    },
+    /// A recording, which answers what it was asked before.
+    Replay(PathBuf),
     /// A model of another server with OpenAI's dialect.
     Server {
         /// The base address, to which `/chat/completions` is added.
@@ -42,8 +69,17 @@ impl FromStr for ModelReference {
         if let Some(entry) = catalogue::find(text) {
             return Ok(Self::Catalogue(entry));
         }
-        if let Some(model) = text.strip_prefix("openai:").filter(|model| !model.is_empty()) {
-            return Ok(Self::OpenAi { model: model.into() });
+        if let Some((kind, name)) = text.split_once(':').filter(|(_, name)| !name.is_empty()) {
+            let model = name.to_owned();
+            match kind {
+                "openai" => return Ok(Self::OpenAi { model }),
+                "azure" => return Ok(Self::Azure { deployment: model }),
+                "ollama" => return Ok(Self::Ollama { model }),
+                "anthropic" => return Ok(Self::Anthropic { model }),
+                "gemini" => return Ok(Self::Gemini { model }),
+                "replay" => return Ok(Self::Replay(name.into())),
+                _ => {}
+            }
         }
         if text.starts_with("http://") || text.starts_with("https://") {
             return match text.split_once('#') {
@@ -68,6 +104,11 @@ impl fmt::Display for ModelReference {
             Self::Catalogue(entry) => formatter.write_str(entry.name),
             Self::File(path) => write!(formatter, "{}", path.display()),
             Self::OpenAi { model } => write!(formatter, "openai:{model}"),
+            Self::Azure { deployment } => write!(formatter, "azure:{deployment}"),
+            Self::Ollama { model } => write!(formatter, "ollama:{model}"),
+            Self::Anthropic { model } => write!(formatter, "anthropic:{model}"),
+            Self::Gemini { model } => write!(formatter, "gemini:{model}"),
+            Self::Replay(path) => write!(formatter, "replay:{}", path.display()),
             Self::Server { url, model } => write!(formatter, "{url}#{model}"),
         }
     }
@@ -107,6 +148,24 @@ mod tests {
             ),
             ("openai:gpt-5", ModelReference::OpenAi { model: "gpt-5".into() }),
             (
+                "azure:house-gpt",
+                ModelReference::Azure {
+                    deployment: "house-gpt".into(),
+                },
+            ),
+            (
+                "ollama:qwen2.5-coder:1.5b",
+                ModelReference::Ollama {
+                    model: "qwen2.5-coder:1.5b".into(),
+                },
+            ),
+            ("anthropic:m", ModelReference::Anthropic { model: "m".into() }),
+            ("gemini:m", ModelReference::Gemini { model: "m".into() }),
+            (
+                "replay:talks/one.jsonl",
+                ModelReference::Replay("talks/one.jsonl".into()),
+            ),
+            (
                 "http://localhost:8080/v1#tiny",
                 server("http://localhost:8080/v1", "tiny"),
             ),
@@ -129,7 +188,9 @@ mod tests {
             "http://host/v1",
             "https://host/v1#",
             "model.bin",
-            "azure:x",
+            "azure:",
+            "replay:",
+            "other:x",
         ] {
             let error = text.parse::<ModelReference>().unwrap_err();
             let line = error.to_string();

@@ -14,12 +14,17 @@ pub(crate) struct TestServer {
 impl TestServer {
     /// Gives these answers, raw bytes of HTTP, in order; further connections are refused.
     pub(crate) fn new(answers: Vec<Vec<u8>>) -> Self {
+        Self::answering(answers.len(), move |number, _| answers[number].clone())
+    }
+
+    /// Gives so many answers, made for the number (from 0) and the text of a request.
+    pub(crate) fn answering(count: usize, answer: impl Fn(usize, &str) -> Vec<u8> + Send + 'static) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());
         let requests = Arc::new(Mutex::new(Vec::new()));
         let noted = Arc::clone(&requests);
         std::thread::spawn(move || {
-            for answer in answers {
+            for number in 0..count {
                 let (mut stream, _) = listener.accept().unwrap();
                 let mut text = Vec::new();
                 let mut buffer = [0; 4096];
@@ -28,12 +33,22 @@ impl TestServer {
                     assert!(read > 0, "the request ended early");
                     text.extend_from_slice(&buffer[..read]);
                 }
-                noted.lock().unwrap().push(String::from_utf8(text).unwrap());
+                let text = String::from_utf8(text).unwrap();
+                let answer = answer(number, &text);
+                noted.lock().unwrap().push(text);
                 // A client that has seen enough may have hung up.
                 let _ = stream.write_all(&answer);
             }
         });
         Self { url, requests }
+    }
+
+    /// A server that somebody else runs.
+    pub(crate) fn at(url: String) -> Self {
+        Self {
+            url,
+            requests: Arc::default(),
+        }
     }
 
     /// What was asked so far: head and body of each request.

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use longstep::prompt::{ChatRequest, Constraint, Finish, Message, Reply, Role};
-use longstep_llm::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, open};
+use longstep_llm::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, open};
 
 const COLOURS: &str = r#"start: ("red" | "green" | "blue") (" and " ("red" | "green" | "blue"))?"#;
 
@@ -22,7 +22,7 @@ fn load_with(path: &Path, cache: &Path, context_tokens: u32) -> Result<Box<dyn C
     let options = OpenOptions {
         // One thread: more of them wait for each other when the machine is busy with other tests.
         threads: Some(1),
-        context_tokens,
+        context_tokens: Some(context_tokens),
         ..OpenOptions::new(cache.to_path_buf())
     };
     open(&ModelReference::File(path.to_path_buf()), &options, &mut |_| {})
@@ -343,4 +343,38 @@ fn an_answer_that_is_not_wanted_any_more_is_stopped_and_the_next_one_comes() {
             .text
             .is_empty()
     );
+}
+
+#[test]
+#[ignore = "needs LONGSTEP_TEST_MODEL"]
+fn a_seed_decides_what_is_drawn_and_a_grammar_what_may_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let answers = |seed: u64| {
+        let options = OpenOptions {
+            threads: Some(1),
+            context_tokens: Some(1024),
+            sampling: Sampling {
+                temperature: 50.0,
+                top_p: Some(0.99),
+                seed: Some(seed),
+            },
+            ..OpenOptions::new(folder.path().to_path_buf())
+        };
+        let mut model = open(&ModelReference::File(model_path()), &options, &mut |_| {}).unwrap();
+        let grammar = Constraint::Lark(r#"start: ("red" | "green" | "blue" | "black" | "white" | "brown")"#.into());
+        let questions = ["the sky", "a leaf", "coal", "snow", "wood", "blood"];
+        questions.map(|thing| {
+            ask(
+                model.as_mut(),
+                &request(&format!("What colour is {thing}?"), grammar.clone()),
+            )
+            .text
+        })
+    };
+    let drawn = answers(1);
+    assert_eq!(drawn, answers(1));
+    // Each answer begins with the seed, and two seeds may begin alike.
+    assert!((2..8).any(|seed| answers(seed) != drawn), "{drawn:?}");
+    let known = ["red", "green", "blue", "black", "white", "brown"];
+    assert!(drawn.iter().all(|colour| known.contains(&colour.as_str())), "{drawn:?}");
 }

@@ -30,6 +30,7 @@ fn domain_named(name: &str) -> Domain {
         goal_prompt: text("prompt/goal.md"),
         examples: text("prompt/examples.toml"),
         feedback: text("prompt/feedback.toml"),
+        ..Files::default()
     };
     domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"))
 }

@@ -9,6 +9,7 @@ mod engine;
 mod file;
 mod grammar;
 mod prompt;
+mod sample;
 mod state;
 mod worker;
 
@@ -22,6 +23,9 @@ use longstep::prompt::{ChatRequest, ConstraintKind, Counting, Message, Reply, Ro
 
 use crate::{ChatModel, ModelError, OpenOptions, Progress, Watch};
 use worker::Setting;
+
+/// How many tokens prompt and answer may have together when nobody says.
+const CONTEXT_TOKENS: u32 = 8192;
 
 /// What the worker is asked, with the line that the answer comes back on.
 enum Job {
@@ -59,12 +63,14 @@ impl EmbeddedModel {
     /// Loads the file. `identity` changes with the file's content: saved states are kept by it.
     pub(crate) fn open(name: &str, path: &Path, identity: String, options: &OpenOptions) -> Result<Self, ModelError> {
         file::check(path)?;
+        let context_tokens = options.context_tokens.unwrap_or(CONTEXT_TOKENS);
         let setting = Setting {
             name: name.to_owned(),
             path: path.to_path_buf(),
             identity,
             threads: options.threads.unwrap_or_else(num_cpus::get_physical).max(1),
-            context_tokens: options.context_tokens,
+            context_tokens,
+            sampling: options.sampling.clone(),
             states: options.cache.join("state"),
         };
         let (jobs, inbox) = channel();
@@ -75,7 +81,7 @@ impl EmbeddedModel {
             .map_err(|error| stopped(name, &format!("no thread could be started: {error}")))?;
         let model = Self {
             name: name.to_owned(),
-            context_tokens: options.context_tokens,
+            context_tokens,
             counted: HashMap::new(),
             frame: None,
             jobs: Some(jobs),

@@ -14,9 +14,10 @@ use super::engine::{Engine, backend};
 use super::file::not_loaded;
 use super::grammar::Grammars;
 use super::prompt::{PromptTokens, Template};
+use super::sample::Sampler;
 use super::state::States;
 use super::{Count, Event, Job};
-use crate::{ModelError, Progress};
+use crate::{ModelError, Progress, Sampling};
 
 /// A state is saved when at least this many tokens had to be computed: reading fewer takes no
 /// longer than saving.
@@ -29,6 +30,7 @@ pub(super) struct Setting {
     pub(super) identity: String,
     pub(super) threads: usize,
     pub(super) context_tokens: u32,
+    pub(super) sampling: Sampling,
     pub(super) states: PathBuf,
 }
 
@@ -88,6 +90,7 @@ struct Worker<'model> {
     template: Template,
     grammars: Grammars,
     states: States,
+    sampler: Sampler,
     limit: usize,
     last: Option<Turn>,
 }
@@ -105,6 +108,7 @@ impl<'model> Worker<'model> {
             template: Template::of(model)?,
             grammars: Grammars::new(model)?,
             states: States::new(setting.states.clone(), setting.identity.clone(), size),
+            sampler: Sampler::new(&setting.sampling),
             limit: size as usize,
             last: None,
         })
@@ -151,6 +155,7 @@ impl<'model> Worker<'model> {
         } else {
             self.read(&prompt, tell)?
         };
+        self.sampler.begin();
         let mut written = Written::default();
         let finish = self.write(matcher, request.max_tokens as usize, &mut written, tell)?;
         let text = String::from_utf8_lossy(&written.bytes).into_owned();
@@ -228,7 +233,7 @@ impl<'model> Worker<'model> {
         Ok(known)
     }
 
-    /// Writes an answer: always the likeliest of the allowed tokens.
+    /// Writes an answer, of allowed tokens only.
     fn write(
         &mut self,
         mut matcher: Option<Matcher>,
@@ -240,7 +245,7 @@ impl<'model> Worker<'model> {
             if written.tokens.len() >= most {
                 return Ok(Finish::Length);
             }
-            let next = self.likeliest(matcher.as_mut())?;
+            let next = self.next(matcher.as_mut())?;
             if self.model.vocab().is_eog(next) {
                 return Ok(Finish::Stop);
             }
@@ -273,25 +278,21 @@ impl<'model> Worker<'model> {
         }
     }
 
-    fn likeliest(&self, matcher: Option<&mut Matcher>) -> Result<LlamaToken, ModelError> {
+    fn next(&mut self, matcher: Option<&mut Matcher>) -> Result<LlamaToken, ModelError> {
         let logits = self.engine.logits();
-        let mut best: Option<(usize, f32)> = None;
-        let mut consider = |index: usize| {
-            if let Some(&logit) = logits.get(index)
-                && best.is_none_or(|(_, most)| logit > most)
-            {
-                best = Some((index, logit));
-            }
-        };
-        match matcher {
-            None => (0..logits.len()).for_each(&mut consider),
+        let chosen = match matcher {
+            None => self
+                .sampler
+                .choose(logits, |consider| (0..logits.len()).for_each(consider)),
             Some(matcher) => {
                 let allowed = matcher.compute_mask_or_eos();
-                let allowed = allowed.map_err(|error| self.failed(error.to_string()))?;
-                allowed.iter_set_entries(&mut consider);
+                let allowed = allowed.map_err(|error| failed(self.name, error.to_string()))?;
+                self.sampler
+                    .choose(logits, |consider| allowed.iter_set_entries(consider))
             }
-        }
-        best.and_then(|(index, _)| i32::try_from(index).ok())
+        };
+        chosen
+            .and_then(|index| i32::try_from(index).ok())
             .map(LlamaToken)
             .ok_or_else(|| self.failed("the grammar allows no token".into()))
     }
@@ -304,10 +305,14 @@ impl<'model> Worker<'model> {
     }
 
     fn failed(&self, reason: String) -> ModelError {
-        ModelError::Engine {
-            model: self.name.to_owned(),
-            reason,
-        }
+        failed(self.name, reason)
+    }
+}
+
+fn failed(name: &str, reason: String) -> ModelError {
+    ModelError::Engine {
+        model: name.to_owned(),
+        reason,
     }
 }
 

@@ -1,0 +1,141 @@
+//! Which token comes next.
+
+use crate::Sampling;
+
+/// Chooses among the allowed tokens. Each answer begins with the seed again, so that an answer does not depend on what
+/// was asked before it.
+pub(super) struct Sampler {
+    temperature: f64,
+    top_p: f64,
+    seed: u64,
+    state: u64,
+}
+
+impl Sampler {
+    pub(super) fn new(sampling: &Sampling) -> Self {
+        let seed = sampling.seed.unwrap_or_default();
+        Self {
+            temperature: sampling.temperature,
+            top_p: sampling.top_p.unwrap_or(1.0),
+            seed,
+            state: seed,
+        }
+    }
+
+    /// Begins an answer.
+    pub(super) fn begin(&mut self) {
+        self.state = self.seed;
+    }
+
+    /// One of the tokens that `each` names, by how strongly each is expected; none if it names none.
+    pub(super) fn choose(&mut self, logits: &[f32], each: impl FnOnce(&mut dyn FnMut(usize))) -> Option<usize> {
+        if self.temperature > 0.0 {
+            return self.sample(logits, each);
+        }
+        let mut best: Option<(usize, f32)> = None;
+        each(&mut |index| {
+            if let Some(&logit) = logits.get(index)
+                && best.is_none_or(|(_, most)| logit > most)
+            {
+                best = Some((index, logit));
+            }
+        });
+        best.map(|(index, _)| index)
+    }
+
+    fn sample(&mut self, logits: &[f32], each: impl FnOnce(&mut dyn FnMut(usize))) -> Option<usize> {
+        let mut weighed: Vec<(usize, f64)> = Vec::new();
+        each(&mut |index| {
+            if let Some(&logit) = logits.get(index) {
+                weighed.push((index, f64::from(logit)));
+            }
+        });
+        // Likeliest first; equally likely ones by number, so that the same seed gives the same answer.
+        weighed.sort_by(|left, right| right.1.total_cmp(&left.1).then(left.0.cmp(&right.0)));
+        let most = weighed.first()?.1;
+        for (_, weight) in &mut weighed {
+            *weight = ((*weight - most) / self.temperature).exp();
+        }
+        let total: f64 = weighed.iter().map(|(_, weight)| weight).sum();
+        let enough = total * self.top_p.clamp(0.0, 1.0);
+        let mut kept = 0.0;
+        let count = weighed.iter().take_while(|(_, weight)| {
+            let wanted = kept < enough;
+            kept += if wanted { weight } else { &0.0 };
+            wanted
+        });
+        // At least the likeliest, whatever top_p says.
+        let count = count.count().max(1);
+        weighed.truncate(count);
+        let total: f64 = weighed.iter().map(|(_, weight)| weight).sum();
+        let mut left = self.random() * total;
+        let last = weighed.last()?.0;
+        let hit = weighed.into_iter().find(|(_, weight)| {
+            left -= weight;
+            left < 0.0
+        });
+        Some(hit.map_or(last, |(index, _)| index))
+    }
+
+    /// A number from 0 to below 1 (SplitMix64, which takes any seed).
+    fn random(&mut self) -> f64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.state;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^= bits >> 31;
+        (bits >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOGITS: [f32; 4] = [1.0, 3.0, 2.0, -50.0];
+
+    fn drawn(sampling: &Sampling, allowed: &[usize]) -> [u32; 4] {
+        let mut sampler = Sampler::new(sampling);
+        let mut counts = [0; 4];
+        for _ in 0..10_000 {
+            let chosen = sampler.choose(&LOGITS, |consider| allowed.iter().copied().for_each(consider));
+            counts[chosen.unwrap()] += 1;
+        }
+        counts
+    }
+
+    #[test]
+    fn tokens_are_drawn_as_often_as_they_are_likely() {
+        let with = |temperature: f64, top_p: Option<f64>| Sampling {
+            temperature,
+            top_p,
+            seed: Some(7),
+        };
+        assert_eq!(drawn(&with(0.0, None), &[0, 1, 2, 3]), [0, 10_000, 0, 0]);
+        assert_eq!(drawn(&with(0.0, None), &[0, 2, 3]), [0, 0, 10_000, 0]);
+        // e^0, e^-1 and e^-2 of their sum: 0.665, 0.245, 0.090.
+        let [zero, one, two, three] = drawn(&with(1.0, None), &[0, 1, 2, 3]);
+        assert!((800..1000).contains(&zero) && (6500..6800).contains(&one) && (2300..2600).contains(&two));
+        assert_eq!(three, 0);
+        assert_eq!(drawn(&with(1.0, Some(0.9)), &[0, 1, 2, 3])[0], 0);
+        assert_eq!(drawn(&with(1.0, Some(0.0)), &[0, 1, 2, 3]), [0, 10_000, 0, 0]);
+        assert_eq!(drawn(&with(1.0, None), &[3]), [0, 0, 0, 10_000]);
+    }
+
+    #[test]
+    fn the_same_seed_draws_the_same() {
+        let draw = |seed: Option<u64>| {
+            let mut sampler = Sampler::new(&Sampling {
+                temperature: 2.0,
+                top_p: None,
+                seed,
+            });
+            let mut one = || sampler.choose(&LOGITS, |consider| (0..4).for_each(consider));
+            (0..50).map(|_| one()).collect::<Vec<_>>()
+        };
+        assert_eq!(draw(Some(3)), draw(Some(3)));
+        assert_ne!(draw(Some(3)), draw(Some(4)));
+        assert_eq!(draw(None), draw(Some(0)));
+        assert_eq!(Sampler::new(&Sampling::default()).choose(&LOGITS, |_| {}), None);
+    }
+}

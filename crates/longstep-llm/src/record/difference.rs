@@ -1,0 +1,98 @@
+//! What is different between a request and those that were recorded.
+
+use super::wire::{WireConstraint, WireMessage, WireRequest};
+
+/// How much of a text is shown around the place where it differs, in characters.
+const SHOWN: usize = 40;
+
+/// What differs from the recorded request that has most in common with this one, in one line.
+pub(super) fn nearest<'a>(asked: &WireRequest, recorded: impl Iterator<Item = &'a WireRequest>) -> String {
+    // The first of equally near ones.
+    let nearest = recorded
+        .enumerate()
+        .map(|(number, request)| (common(asked, request), number, request))
+        .max_by(|left, right| left.0.cmp(&right.0).then(right.1.cmp(&left.1)));
+    match nearest {
+        None => "no request is recorded".into(),
+        Some((_, number, request)) => {
+            format!(
+                "the nearest is request {}, which differs in {}",
+                number + 1,
+                difference(asked, request)
+            )
+        }
+    }
+}
+
+/// How much two requests have in common: characters at the beginnings of their messages, and what else is the same.
+fn common(asked: &WireRequest, recorded: &WireRequest) -> (usize, usize) {
+    let pairs = asked.messages.iter().zip(&recorded.messages);
+    let characters = pairs
+        .map(|(asked, recorded)| same(&asked.text, &recorded.text))
+        .sum::<usize>()
+        + same(&asked.answer_so_far, &recorded.answer_so_far);
+    let rest = usize::from(asked.constraint == recorded.constraint)
+        + usize::from(asked.max_tokens == recorded.max_tokens)
+        + usize::from(asked.messages.len() == recorded.messages.len());
+    (characters, rest)
+}
+
+/// How many characters two texts begin with alike.
+fn same(left: &str, right: &str) -> usize {
+    left.chars()
+        .zip(right.chars())
+        .take_while(|(left, right)| left == right)
+        .count()
+}
+
+fn difference(asked: &WireRequest, recorded: &WireRequest) -> String {
+    let pairs = asked.messages.iter().zip(&recorded.messages);
+    if let Some((number, (asked, recorded))) = pairs.enumerate().find(|(_, (asked, recorded))| asked != recorded) {
+        return format!("message {}: {}", number + 1, message(asked, recorded));
+    }
+    let (many, few) = (asked.messages.len(), recorded.messages.len());
+    if many != few {
+        return format!("the number of messages: recorded {few}, asked {many}");
+    }
+    if asked.answer_so_far != recorded.answer_so_far {
+        let texts = texts(&asked.answer_so_far, &recorded.answer_so_far);
+        return format!("how the answer begins: {texts}");
+    }
+    if asked.constraint != recorded.constraint {
+        let texts = texts(&constraint(&asked.constraint), &constraint(&recorded.constraint));
+        return format!("the constraint: {texts}");
+    }
+    let (now, then) = (asked.max_tokens, recorded.max_tokens);
+    format!("the most tokens of the answer: recorded {then}, asked {now}")
+}
+
+fn message(asked: &WireMessage, recorded: &WireMessage) -> String {
+    if asked.role != recorded.role {
+        return format!("recorded from {:?}, asked from {:?}", recorded.role, asked.role);
+    }
+    texts(&asked.text, &recorded.text)
+}
+
+fn constraint(constraint: &WireConstraint) -> String {
+    match constraint {
+        WireConstraint::Free => "none".into(),
+        WireConstraint::Lark(grammar) => format!("grammar {grammar}"),
+        WireConstraint::JsonSchema(schema) => format!("schema {schema}"),
+    }
+}
+
+/// Two texts, from shortly before the place where they part.
+fn texts(asked: &str, recorded: &str) -> String {
+    let from = same(asked, recorded).saturating_sub(SHOWN / 2);
+    let part = |text: &str| -> String {
+        let shown: String = text.chars().skip(from).take(SHOWN).collect();
+        let before = if from > 0 { "..." } else { "" };
+        let after = if text.chars().nth(from + SHOWN).is_some() {
+            "..."
+        } else {
+            ""
+        };
+        format!("{:?}", format!("{before}{shown}{after}"))
+    };
+    format!("recorded {}, asked {}", part(recorded), part(asked))
+}

@@ -1,0 +1,126 @@
+//! A model that answers what was recorded, and nothing else.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use longstep::prompt::{ChatRequest, ConstraintKind, Counting, EstimatedTokens, Message, Reply, TokenCounter};
+
+use super::difference;
+use super::wire::{Line, VERSION, WireHead, WireReply, WireRequest};
+use crate::{ChatModel, ModelError, Watch};
+
+/// A recording that is replayed.
+#[derive(Debug)]
+pub(crate) struct Replay {
+    path: PathBuf,
+    head: WireHead,
+    turns: Vec<Turn>,
+    counts: HashMap<Message, u64>,
+    frame: Option<u64>,
+}
+
+#[derive(Debug)]
+struct Turn {
+    request: WireRequest,
+    reply: WireReply,
+    given: bool,
+}
+
+impl Replay {
+    /// Reads a recording.
+    pub(crate) fn open(path: &Path) -> Result<Self, ModelError> {
+        let text = std::fs::read_to_string(path).map_err(ModelError::file("cannot replay", path))?;
+        let bad = |line: usize, reason: String| ModelError::BadRecording {
+            path: path.to_path_buf(),
+            line: line + 1,
+            reason,
+        };
+        let (mut head, mut turns) = (None, Vec::new());
+        let (mut counts, mut frame) = (HashMap::new(), None);
+        for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+            match serde_json::from_str(line).map_err(|error| bad(number, error.to_string()))? {
+                Line::Recording(said) if said.version != VERSION => {
+                    let version = said.version;
+                    return Err(bad(
+                        number,
+                        format!("version {version}, and only {VERSION} can be read"),
+                    ));
+                }
+                Line::Recording(said) => {
+                    head.get_or_insert(said);
+                }
+                Line::Turn { request, reply } => turns.push(Turn {
+                    request,
+                    reply,
+                    given: false,
+                }),
+                Line::Count(count) => {
+                    counts.entry(count.message.into()).or_insert(count.tokens);
+                }
+                Line::Frame(tokens) => {
+                    frame.get_or_insert(tokens);
+                }
+            }
+        }
+        Ok(Self {
+            path: path.to_path_buf(),
+            head: head.ok_or_else(|| bad(0, "nothing says which model was recorded".into()))?,
+            turns,
+            counts,
+            frame,
+        })
+    }
+}
+
+impl ChatModel for Replay {
+    fn name(&self) -> &str {
+        &self.head.name
+    }
+
+    fn constraint_kind(&self) -> ConstraintKind {
+        self.head.kind()
+    }
+
+    fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
+        if watch.stop() {
+            return Err(ModelError::Stopped);
+        }
+        let asked = WireRequest::of(request);
+        let mut equal = self.turns.iter_mut().filter(|turn| turn.request == asked);
+        if let Some(turn) = equal.find(|turn| !turn.given) {
+            turn.given = true;
+            return Ok((&turn.reply).into());
+        }
+        let times = self.turns.iter().filter(|turn| turn.request == asked).count();
+        let recorded = self.turns.iter().map(|turn| &turn.request);
+        let difference = match times {
+            0 => difference::nearest(&asked, recorded),
+            1 => "it was recorded once, and asked before".to_owned(),
+            _ => format!("it was recorded {times} times, and asked as often before"),
+        };
+        Err(ModelError::NotRecorded {
+            path: self.path.clone(),
+            difference,
+        })
+    }
+
+    fn context_tokens(&self) -> Option<u64> {
+        self.head.context_tokens
+    }
+}
+
+impl TokenCounter for Replay {
+    /// As recorded; estimated for a message that was not counted then.
+    fn message_tokens(&mut self, message: &Message) -> u64 {
+        let known = self.counts.get(message).copied();
+        known.unwrap_or_else(|| EstimatedTokens::default().message_tokens(message))
+    }
+
+    fn frame_tokens(&mut self) -> u64 {
+        self.frame.unwrap_or_else(|| EstimatedTokens::default().frame_tokens())
+    }
+
+    fn counting(&self) -> Counting {
+        self.head.counting()
+    }
+}

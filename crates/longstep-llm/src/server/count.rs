@@ -1,0 +1,212 @@
+//! Counting tokens for models that are elsewhere.
+
+use std::collections::HashMap;
+
+use longstep::prompt::{Counting, EstimatedTokens, Message, Role, TokenCounter, Usage};
+use tiktoken_rs::CoreBPE;
+use tiktoken_rs::tokenizer::{Tokenizer as Family, get_tokenizer};
+
+use super::connection::Connection;
+use super::endpoint::{Endpoint, Kind};
+use super::probe::Tokenizer;
+
+/// Tokens around a message with OpenAI's models, its role not counted, and those that open the answer: as OpenAI's own
+/// instructions for counting have it.
+const OPENAI_AROUND: u64 = 3;
+
+/// Tokens around a message for other models, role and line ends included, as most chat templates have it.
+const TEMPLATE_AROUND: u64 = 5;
+
+/// Counts the tokens of one model.
+#[derive(Debug)]
+pub(super) struct Counter {
+    way: Way,
+    /// What has been counted: the same fixed parts are counted again and again.
+    counted: HashMap<Message, u64>,
+    estimate: Calibrated,
+}
+
+#[derive(Debug)]
+enum Way {
+    /// A tokenizer of OpenAI's, which is read when it is first used.
+    OpenAi(Family),
+    /// The server may have a tokenizer; it is asked when something is first counted.
+    Unasked,
+    /// The server's own.
+    Server(Tokenizer),
+    /// Nobody says.
+    Estimate,
+}
+
+impl Counter {
+    pub(super) fn of(endpoint: &Endpoint) -> Self {
+        let way = match endpoint.kind {
+            Kind::OpenAi | Kind::Azure => get_tokenizer(&endpoint.model)
+                .filter(|family| tokenizer(*family).is_some())
+                .map_or(Way::Estimate, Way::OpenAi),
+            Kind::Other => Way::Unasked,
+            Kind::Ollama | Kind::Anthropic | Kind::Gemini => Way::Estimate,
+        };
+        Self {
+            way,
+            counted: HashMap::new(),
+            estimate: Calibrated::default(),
+        }
+    }
+
+    /// Tokens of a message, with what is around it.
+    pub(super) fn message(&mut self, message: &Message, endpoint: &Endpoint, connection: &Connection) -> u64 {
+        if let Some(known) = self.counted.get(message) {
+            return *known;
+        }
+        let text = message.text.as_str();
+        if matches!(self.way, Way::Unasked) {
+            let answering = |way: &Tokenizer| way.count("one two", endpoint, connection).is_some();
+            let found = Tokenizer::ALL.into_iter().find(answering);
+            self.way = found.map_or(Way::Estimate, Way::Server);
+        }
+        let count = match &self.way {
+            Way::OpenAi(family) => tokenizer(*family).map(|load| {
+                let tokenizer = load();
+                let count = |text: &str| tokenizer.count_ordinary(text) as u64;
+                count(role(message.role)) + count(text) + OPENAI_AROUND
+            }),
+            Way::Server(tokenizer) => {
+                let count = tokenizer.count(text, endpoint, connection);
+                count.map(|count| count + TEMPLATE_AROUND)
+            }
+            Way::Unasked | Way::Estimate => None,
+        };
+        let Some(count) = count else {
+            // Not kept: the next reply may teach better.
+            return self.estimate.now().message_tokens(message);
+        };
+        self.counted.insert(message.clone(), count);
+        count
+    }
+
+    /// Tokens around a whole conversation.
+    pub(super) fn frame(&self) -> u64 {
+        match &self.way {
+            Way::OpenAi(_) => OPENAI_AROUND,
+            Way::Server(_) => TEMPLATE_AROUND,
+            Way::Unasked | Way::Estimate => self.estimate.now().frame_tokens(),
+        }
+    }
+
+    pub(super) fn counting(&self, endpoint: &Endpoint) -> Counting {
+        match &self.way {
+            Way::OpenAi(_) => Counting::Exact(format!("the tokenizer of {}", endpoint.model)),
+            Way::Server(_) => Counting::Exact(format!("the tokenizer of {} on its server", endpoint.model)),
+            Way::Unasked | Way::Estimate => self.estimate.counting(),
+        }
+    }
+
+    /// Learns from what the server says that a conversation had.
+    pub(super) fn learn(&mut self, messages: &[Message], usage: &Usage) {
+        self.estimate.learn(messages, usage.prompt_tokens);
+    }
+}
+
+/// The tokenizer of a family of chat models, to be read.
+fn tokenizer(family: Family) -> Option<fn() -> &'static CoreBPE> {
+    match family {
+        Family::O200kBase => Some(tiktoken_rs::o200k_base_singleton),
+        Family::O200kHarmony => Some(tiktoken_rs::o200k_harmony_singleton),
+        Family::Cl100kBase => Some(tiktoken_rs::cl100k_base_singleton),
+        Family::P50kBase | Family::R50kBase | Family::P50kEdit | Family::Gpt2 => None,
+    }
+}
+
+fn role(role: Role) -> &'static str {
+    match role {
+        Role::System => "system",
+        Role::User => "user",
+        Role::Assistant => "assistant",
+    }
+}
+
+/// Characters of a token, as the replies so far have it.
+#[derive(Debug, Default)]
+struct Calibrated {
+    replies: u32,
+    characters: u64,
+    tokens: u64,
+}
+
+impl Calibrated {
+    fn learn(&mut self, messages: &[Message], prompt_tokens: u64) {
+        let around = EstimatedTokens::default().around * (messages.len() as u64 + 1);
+        let characters: usize = messages.iter().map(|message| message.text.chars().count()).sum();
+        // A server that counts nothing, or not all, teaches nothing.
+        let tokens = prompt_tokens.saturating_sub(around);
+        if tokens > 0 && characters as u64 > tokens {
+            self.replies += 1;
+            self.characters += characters as u64;
+            self.tokens += tokens;
+        }
+    }
+
+    fn now(&self) -> EstimatedTokens {
+        let mut estimate = EstimatedTokens::default();
+        if self.tokens > 0 {
+            estimate.characters = self.characters as f64 / self.tokens as f64;
+        }
+        estimate
+    }
+
+    fn counting(&self) -> Counting {
+        let characters = self.now().characters;
+        match self.replies {
+            0 => self.now().counting(),
+            1 => Counting::Estimate(format!(
+                "calibrated on 1 reply: {characters:.2} characters taken for a token"
+            )),
+            many => Counting::Estimate(format!(
+                "calibrated on {many} replies: {characters:.2} characters taken for a token"
+            )),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_learns_from_what_servers_count() {
+        let mut estimate = Calibrated::default();
+        let message = Message::new(Role::User, "x".repeat(400));
+        assert_eq!(estimate.now(), EstimatedTokens::default());
+        // Nothing told, and what cannot be.
+        estimate.learn(std::slice::from_ref(&message), 0);
+        estimate.learn(std::slice::from_ref(&message), 5000);
+        assert_eq!(estimate.replies, 0);
+        estimate.learn(std::slice::from_ref(&message), 108);
+        assert_eq!(estimate.now().characters, 4.0);
+        assert_eq!(estimate.now().message_tokens(&message), 104);
+        estimate.learn(std::slice::from_ref(&message), 208);
+        let Counting::Estimate(said) = estimate.counting() else {
+            panic!("exact")
+        };
+        assert!(said.contains("calibrated on 2 replies: 2.67"), "{said}");
+    }
+
+    #[test]
+    fn openais_models_are_counted_as_openai_does() {
+        let connection = Connection::new(std::time::Duration::from_secs(1)).unwrap();
+        for (model, tokens) in [("gpt-4o-mini", 16), ("gpt-4", 16), ("gpt-oss-20b", 16)] {
+            let endpoint = Endpoint::new(Kind::OpenAi, "http://127.0.0.1:9/v1", model, None);
+            let mut counter = Counter::of(&endpoint);
+            assert!(matches!(counter.counting(&endpoint), Counting::Exact(_)), "{model}");
+            let message = Message::new(Role::User, "Put the cup on the shelf, then close the door.");
+            assert_eq!(counter.message(&message, &endpoint, &connection), tokens, "{model}");
+            assert_eq!(counter.frame(), 3);
+        }
+        let endpoint = Endpoint::new(Kind::Azure, "http://127.0.0.1:9", "our-deployment", None);
+        assert!(matches!(
+            Counter::of(&endpoint).counting(&endpoint),
+            Counting::Estimate(_)
+        ));
+    }
+}

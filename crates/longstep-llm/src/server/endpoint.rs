@@ -1,0 +1,298 @@
+//! Where a server is, how it is spoken to, and the key that opens it.
+
+use genai::adapter::AdapterKind;
+use genai::resolver::{AuthData, Endpoint as GenaiEndpoint};
+use genai::{ModelIden, ServiceTarget};
+
+use super::secret::Secret;
+use crate::{ModelError, ModelReference};
+
+/// Looks an environment variable up; empty counts as unset.
+pub(super) type Lookup<'a> = &'a dyn Fn(&str) -> Option<String>;
+
+/// The version of Azure's interface that is asked for when nobody says another: the oldest generally available one that
+/// takes JSON schemas.
+const AZURE_VERSION: &str = "2024-10-21";
+
+/// Who serves, as far as that makes a difference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    OpenAi,
+    Azure,
+    Ollama,
+    /// llama.cpp, vLLM and whatever else speaks OpenAI's dialect.
+    Other,
+    Anthropic,
+    Gemini,
+}
+
+/// A model on a server.
+#[derive(Debug, Clone)]
+pub(super) struct Endpoint {
+    pub(super) kind: Kind,
+    /// The model's name there.
+    pub(super) model: String,
+    /// The base address as it may be shown: without a user and password.
+    pub(super) server: String,
+    /// The base address, without a slash at the end.
+    base: String,
+    /// Where chats go; not asked for by Anthropic's and Gemini's dialects, whose addresses genai makes.
+    chat: String,
+    key: Option<Secret>,
+}
+
+impl Endpoint {
+    /// The endpoint that a reference means, with keys and addresses from the environment; none if it means no server.
+    pub(super) fn of(reference: &ModelReference, variable: Lookup<'_>) -> Option<Result<Self, ModelError>> {
+        Some(match reference {
+            ModelReference::OpenAi { model } => Self::openai(model, variable),
+            ModelReference::Azure { deployment } => Self::azure(deployment, variable),
+            ModelReference::Ollama { model } => Ok(Self::ollama(model, variable)),
+            ModelReference::Anthropic { model } => Self::anthropic(model, variable),
+            ModelReference::Gemini { model } => Self::gemini(model, variable),
+            ModelReference::Server { url, model } => Ok(Self::other(url, model, variable)),
+            ModelReference::Catalogue(_) | ModelReference::File(_) | ModelReference::Replay(_) => return None,
+        })
+    }
+
+    fn openai(model: &str, variable: Lookup<'_>) -> Result<Self, ModelError> {
+        let base = variable("OPENAI_BASE_URL").unwrap_or_else(|| "https://api.openai.com/v1".into());
+        let key = key(&["OPENAI_API_KEY"], &base, variable)?;
+        Ok(Self::new(Kind::OpenAi, &base, model, Some(key)))
+    }
+
+    fn azure(deployment: &str, variable: Lookup<'_>) -> Result<Self, ModelError> {
+        let base = variable("AZURE_OPENAI_ENDPOINT").ok_or(ModelError::NoAddress {
+            server: "Azure OpenAI",
+            variable: "AZURE_OPENAI_ENDPOINT",
+        })?;
+        let token = variable("AZURE_OPENAI_AD_TOKEN").map(Secret::bearer);
+        let key = match variable("AZURE_OPENAI_API_KEY") {
+            Some(key) => Secret::new("api-key", key),
+            None => match token {
+                Some(token) => token,
+                None => key(&["AZURE_OPENAI_API_KEY"], &base, variable)?,
+            },
+        };
+        let mut endpoint = Self::new(Kind::Azure, &base, deployment, Some(key));
+        let version = variable("OPENAI_API_VERSION").unwrap_or_else(|| AZURE_VERSION.into());
+        let base = &endpoint.base;
+        endpoint.chat = format!("{base}/openai/deployments/{deployment}/chat/completions?api-version={version}");
+        Ok(endpoint)
+    }
+
+    /// By OpenAI's dialect, which Ollama has under `/v1`: its own has no mark at the end of a stream, so that one that
+    /// broke off could not be told from a whole one.
+    fn ollama(model: &str, variable: Lookup<'_>) -> Self {
+        let host = variable("OLLAMA_HOST").unwrap_or_else(|| "http://localhost:11434".into());
+        Self::new(Kind::Ollama, &format!("{}/v1", ollama_address(&host)), model, None)
+    }
+
+    fn anthropic(model: &str, variable: Lookup<'_>) -> Result<Self, ModelError> {
+        let base = variable("ANTHROPIC_BASE_URL").unwrap_or_else(|| "https://api.anthropic.com".into());
+        let key = key(&["ANTHROPIC_API_KEY"], &base, variable)?;
+        let base = format!("{}/v1", base.trim_end_matches('/'));
+        Ok(Self::new(Kind::Anthropic, &base, model, Some(key)))
+    }
+
+    fn gemini(model: &str, variable: Lookup<'_>) -> Result<Self, ModelError> {
+        let base = variable("GOOGLE_GEMINI_BASE_URL");
+        let base = base.unwrap_or_else(|| "https://generativelanguage.googleapis.com".into());
+        let key = key(&["GEMINI_API_KEY", "GOOGLE_API_KEY"], &base, variable)?;
+        let base = format!("{}/v1beta", base.trim_end_matches('/'));
+        Ok(Self::new(Kind::Gemini, &base, model, Some(key)))
+    }
+
+    /// OpenAI's key goes to OpenAI alone.
+    fn other(url: &str, model: &str, variable: Lookup<'_>) -> Self {
+        let openai = is_openai(url);
+        let key = variable("LONGSTEP_API_KEY").or_else(|| variable("OPENAI_API_KEY").filter(|_| openai));
+        let kind = if openai { Kind::OpenAi } else { Kind::Other };
+        Self::new(kind, url, model, key.map(Secret::bearer))
+    }
+
+    pub(super) fn new(kind: Kind, base: &str, model: &str, key: Option<Secret>) -> Self {
+        let base = base.trim_end_matches('/').to_owned();
+        Self {
+            kind,
+            model: model.to_owned(),
+            server: without_password(&base),
+            chat: format!("{base}/chat/completions"),
+            base,
+            key,
+        }
+    }
+
+    /// What genai is told: the address, the key, the dialect.
+    pub(super) fn target(&self) -> ServiceTarget {
+        let adapter = match self.kind {
+            Kind::Anthropic => AdapterKind::Anthropic,
+            Kind::Gemini => AdapterKind::Gemini,
+            Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => AdapterKind::OpenAI,
+        };
+        let auth = match (adapter, &self.key) {
+            (AdapterKind::OpenAI, key) => AuthData::RequestOverride {
+                url: self.chat.clone(),
+                headers: key.iter().map(Secret::header).collect::<Vec<_>>().into(),
+            },
+            (_, Some(key)) => AuthData::Key(key.reveal().to_owned()),
+            (_, None) => AuthData::None,
+        };
+        ServiceTarget {
+            endpoint: GenaiEndpoint::from_owned(format!("{}/", self.base)),
+            auth,
+            model: ModelIden::new(adapter, self.model.clone()),
+        }
+    }
+
+    /// The header that carries the key.
+    pub(super) fn key_header(&self) -> Option<(String, String)> {
+        self.key.as_ref().map(Secret::header)
+    }
+
+    /// An address beside the base's `/v1`, such as `/tokenize`.
+    pub(super) fn beside(&self, path: &str) -> String {
+        format!("{}{path}", self.base.strip_suffix("/v1").unwrap_or(&self.base))
+    }
+
+    /// A text that may be shown: without the key, on one line, not too long.
+    pub(super) fn one_line(&self, text: &str) -> String {
+        /// How much of a server's complaint is repeated, in characters.
+        const MOST: usize = 300;
+        let text = match &self.key {
+            Some(key) => key.scrub(text),
+            None => text.to_owned(),
+        };
+        let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        match line.char_indices().nth(MOST) {
+            Some((end, _)) => format!("{}...", line.get(..end).unwrap_or_default()),
+            None => line,
+        }
+    }
+}
+
+/// The first of these variables that is set, as the key of its kind of server.
+fn key(names: &[&'static str], base: &str, variable: Lookup<'_>) -> Result<Secret, ModelError> {
+    let found = names.iter().find_map(|name| variable(name));
+    found.map(Secret::bearer).ok_or_else(|| ModelError::NoKey {
+        server: without_password(base),
+        variable: names.first().copied().unwrap_or_default(),
+    })
+}
+
+/// Whether an address is OpenAI's own: its host, whole, over HTTPS.
+pub(super) fn is_openai(url: &str) -> bool {
+    let url = reqwest::Url::parse(url).ok();
+    url.is_some_and(|url| url.scheme() == "https" && url.host_str() == Some("api.openai.com"))
+}
+
+/// The address of Ollama, which may be given as it is given to Ollama itself: `0.0.0.0`, `host:port`, a whole address.
+fn ollama_address(host: &str) -> String {
+    let host = host.trim().trim_end_matches('/');
+    let whole = if host.contains("://") {
+        host.to_owned()
+    } else {
+        format!("http://{host}")
+    };
+    let Ok(mut url) = reqwest::Url::parse(&whole) else {
+        return whole;
+    };
+    let named = whole
+        .rsplit_once(':')
+        .is_some_and(|(_, port)| port.parse::<u16>().is_ok());
+    if !named && url.scheme() == "http" {
+        // Only fails for addresses without a host, which have failed already.
+        let _ = url.set_port(Some(11434));
+    }
+    // What Ollama listens on with this is every address of its machine; it is reached on this one.
+    if url.host_str() == Some("0.0.0.0") {
+        let _ = url.set_host(Some("127.0.0.1"));
+    }
+    url.as_str().trim_end_matches('/').to_owned()
+}
+
+/// An address without the user and password that may be written into it.
+fn without_password(url: &str) -> String {
+    match url.split_once("://") {
+        Some((scheme, rest)) => {
+            let end = rest.find('/').unwrap_or(rest.len());
+            let (host, path) = rest.split_at(end);
+            let host = host.rsplit_once('@').map_or(host, |(_, host)| host);
+            format!("{scheme}://{host}{path}")
+        }
+        None => url.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_openais_own_host_is_openai() {
+        assert!(is_openai("https://api.openai.com/v1"));
+        for other in [
+            "http://api.openai.com/v1",
+            "https://api.openai.com.example.org/v1",
+            "https://example.org/api.openai.com",
+            "https://api.openai.com@example.org/v1",
+            "nonsense",
+        ] {
+            assert!(!is_openai(other), "{other}");
+        }
+    }
+
+    #[test]
+    fn ollama_is_found_however_its_host_is_written() {
+        for (written, address) in [
+            ("localhost", "http://localhost:11434"),
+            ("0.0.0.0", "http://127.0.0.1:11434"),
+            ("box:8000", "http://box:8000"),
+            ("http://box:8000/", "http://box:8000"),
+            ("http://box", "http://box:11434"),
+            ("https://ollama.example.org", "https://ollama.example.org"),
+        ] {
+            assert_eq!(ollama_address(written), address, "{written}");
+        }
+    }
+
+    #[test]
+    fn a_key_goes_to_its_own_host_alone() {
+        let all = |name: &str| name.ends_with("_KEY").then(|| format!("secret of {name}"));
+        let header = |text: &str| {
+            let reference: ModelReference = text.parse().unwrap();
+            let endpoint = Endpoint::of(&reference, &all).unwrap().unwrap();
+            endpoint.key_header().map(|(_, value)| value)
+        };
+        assert_eq!(header("openai:m").unwrap(), "Bearer secret of OPENAI_API_KEY");
+        assert_eq!(
+            header("https://elsewhere.org/v1#m").unwrap(),
+            "Bearer secret of LONGSTEP_API_KEY"
+        );
+        assert_eq!(header("ollama:m"), None);
+        assert_eq!(header("anthropic:m").unwrap(), "Bearer secret of ANTHROPIC_API_KEY");
+        assert_eq!(header("gemini:m").unwrap(), "Bearer secret of GEMINI_API_KEY");
+        let openai_only = |name: &str| (name == "OPENAI_API_KEY").then(|| "key".to_owned());
+        let elsewhere: ModelReference = "https://elsewhere.org/v1#m".parse().unwrap();
+        let endpoint = Endpoint::of(&elsewhere, &openai_only).unwrap().unwrap();
+        assert_eq!(endpoint.key_header(), None);
+    }
+
+    #[test]
+    fn what_is_not_set_is_named() {
+        for (reference, variable) in [
+            ("openai:m", "OPENAI_API_KEY"),
+            ("azure:d", "AZURE_OPENAI_ENDPOINT"),
+            ("anthropic:m", "ANTHROPIC_API_KEY"),
+            ("gemini:m", "GEMINI_API_KEY"),
+        ] {
+            let parsed: ModelReference = reference.parse().unwrap();
+            let error = Endpoint::of(&parsed, &|_| None).unwrap().unwrap_err();
+            assert!(error.hint().unwrap().contains(variable), "{error}");
+        }
+        let azure = |name: &str| (name == "AZURE_OPENAI_ENDPOINT").then(|| "https://a.example.org".to_owned());
+        let parsed: ModelReference = "azure:d".parse().unwrap();
+        let error = Endpoint::of(&parsed, &azure).unwrap().unwrap_err();
+        assert!(error.hint().unwrap().contains("AZURE_OPENAI_API_KEY"), "{error}");
+    }
+}

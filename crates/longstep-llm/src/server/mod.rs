@@ -1,0 +1,218 @@
+//! Models on servers: OpenAI's dialect wherever it is spoken, Anthropic's and Gemini's.
+//!
+//! A request goes out in the server's [`dialect`], which shrinks by what the server rejects; [`connection`] carries it
+//! and reads the streamed answer; [`retry`] says when it is worth another try. Tokens are counted by [`count`].
+
+mod connection;
+mod count;
+mod dialect;
+mod endpoint;
+mod probe;
+mod retry;
+mod secret;
+
+use std::cell::OnceCell;
+
+use longstep::prompt::{ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, TokenCounter};
+
+use crate::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, Watch};
+use connection::{Connection, Failure};
+use count::Counter;
+use dialect::Dialect;
+use endpoint::{Endpoint, Lookup};
+
+/// How often in one chat a request is changed to what the server takes. There are fewer things that can be left out.
+const CHANGES: usize = 8;
+
+/// A model of a server.
+#[derive(Debug)]
+pub(crate) struct ServerModel {
+    endpoint: Endpoint,
+    connection: Connection,
+    sampling: Sampling,
+    /// How this server wants to be asked; learnt from what it rejects.
+    dialect: Dialect,
+    /// Whether it was told that the server ignores schemas.
+    ignoring_told: bool,
+    counter: Counter,
+    /// The context that the user gives it, where the server does not say.
+    given_context: Option<u64>,
+    /// The context that the server says it has, once it was asked.
+    context: OnceCell<Option<u64>>,
+}
+
+impl ServerModel {
+    /// The model that a reference means, with keys from the environment; none if it means no server.
+    pub(crate) fn open(reference: &ModelReference, options: &OpenOptions) -> Option<Result<Self, ModelError>> {
+        let variable = |name: &str| {
+            let value = std::env::var(name).ok()?;
+            Some(value.trim().to_owned()).filter(|value| !value.is_empty())
+        };
+        Self::open_with(reference, options, &variable)
+    }
+
+    fn open_with(
+        reference: &ModelReference,
+        options: &OpenOptions,
+        variable: Lookup<'_>,
+    ) -> Option<Result<Self, ModelError>> {
+        let endpoint = Endpoint::of(reference, variable)?;
+        Some(endpoint.and_then(|endpoint| Self::new(endpoint, options)))
+    }
+
+    fn new(endpoint: Endpoint, options: &OpenOptions) -> Result<Self, ModelError> {
+        let connection = Connection::new(options.silence).map_err(|reason| ModelError::Unreachable {
+            server: endpoint.server.clone(),
+            reason,
+        })?;
+        Ok(Self {
+            dialect: Dialect::of(endpoint.kind),
+            counter: Counter::of(&endpoint),
+            connection,
+            sampling: options.sampling.clone(),
+            ignoring_told: false,
+            given_context: options.context_tokens.map(u64::from),
+            context: OnceCell::new(),
+            endpoint,
+        })
+    }
+}
+
+impl ChatModel for ServerModel {
+    fn name(&self) -> &str {
+        &self.endpoint.model
+    }
+
+    fn constraint_kind(&self) -> ConstraintKind {
+        ConstraintKind::JsonSchema
+    }
+
+    fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
+        if !request.answer_so_far.is_empty() {
+            return Err(self.unsupported("a server cannot go on with an answer that has begun"));
+        }
+        if let Constraint::Lark(_) = request.constraint {
+            return Err(self.unsupported("a server takes a JSON schema, not a grammar"));
+        }
+        for _ in 0..CHANGES {
+            let failure = match self.try_often(request, watch) {
+                Ok(reply) => {
+                    self.look_at(&reply, request, watch);
+                    return Ok(reply);
+                }
+                Err(failure) => failure,
+            };
+            // What a server rejects is left out from now on, one thing at a time.
+            if let Some((dialect, warning)) = self.smaller(&failure, request) {
+                self.dialect = dialect;
+                if let Some(warning) = warning {
+                    watch.tell(Progress::Warning(warning.into()));
+                }
+                continue;
+            }
+            return Err(match failure {
+                Failure::Rejected { status, message, .. } => ModelError::Status {
+                    server: self.endpoint.server.clone(),
+                    status,
+                    message,
+                },
+                Failure::Final(error) | Failure::Unreachable(error) => error,
+            });
+        }
+        Err(self.unsupported("the server rejects every way of asking"))
+    }
+
+    fn context_tokens(&self) -> Option<u64> {
+        let told = self
+            .context
+            .get_or_init(|| probe::context(&self.endpoint, &self.connection));
+        told.or(self.given_context)
+    }
+}
+
+impl TokenCounter for ServerModel {
+    fn message_tokens(&mut self, message: &Message) -> u64 {
+        self.counter.message(message, &self.endpoint, &self.connection)
+    }
+
+    fn frame_tokens(&mut self) -> u64 {
+        self.counter.frame()
+    }
+
+    fn counting(&self) -> Counting {
+        self.counter.counting(&self.endpoint)
+    }
+}
+
+impl ServerModel {
+    /// Asks, and asks again where the server is busy or the connection fails.
+    fn try_often(&self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, Failure> {
+        let mut tries = 0;
+        loop {
+            if watch.stop() {
+                return Err(Failure::Final(ModelError::Stopped));
+            }
+            watch.tell(Progress::Waiting);
+            let options = self.dialect.options(&self.endpoint, request, &self.sampling);
+            let conversation = dialect::conversation(request);
+            let failure = match self.connection.ask(&self.endpoint, conversation, options, watch) {
+                Ok(reply) => return Ok(reply),
+                Err(failure) => failure,
+            };
+            let pause = retry::pause(&failure, tries).filter(|_| self.smaller(&failure, request).is_none());
+            let Some(pause) = pause else {
+                return Err(failure);
+            };
+            tries += 1;
+            let reason = match &failure {
+                Failure::Rejected { status, .. } => format!("it answered with status {status}"),
+                Failure::Final(error) | Failure::Unreachable(error) => error.to_string(),
+            };
+            watch.tell(Progress::Warning(format!(
+                "{}: {reason}; trying again in {:.1} s",
+                self.endpoint.server,
+                pause.as_secs_f64()
+            )));
+            retry::rest(pause, watch).map_err(Failure::Final)?;
+        }
+    }
+
+    /// The dialect without what the server rejects, and what to warn of; none if nothing was rejected that can be left
+    /// out.
+    fn smaller(&self, failure: &Failure, request: &ChatRequest) -> Option<(Dialect, Option<&'static str>)> {
+        let Failure::Rejected { status, message, .. } = failure else {
+            return None;
+        };
+        // llama-cpp-python's server takes a request that it cannot read for a failure of its own.
+        let rejected = matches!(status, 400 | 422) || (*status == 500 && message.contains("validation error"));
+        let smaller = || self.dialect.without(message, request, &self.sampling);
+        rejected.then(smaller).flatten()
+    }
+
+    /// Learns from a reply: what its tokens say about counting, and whether the schema was heeded.
+    fn look_at(&mut self, reply: &Reply, request: &ChatRequest, watch: &mut dyn Watch) {
+        self.counter.learn(&request.messages, &reply.usage);
+        if let Constraint::JsonSchema(schema) = &request.constraint
+            && reply.finish == Finish::Stop
+            && self.dialect.sends_schema()
+            && !self.ignoring_told
+            && !dialect::fits(&reply.text, schema)
+        {
+            self.ignoring_told = true;
+            let warning = "the server ignored the schema: its answer is not what was asked for";
+            watch.tell(Progress::Warning(warning.into()));
+        }
+    }
+
+    fn unsupported(&self, reason: &str) -> ModelError {
+        ModelError::Unsupported {
+            model: self.endpoint.model.clone(),
+            reason: reason.to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod cassettes;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,95 @@
+//! When a request is sent again, and how long to wait before.
+
+use std::time::{Duration, Instant, SystemTime};
+
+use reqwest::header::HeaderValue;
+
+use super::connection::{Failure, TICK};
+use crate::{ModelError, Watch};
+
+/// How often a request is tried again.
+const RETRIES: u32 = 2;
+
+/// The longest time that a server may ask us to wait; beyond it we give up at once.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How long to wait before the next try; `None` if there is none. `tries` counts those that were in vain before.
+pub(super) fn pause(failure: &Failure, tries: u32) -> Option<Duration> {
+    let backoff = Duration::from_millis(500) * 2_u32.pow(tries.min(RETRIES));
+    let pause = match failure {
+        Failure::Unreachable(_) => backoff,
+        Failure::Rejected {
+            status: 408 | 429 | 500..,
+            wait,
+            ..
+        } => wait.unwrap_or(backoff),
+        Failure::Rejected { .. } | Failure::Final(_) => return None,
+    };
+    (tries < RETRIES && pause <= PATIENCE).then_some(pause)
+}
+
+/// Waits, as long as somebody waits for the answer.
+pub(super) fn rest(pause: Duration, watch: &dyn Watch) -> Result<(), ModelError> {
+    let began = Instant::now();
+    loop {
+        if watch.stop() {
+            return Err(ModelError::Stopped);
+        }
+        let left = pause.saturating_sub(began.elapsed());
+        if left.is_zero() {
+            return Ok(());
+        }
+        std::thread::sleep(left.min(TICK));
+    }
+}
+
+/// How long a busy server asks to wait: seconds, or until a date.
+pub(super) fn retry_after(value: &HeaderValue) -> Option<Duration> {
+    let text = value.to_str().ok()?.trim();
+    if let Ok(seconds) = text.parse::<f64>() {
+        return Duration::try_from_secs_f64(seconds).ok();
+    }
+    let date = httpdate::parse_http_date(text).ok()?;
+    Some(date.duration_since(SystemTime::now()).unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_server_says_how_long_in_seconds_or_by_a_date() {
+        let read = |text: &str| retry_after(&HeaderValue::from_str(text).unwrap());
+        assert_eq!(read("3"), Some(Duration::from_secs(3)));
+        assert_eq!(read(" 0.5 "), Some(Duration::from_millis(500)));
+        assert_eq!(read("-1"), None);
+        assert_eq!(read("soon"), None);
+        assert_eq!(read("Wed, 21 Oct 2015 07:28:00 GMT"), Some(Duration::ZERO));
+        let date = httpdate::fmt_http_date(SystemTime::now() + Duration::from_secs(30));
+        let wait = read(&date).unwrap();
+        assert!(
+            wait > Duration::from_secs(27) && wait <= Duration::from_secs(30),
+            "{wait:?}"
+        );
+    }
+
+    #[test]
+    fn pauses_double_and_have_an_end() {
+        let rejected = |status, wait| Failure::Rejected {
+            status,
+            message: String::new(),
+            wait,
+        };
+        let milliseconds = |failure: &Failure, tries| pause(failure, tries).map(|pause| pause.as_millis());
+        for status in [408, 429, 500, 503] {
+            let failure = rejected(status, None);
+            let pauses: Vec<_> = (0..4).map(|tries| milliseconds(&failure, tries)).collect();
+            assert_eq!(pauses, [Some(500), Some(1000), None, None]);
+        }
+        for status in [307, 400, 401, 404, 422] {
+            assert_eq!(pause(&rejected(status, Some(Duration::ZERO)), 0), None);
+        }
+        let asked = |seconds| milliseconds(&rejected(429, Some(Duration::from_secs(seconds))), 0);
+        assert_eq!((asked(7), asked(60), asked(61)), (Some(7000), Some(60_000), None));
+    }
+}

@@ -1,0 +1,46 @@
+//! Keys, which are never shown.
+
+use std::fmt;
+
+/// A key. Only [`Secret::reveal`] and [`Secret::header`] give it out, and only requests ask for that.
+#[derive(Clone)]
+pub(super) struct Secret {
+    header: &'static str,
+    value: String,
+}
+
+impl Secret {
+    /// A key that goes into a header of its own.
+    pub(super) fn new(header: &'static str, value: String) -> Self {
+        Self { header, value }
+    }
+
+    /// A key that goes into `Authorization`.
+    pub(super) fn bearer(value: String) -> Self {
+        Self::new("authorization", value)
+    }
+
+    pub(super) fn reveal(&self) -> &str {
+        &self.value
+    }
+
+    /// The header that carries it: name and value.
+    pub(super) fn header(&self) -> (String, String) {
+        let value = match self.header {
+            "authorization" => format!("Bearer {}", self.value),
+            _ => self.value.clone(),
+        };
+        (self.header.to_owned(), value)
+    }
+
+    /// A text without this key in it: some servers repeat a wrong key in their complaint.
+    pub(super) fn scrub(&self, text: &str) -> String {
+        text.replace(&self.value, "[key]")
+    }
+}
+
+impl fmt::Debug for Secret {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("[key]")
+    }
+}
