@@ -97,7 +97,11 @@ impl Counter {
     pub(super) fn counting(&self, endpoint: &Endpoint) -> Counting {
         match &self.way {
             Way::OpenAi(_) => Counting::Exact(format!("the tokenizer of {}", endpoint.model)),
-            Way::Server(_) => Counting::Exact(format!("the tokenizer of {} on its server", endpoint.model)),
+            // Texts are counted exactly; what the template adds is not known.
+            Way::Server(_) => Counting::Estimate(format!(
+                "the tokenizer of {} on its server, and {TEMPLATE_AROUND} tokens taken for what is around a message",
+                endpoint.model
+            )),
             Way::Unasked | Way::Estimate => self.estimate.counting(),
         }
     }
