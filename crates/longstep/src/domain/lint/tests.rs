@@ -10,7 +10,7 @@ fn starter_files() -> Files {
         words: text("domain.toml"),
         goal_prompt: text("prompt/goal.md"),
         examples: text("prompt/examples.toml"),
-        feedback: text("prompt/feedback.toml"),
+        feedback: String::new(),
     }
 }
 
