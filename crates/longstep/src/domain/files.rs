@@ -133,7 +133,8 @@ mod tests {
         check("plan.toml", "did you mean `plans.toml`?");
         check(
             "notes.txt",
-            "known are role.md, actions.md, environment.md, format.md, plans.toml, query.md, goal.md, examples.toml",
+            "known are role.md, actions.md, environment.md, format.md, plans.toml, query.md, goal.md, examples.toml, \
+             feedback.toml",
         );
     }
 

@@ -48,7 +48,7 @@ pub struct Amendment {
 /// use longstep::{domain, goal, json, plan, world};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>", "<shelf_2>"], "objects": ["<mug_3>"],
-///     "object_states": {"<mug_3>": "ON(<desk_1>)"}}"#;
+///     "object_states": {"<mug_3>": "ON(<desk_1>)"}, "asset_properties": {"<shelf_2>": ["NOT_OPENABLE"]}}"#;
 /// let environment = world::Environment::from_json(text).unwrap();
 /// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let goal = goal::parse(&domain, &world, "put(mug, shelf)").unwrap();
@@ -57,7 +57,7 @@ pub struct Amendment {
 /// let steps = steps.into_iter().map(|s| plan::Step::explained(&domain, &world, s.action, s.arguments));
 /// let amended = amend(&domain, &world, &steps.collect(), &[StepWish::Drop { step: 1 }], &goal.purpose(&domain));
 /// let Amended::Impossible { why, .. } = amended else { panic!("{amended:?}") };
-/// assert_eq!(why, ["step 3: Put(<mug_3>, <shelf_2>) needs that the robot holds the mug"]);
+/// assert_eq!(why, ["step 3: Put(<mug_3>, <shelf_2>) needs that the mug is in hand"]);
 /// ```
 pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose) -> Amended {
     let length = plan.steps().len();

@@ -1,7 +1,7 @@
 //! What the words of a person name for certain: actions by their calls, steps by their numbers, things.
 
 use crate::domain::{ActionId, Domain, plain_words, singular};
-use crate::goal::Spoken;
+use crate::goal::{Spoken, parts};
 use crate::plan::{Plan, Step};
 use crate::world::{EntityId, World};
 
@@ -20,8 +20,12 @@ pub(super) struct Heard {
     pub(super) entities: Vec<EntityId>,
     /// For each step of the plan, how many of the words its sentence has.
     pub(super) likeness: Vec<usize>,
+    /// Whether they set one thing against another, "the pear, not the plum": then they are about what is wanted.
+    pub(super) corrects: bool,
     /// Whether the words ask for more of the same.
     pub(super) again: bool,
+    /// The words without their endings.
+    stems: Vec<String>,
     /// What should be done, as far as the words tell: the verbs of the language.
     pub(super) verbs: Vec<&'static str>,
 }
@@ -46,6 +50,9 @@ const CUES: [(&str, &[&str]); 4] = [
             "no need",
             "dont need",
             "not need",
+            "not have to",
+            "dont have to",
+            "not necessary",
             "neednt",
         ],
     ),
@@ -102,8 +109,12 @@ impl Heard {
             entities: Spoken::of(domain, world, words).entities,
             likeness: likeness(domain, world, plan.steps(), &plain_words(&main)),
             actions,
+            stems: tokens.iter().map(|token| stem(token)).collect(),
             ..Self::default()
         };
+        let (meant, denied) = parts(words);
+        let speaks = |text: &str| !Spoken::of(domain, world, text).entities.is_empty();
+        heard.corrects = speaks(&denied) && speaks(&meant);
         heard.numbered(plan, &tokens, domain);
         heard.again = tokens.iter().any(|token| AGAIN.contains(&token.as_str()));
         if let (Some((after, clause)), true) = (side, heard.places.is_empty()) {
@@ -128,6 +139,13 @@ impl Heard {
     /// Whether the words name a step or a call: then they are about the steps, not about what is wanted.
     pub(super) fn is_about_steps(&self) -> bool {
         !self.actions.is_empty() || !self.steps.is_empty() || self.names_place
+    }
+
+    /// Whether the words have one of the action's call.
+    pub(super) fn says_verb(&self, domain: &Domain, action: ActionId) -> bool {
+        let call = plain_words(&domain.action(action).call.replace('_', " "));
+        let stems: Vec<String> = call.iter().map(|word| stem(word)).collect();
+        self.stems.iter().any(|said| stems.contains(said))
     }
 
     /// "Step 3", "steps 2 and 4", "the third step", "the last two", "the second move_object()".

@@ -3,7 +3,7 @@
 use super::heard::Heard;
 use crate::domain::{ActionId, Domain};
 use crate::plan::{DraftStep, Plan};
-use crate::verify::{apply, candidates, unmet};
+use crate::verify::{apply, can_apply, candidates, unmet};
 use crate::world::{EntityId, State, World};
 
 /// An action with what its call shows.
@@ -32,6 +32,13 @@ const LIMIT: usize = 240;
 /// where it can be done in the plan as it is, if there is such a place and the words do not name one.
 pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, several: bool) -> Offers {
     let length = plan.steps().len();
+    if heard.corrects && heard.verbs.is_empty() && !heard.is_about_steps() {
+        return Offers {
+            goal: true,
+            question: true,
+            ..Offers::default()
+        };
+    }
     let asks = |verb: &str| !heard.is_about_steps() || heard.verbs.is_empty() || heard.verbs.contains(&verb);
     let mut offers = Offers {
         goal: !heard.is_about_steps(),
@@ -42,7 +49,7 @@ pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard,
     let calls = calls(domain, world, plan, heard);
     // What the plan does not speak of is not had by moving or dropping its steps.
     let in_plan = |thing: &EntityId| plan.steps().iter().any(|step| step.arguments.contains(thing));
-    let brings_in = !heard.is_about_steps() && !heard.entities.iter().all(in_plan);
+    let brings_in = !heard.is_about_steps() && !heard.verbs.contains(&"drop") && !heard.entities.iter().all(in_plan);
     if asks("insert") {
         offers.inserts = inserts(domain, world, plan, heard, &calls);
     }
@@ -146,6 +153,14 @@ fn calls(domain: &Domain, world: &World, plan: &Plan, heard: &Heard) -> Vec<Call
     if calls.iter().any(named) {
         calls.retain(|call| named(call) || shows_nothing(call));
     }
+    // What can never be is written only if it is called by its name.
+    let possible = |(action, arguments): &Called| {
+        let shown: Option<Vec<EntityId>> = arguments.iter().copied().collect();
+        shown.is_none_or(|shown| can_apply(domain, world, *action, &shown))
+    };
+    if heard.actions.is_empty() && calls.iter().any(possible) {
+        calls.retain(possible);
+    }
     calls.truncate(LIMIT);
     calls
 }
@@ -154,13 +169,7 @@ fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[
     let length = plan.steps().len();
     let states = states(domain, world, plan);
     let objects: Vec<EntityId> = plan.steps().iter().filter_map(|step| step.object(domain)).collect();
-    let place = |call: &Called| -> Vec<usize> {
-        if !heard.places.is_empty() {
-            return heard.places.clone();
-        }
-        if !heard.steps.is_empty() && !heard.verbs.contains(&"drop") {
-            return heard.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
-        }
+    let can_be_at = |call: &Called| -> Vec<usize> {
         let step = DraftStep {
             action: call.0,
             arguments: call.1.clone(),
@@ -174,7 +183,16 @@ fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[
             };
             choices.iter().any(done)
         };
-        let possible: Vec<usize> = (0..=length).filter(|at| can_be_done(&states[*at])).collect();
+        (0..=length).filter(|at| can_be_done(&states[*at])).collect()
+    };
+    let place = |call: &Called| -> Vec<usize> {
+        if !heard.places.is_empty() {
+            return heard.places.clone();
+        }
+        if !heard.steps.is_empty() && !heard.verbs.contains(&"drop") {
+            return heard.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
+        }
+        let possible = can_be_at(call);
         match possible.is_empty() {
             true => (0..=length).collect(),
             false => possible,
@@ -188,7 +206,17 @@ fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[
         !shown.is_empty() && plan.steps().iter().any(same)
     };
     // What the plan does already is not put in once more unless the words ask for more of it.
-    let wanted = calls.iter().filter(|call| heard.again || !is_there(call));
+    let wanted: Vec<&Called> = calls.iter().filter(|call| heard.again || !is_there(call)).collect();
+    // Of calls that the words do not name, those come first that can be done where the words put them.
+    let fits = |call: &&Called| {
+        let possible = can_be_at(call);
+        let there = possible
+            .iter()
+            .any(|at| heard.places.is_empty() || heard.places.contains(at));
+        there || heard.says_verb(domain, call.0)
+    };
+    let any_fits = heard.actions.is_empty() && wanted.iter().any(fits);
+    let wanted = wanted.into_iter().filter(|call| !any_fits || fits(call));
     wanted.map(|call| (call.clone(), place(call))).collect()
 }
 

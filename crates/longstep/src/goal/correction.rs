@@ -13,6 +13,8 @@ pub(crate) struct Correction {
     pub(crate) excluded: Vec<EntityId>,
     /// What was answered and is not wanted.
     pub(crate) rejected: Vec<GoalFact>,
+    /// What was answered already, where the last words only add to it.
+    pub(crate) begun: Vec<GoalFact>,
     /// A thing in the words that there is not.
     pub(crate) unknown: Option<String>,
 }
@@ -97,6 +99,7 @@ impl Correction {
         let tokens = plain_words(said);
         let takes_back = tokens.iter().any(|word| among(CORRECTING, word));
         let adds = tokens.iter().any(|word| among(ADDING, word));
+        self.begun = if adds && !takes_back { facts.clone() } else { Vec::new() };
         if takes_back && !adds {
             let all = facts.len() == 1;
             let wrong = |fact: &GoalFact| {
@@ -134,7 +137,7 @@ fn exactly(world: &World, mut entities: Vec<EntityId>, words: &str) -> Vec<Entit
 
 /// What is said to be meant, and what is said not to be: "not that plate, the blue one" is "the blue one" and "that
 /// plate".
-fn parts(said: &str) -> (String, String) {
+pub(crate) fn parts(said: &str) -> (String, String) {
     let (mut meant, mut denied) = (String::new(), String::new());
     for clause in said.split([',', '.', ';', '!', '?', ':']) {
         let mut denying = false;

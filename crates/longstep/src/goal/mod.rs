@@ -13,7 +13,7 @@ mod pronoun;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use correction::Correction;
+pub(crate) use correction::{Correction, parts};
 pub(crate) use grammar::{JOINT, QUESTION, quoted};
 pub use grammar::{Place, grammar, schema};
 pub(crate) use language::read_form;

@@ -100,7 +100,7 @@ impl GoalDialogue {
             messages.push(Message::new(Role::Assistant, in_form(&round.replied, kind)));
             messages.push(Message::new(Role::User, plain_line(&round.said)));
         }
-        Self {
+        let mut dialogue = Self {
             heard,
             spoken,
             kind,
@@ -109,6 +109,19 @@ impl GoalDialogue {
             answer: String::new(),
             facts: Vec::new(),
             usage: Usage::default(),
+        };
+        dialogue.begin(domain, world);
+        dialogue
+    }
+
+    /// Where the last words only add to the answer, a new one goes on from it.
+    fn begin(&mut self, domain: &Domain, world: &World) {
+        self.facts.clone_from(&self.heard.begun);
+        if self.facts.is_empty() || self.offers(domain, world).is_empty() {
+            self.facts.clear();
+        } else if self.kind == ConstraintKind::Grammar {
+            let said: Vec<String> = self.facts.iter().map(|fact| fact.everyday(domain, world)).collect();
+            self.answer = said.join(" & ") + goal::JOINT;
         }
     }
 

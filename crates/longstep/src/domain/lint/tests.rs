@@ -10,7 +10,6 @@ fn starter_files() -> Files {
         goal_prompt: text("prompt/goal.md"),
         examples: text("prompt/examples.toml"),
         parts: [("plans.toml".to_owned(), text("prompt/plans.toml"))].into(),
-        feedback: text("prompt/feedback.toml"),
         ..Files::default()
     }
 }

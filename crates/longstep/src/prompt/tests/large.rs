@@ -160,7 +160,7 @@ fn a_reply_about_a_part_leaves_the_rest_of_the_world_as_it_was() {
     let bench = depot.entity(depot.find_name("bench 12").unwrap()).identifier.clone();
     let mut counter = EstimatedTokens::default();
     let instruction = "Put the teapot on bench 12";
-    let prepared = direct_request(&domain, &depot, instruction, &[], &[], Some(ROOM), &mut counter).unwrap();
+    let prepared = direct_request(&domain, &depot, instruction, &[], &[], Some(2 * ROOM), &mut counter).unwrap();
     let turn = &prepared.request.messages.last().unwrap().text;
     let shown: Value = serde_json::from_str(turn.split("```").nth(1).unwrap().trim_start_matches("json")).unwrap();
     // What a model that was shown only this would claim.
