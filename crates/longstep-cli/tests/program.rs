@@ -464,6 +464,9 @@ fn a_doubtful_domain_is_warned_of() {
         .replace("call = \"pick(", "call = \"drop_off(")
         .replace("\"Drive to another station.\"", "\"Drive.\"");
     std::fs::write(&file, doubtful).unwrap();
+    let file = path.join("prompt/feedback.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("pick(", "drop_off(")).unwrap();
     snapshot!("domain_check_warnings", &["domain", "check", porter]);
     snapshot!("domain_check_json", &["domain", "check", porter, "--json"]);
     assert_eq!(longstep(&["domain", "check", porter, "--strict"]).0, 10);

@@ -25,7 +25,7 @@ pub enum Event {
         /// The domain's name, or its folder.
         domain: String,
         /// The first environment.
-        environment: Environment,
+        environment: Box<Environment>,
         /// How the session goes about it.
         settings: Settings,
     },

@@ -257,7 +257,7 @@ impl Session {
         let begin = Event::Begin {
             version: VERSION,
             domain: domain_name.to_owned(),
-            environment: world.environment.clone(),
+            environment: Box::new(world.environment.clone()),
             settings,
         };
         let mut session = Self {
