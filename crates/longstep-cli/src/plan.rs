@@ -29,15 +29,14 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     // A session that has just begun waits for an instruction.
     session.instruct(instruction)?;
     if arguments.explain_prompt {
-        let need = session.need(model.as_mut())?;
-        if let Need::Model(prepared) = need {
+        if let Some(prepared) = session.explain(model.as_mut())? {
             let explanation = prompt::explain(&prepared.costs, model.context_tokens(), model.counting());
             let Prepared {
                 request,
                 dropped,
                 left_out,
                 ..
-            } = *prepared;
+            } = prepared;
             explain::show(&explanation, &request.messages, dropped, left_out);
         }
         return Ok(Status::Verified.exit_code());

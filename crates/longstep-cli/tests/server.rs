@@ -19,10 +19,14 @@ fn serve(answers: Vec<(u16, Value)>) -> (String, thread::JoinHandle<Vec<Value>>)
     let address = format!("http://{}/v1", listener.local_addr().unwrap());
     let server = thread::spawn(move || {
         let mut bodies = Vec::new();
-        for (status, answer) in answers {
+        let mut answers = answers.into_iter();
+        let mut next = answers.next();
+        while let Some((status, answer)) = &next {
             let (mut stream, _) = listener.accept().unwrap();
             let mut reader = BufReader::new(stream.try_clone().unwrap());
             let mut length = 0;
+            let mut method = String::new();
+            reader.read_line(&mut method).unwrap();
             loop {
                 let mut line = String::new();
                 reader.read_line(&mut line).unwrap();
@@ -33,11 +37,20 @@ fn serve(answers: Vec<(u16, Value)>) -> (String, thread::JoinHandle<Vec<Value>>)
                     break;
                 }
             }
+            // What else servers of this kind can be asked, this one does not know.
+            if !method.starts_with("POST /v1/chat/completions") {
+                write!(
+                    stream,
+                    "HTTP/1.1 404 X\r\ncontent-length: 0\r\nconnection: close\r\n\r\n"
+                )
+                .unwrap();
+                continue;
+            }
             let mut body = vec![0; length];
             reader.read_exact(&mut body).unwrap();
             let body: Value = serde_json::from_slice(&body).unwrap();
             let text = match (status, &body["stream"]) {
-                (200, Value::Bool(true)) => streamed(&answer),
+                (200, Value::Bool(true)) => streamed(answer),
                 _ => answer.to_string(),
             };
             bodies.push(body);
@@ -47,6 +60,7 @@ fn serve(answers: Vec<(u16, Value)>) -> (String, thread::JoinHandle<Vec<Value>>)
                 text.len()
             )
             .unwrap();
+            next = answers.next();
         }
         bodies
     });

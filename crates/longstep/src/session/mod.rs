@@ -57,7 +57,7 @@ use crate::answer::{Answer, Status};
 use crate::domain::Domain;
 use crate::goal::Goal;
 use crate::plan::{PlanFile, TaskCohesion};
-use crate::prompt::{ConstraintKind, Message, Prepared, PromptError, Round, TokenCounter, Usage};
+use crate::prompt::{ConstraintKind, Counting, Message, Prepared, PromptError, Round, TokenCounter, Usage};
 use crate::solution::Stopwatch;
 use crate::verify::{Purpose, VerifiedPlan};
 use crate::world::{EntityId, World};
@@ -182,6 +182,23 @@ pub enum Trouble {
     Model,
 }
 
+/// Counts nothing, where nobody asks how much there is room for.
+struct Uncounted;
+
+impl TokenCounter for Uncounted {
+    fn message_tokens(&mut self, _: &Message) -> u64 {
+        0
+    }
+
+    fn frame_tokens(&mut self) -> u64 {
+        0
+    }
+
+    fn counting(&self) -> Counting {
+        Counting::Estimate("nothing is counted".to_owned())
+    }
+}
+
 /// One instruction, from its words to an accepted plan.
 #[derive(Debug, Clone)]
 struct Turn {
@@ -275,7 +292,8 @@ impl Session {
         session
     }
 
-    /// What the session needs to go on. `counter` counts tokens as the model does.
+    /// What the session needs to go on. `counter` counts tokens as the model does; it is asked only where it is known
+    /// how many there may be.
     ///
     /// # Errors
     ///
@@ -283,7 +301,13 @@ impl Session {
     /// The instruction is then stuck.
     pub fn need(&mut self, counter: &mut dyn TokenCounter) -> Result<Need, PromptError> {
         self.stage = match std::mem::replace(&mut self.stage, Stage::Idle) {
-            Stage::Asking(turn, asking) => return self.request(turn, asking, counter).map(Need::Model),
+            Stage::Asking(turn, asking) => {
+                let counter = match self.model.context {
+                    Some(_) => counter,
+                    None => &mut Uncounted,
+                };
+                return self.request(turn, asking, counter).map(Need::Model);
+            }
             other => other,
         };
         Ok(match &self.stage {
@@ -292,6 +316,21 @@ impl Session {
             Stage::Proposed(_) => Need::Decision,
             Stage::Stuck(..) => Need::Help,
         })
+    }
+
+    /// The request that comes next, with what each part of it costs; none if no model is to be asked.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Session::need`].
+    pub fn explain(&mut self, counter: &mut dyn TokenCounter) -> Result<Option<Prepared>, PromptError> {
+        match std::mem::replace(&mut self.stage, Stage::Idle) {
+            Stage::Asking(turn, asking) => self.request(turn, asking, counter).map(|prepared| Some(*prepared)),
+            other => {
+                self.stage = other;
+                Ok(None)
+            }
+        }
     }
 
     /// The events since the last time.

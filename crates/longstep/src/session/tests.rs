@@ -551,9 +551,7 @@ fn a_hundred_instructions_send_no_longer_prompts_than_three() {
         for number in 0..100 {
             let place = if number % 2 == 0 { "shelf" } else { "desk" };
             session.instruct("The pen goes over there").unwrap();
-            let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
-                panic!()
-            };
+            let prepared = session.explain(&mut EstimatedTokens::default()).unwrap().unwrap();
             lengths.push(prepared.costs.iter().map(|cost| cost.tokens).sum::<u64>());
             let text = match settings.strategy {
                 Strategy::Goal => goals(&[&format!("put(pen, {place})")]),
