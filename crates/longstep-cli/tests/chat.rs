@@ -169,7 +169,11 @@ fn conversations() {
         (
             "accepted_without_asking",
             &["--yes"],
-            vec![cereal_on_counter(), goals(&["put(counter, shelf top)"]), goals(&["put(cereal, shelf top)"])],
+            vec![
+                cereal_on_counter(),
+                goals(&["put(counter, shelf top)"]),
+                goals(&["put(cereal, shelf top)"]),
+            ],
             "Put the cereal on the counter\nPut the counter on the shelf\nPut the cereal back\n",
         ),
         (
@@ -185,8 +189,12 @@ fn conversations() {
             "Put the cereal on the counter\n",
         ),
         ("end_of_input_at_once", &[], vec![], ""),
-        ("nonsense_from_the_model", &[], vec![Answer::Says("Sure!".to_owned()), cereal_on_counter()],
-            "Put the cereal on the counter\nthe cereal, on the counter\n\n"),
+        (
+            "nonsense_from_the_model",
+            &[],
+            vec![Answer::Says("Sure!".to_owned()), cereal_on_counter()],
+            "Put the cereal on the counter\nthe cereal, on the counter\n\n",
+        ),
         (
             "server_fails",
             &[],
@@ -222,7 +230,11 @@ fn a_server_that_is_down_is_told_on_stderr_and_the_conversation_goes_on() {
         let lines = "Put the cereal on the counter\nPut the cereal on the counter\n\n";
         let ran = run(&mut home.chat(&server, &[]), lines);
         assert_eq!(ran.code, 0, "{}", ran.stderr);
-        assert!(ran.stderr.contains("error: ") && ran.stderr.contains("hint: "), "{}", ran.stderr);
+        assert!(
+            ran.stderr.contains("error: ") && ran.stderr.contains("hint: "),
+            "{}",
+            ran.stderr
+        );
         assert!(!ran.stdout.contains("error:"), "{}", ran.stdout);
         assert!(ran.stdout.contains("Accepted as plan 0"), "{}", ran.stdout);
         assert_eq!(server.bodies().len(), 4);
@@ -257,7 +269,7 @@ fn a_model_that_cannot_be_opened_leaves_the_old_one() {
     let home = Home::new();
     let lines = "/model nonsense:1\n/model\nPut the cereal on the counter\n\n";
     let ran = home.after(vec![cereal_on_counter()], lines);
-    assert!(ran.stderr.contains("error: ") && ran.stderr.contains("hint: "), "{}", ran.stderr);
+    assert!(ran.stderr.contains("`nonsense:1` is not a model"), "{}", ran.stderr);
     assert!(ran.stdout.contains("#recorded"), "{}", ran.stdout);
     assert!(ran.stdout.contains("Accepted as plan 0"), "{}", ran.stdout);
 }
@@ -271,7 +283,12 @@ fn another_model_is_asked_from_then_on() {
         other.reference()
     );
     let ran = home.after(vec![cereal_on_counter()], &lines);
-    assert!(ran.stdout.contains("Accepted as plan 1"), "{}{}", ran.stdout, ran.stderr);
+    assert!(
+        ran.stdout.contains("Accepted as plan 1"),
+        "{}{}",
+        ran.stdout,
+        ran.stderr
+    );
     assert_eq!(other.bodies().len(), 1);
 }
 
@@ -281,7 +298,13 @@ fn sessions_go_on() {
     let accepted = "Put the cereal on the counter\n\n";
     let juice = || goals(&["put(juice, counter)"]);
     let table: Vec<(&str, Vec<Answer>, String, Vec<Answer>, &str)> = vec![
-        ("at_rest", vec![cereal_on_counter()], accepted.to_owned(), vec![juice()], "Put the juice there too\n\n"),
+        (
+            "at_rest",
+            vec![cereal_on_counter()],
+            accepted.to_owned(),
+            vec![juice()],
+            "Put the juice there too\n\n",
+        ),
         ("with_a_plan", vec![cereal_on_counter()], plan.to_owned(), vec![], "\n"),
         (
             "with_a_question",
@@ -322,10 +345,21 @@ fn a_session_is_known_by_its_name() {
     run(&mut chat(&["--env", PANTRY]), "Put the cereal on the counter\n\n");
     run(&mut chat(&["--env", PANTRY]), "");
     let ran = run(&mut chat(&["--resume", "pantry-1"]), "Put the juice there too\n\n");
-    assert!(ran.stdout.contains("Accepted as plan 1"), "{}{}", ran.stdout, ran.stderr);
+    assert!(
+        ran.stdout.contains("Accepted as plan 1"),
+        "{}{}",
+        ran.stdout,
+        ran.stderr
+    );
     snapshot!("session_list", seen(&mut home.longstep(&["session", "list"]), ""));
-    snapshot!("session_show", seen(&mut home.longstep(&["session", "show", "pantry-1"]), ""));
-    snapshot!("session_unknown", seen(&mut home.longstep(&["session", "show", "pantri-1"]), ""));
+    snapshot!(
+        "session_show",
+        seen(&mut home.longstep(&["session", "show", "pantry-1"]), "")
+    );
+    snapshot!(
+        "session_unknown",
+        seen(&mut home.longstep(&["session", "show", "pantri-1"]), "")
+    );
     let ran = run(&mut home.longstep(&["session", "show", "pantry-1", "--json"]), "");
     let events: Vec<Value> = serde_json::from_str(&ran.stdout).unwrap();
     let kinds: Vec<&str> = events.iter().map(|event| event["event"].as_str().unwrap()).collect();
@@ -359,9 +393,7 @@ fn a_session_goes_the_same_way_again_or_differs() {
     std::fs::write(home.log(), forged).unwrap();
     let ran = run(&mut home.longstep(&replay), "");
     assert_eq!(ran.code, 10, "{}", ran.stderr);
-    assert!(ran.stdout.contains("Not the same:"), "{}", ran.stdout);
-    let widest = ran.stdout.lines().map(|line| line.chars().count()).max().unwrap();
-    assert!(widest < 600, "{}", ran.stdout);
+    snapshot!("replay_differs", ran.stdout);
 }
 
 #[test]
@@ -389,12 +421,18 @@ fn damaged_logs_are_mended_or_refused_and_never_made_worse() {
     for (name, log, goes_on) in table {
         std::fs::write(home.log(), &log).unwrap();
         let server = Server::giving(vec![goals(&["put(butter, counter)"])]);
-        let text = seen(&mut home.resume(&server, &[]), "/undo\nPut the butter on the counter\n\n");
+        let text = seen(
+            &mut home.resume(&server, &[]),
+            "/undo\nPut the butter on the counter\n\n",
+        );
         snapshot!(format!("log_{name}"), text);
         let now = std::fs::read_to_string(home.log()).unwrap();
         if goes_on {
             assert!(now.contains("put(<butter>, <counter>)"), "{name}");
-            assert!(now.lines().all(|line| serde_json::from_str::<Value>(line).is_ok()), "{name}");
+            assert!(
+                now.lines().all(|line| serde_json::from_str::<Value>(line).is_ok()),
+                "{name}"
+            );
         } else {
             assert_eq!(now, log, "{name}");
         }
@@ -409,7 +447,10 @@ fn a_session_that_is_open_elsewhere_is_left_alone() {
     home.after(vec![cereal_on_counter()], "Put the cereal on the counter\n\n");
     let server = Server::giving(vec![goals(&["put(juice, counter)"])]);
     let mut command = home.resume(&server, &[]);
-    let command = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null());
+    let command = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     let mut first = command.spawn().unwrap();
     let mut input = first.stdin.take().unwrap();
     input.write_all(b"Put the juice there too\n").unwrap();
@@ -447,23 +488,40 @@ fn a_changed_domain_that_makes_a_plan_invalid_is_told_and_nothing_is_touched() {
         session.to_str().unwrap(),
     ];
     let ran = run(&mut home.longstep(&arguments), "Water the basil\n\n");
-    assert!(ran.stdout.contains("Accepted as plan 0"), "{}{}", ran.stdout, ran.stderr);
+    assert!(
+        ran.stdout.contains("Accepted as plan 0"),
+        "{}{}",
+        ran.stdout,
+        ran.stderr
+    );
     let before = (std::fs::read(home.log()).unwrap(), home.plan(0));
     let pddl = std::fs::read_to_string(domain.join("domain.pddl")).unwrap();
     let at = pddl.find(":action").unwrap();
     let (head, tail) = pddl.split_at(at);
     // The first action has another name from now on.
     let name = tail.split_whitespace().nth(1).unwrap();
-    std::fs::write(domain.join("domain.pddl"), format!("{head}{}", tail.replacen(name, "renamed", 1))).unwrap();
+    std::fs::write(
+        domain.join("domain.pddl"),
+        format!("{head}{}", tail.replacen(name, "renamed", 1)),
+    )
+    .unwrap();
     let words = std::fs::read_to_string(domain.join("domain.toml")).unwrap();
     let renamed = words.replacen(&format!("name = \"{name}\""), "name = \"renamed\"", 1);
     assert_ne!(words, renamed);
     std::fs::write(domain.join("domain.toml"), renamed).unwrap();
-    snapshot!("domain_changed", seen(&mut home.resume(&server, &[]), "Water the basil\n"));
+    snapshot!(
+        "domain_changed",
+        seen(&mut home.resume(&server, &[]), "Water the basil\n")
+    );
     assert_eq!((std::fs::read(home.log()).unwrap(), home.plan(0)), before);
     // What was said is not lost: it can be looked at.
     let show = run(&mut home.longstep(&["session", "show", session.to_str().unwrap()]), "");
-    assert!(show.stdout.contains("Water the basil"), "{}{}", show.stdout, show.stderr);
+    assert!(
+        show.stdout.contains("Water the basil"),
+        "{}{}",
+        show.stdout,
+        show.stderr
+    );
 }
 
 fn copy(from: &Path, to: &Path) {
@@ -485,13 +543,27 @@ fn a_folder_that_cannot_be_written_ends_the_conversation() {
     // Permissions do not hold for root: a file stands where the folder should be.
     std::fs::write(home.path().join("file"), "").unwrap();
     let blocked = home.path().join("file/session");
-    let arguments = ["chat", "--env", PANTRY, "--model", &server.reference(), "--session", blocked.to_str().unwrap()];
-    snapshot!("folder_cannot_be_made", seen(&mut home.longstep(&arguments), "Put the cereal on the counter\n"));
+    let arguments = [
+        "chat",
+        "--env",
+        PANTRY,
+        "--model",
+        &server.reference(),
+        "--session",
+        blocked.to_str().unwrap(),
+    ];
+    snapshot!(
+        "folder_cannot_be_made",
+        seen(&mut home.longstep(&arguments), "Put the cereal on the counter\n")
+    );
     // A folder stands where the first plan should be.
     std::fs::create_dir_all(home.session().join("0.json/in the way")).unwrap();
     let text = seen(&mut home.chat(&server, &[]), "Put the cereal on the counter\n\n/env\n");
     snapshot!("plan_cannot_be_written", text);
-    let left: Vec<_> = std::fs::read_dir(home.session()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let left: Vec<_> = std::fs::read_dir(home.session())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
     assert_eq!(left.len(), 2, "{left:?}");
     snapshot!("folder_is_taken", seen(&mut home.chat(&server, &[]), ""));
 }
@@ -503,12 +575,24 @@ fn what_is_typed_wrong_is_told() {
     let reference = server.reference();
     let table: [(&str, &[&str]); 4] = [
         ("neither", &["chat", "--model", &reference]),
-        ("no_env", &["chat", "--env", "examples/environments/pantri.json", "--model", &reference]),
+        (
+            "no_env",
+            &[
+                "chat",
+                "--env",
+                "examples/environments/pantri.json",
+                "--model",
+                &reference,
+            ],
+        ),
         ("both", &["chat", "--env", PANTRY, "--resume", "pantry-1"]),
         ("unknown", &["chat", "--resume", "pantry-1"]),
     ];
     for (name, arguments) in table {
-        snapshot!(format!("chat_arguments_{name}"), seen(&mut home.longstep(arguments), ""));
+        snapshot!(
+            format!("chat_arguments_{name}"),
+            seen(&mut home.longstep(arguments), "")
+        );
     }
     // No session is begun by what cannot begin.
     assert!(!home.path().join("state/longstep/sessions").exists());

@@ -77,7 +77,10 @@ fn a_plan_of_the_model_is_repaired_or_goes_back_to_it() {
         assert_eq!(bodies.len(), 2);
         let messages = bodies[1]["messages"].as_array().unwrap();
         let told = messages.last().unwrap()["content"].as_str().unwrap();
-        assert!(told.contains("grasp_object() needs that the hand is at <cereal>"), "{told}");
+        assert!(
+            told.contains("grasp_object() needs that the hand is at <cereal>"),
+            "{told}"
+        );
         assert_eq!(messages.len(), bodies[0]["messages"].as_array().unwrap().len() + 2);
         let answer: Value = serde_json::from_str(&ran.stdout).unwrap();
         assert_eq!(answer["usage"]["rounds"], 1);
@@ -108,7 +111,11 @@ fn a_prompt_is_explained_and_not_sent() {
 fn parts_of_the_prompt_are_replaced_by_one_s_own() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().to_str().unwrap();
-    std::fs::write(folder.path().join("role.md"), "You are the quartermaster of a lighthouse.").unwrap();
+    std::fs::write(
+        folder.path().join("role.md"),
+        "You are the quartermaster of a lighthouse.",
+    )
+    .unwrap();
     let server = Server::giving(vec![paper_plan(&MOVE)]);
     let more = ["--strategy", "direct", "--prompt", path];
     let ran = planned(&server, &more);
@@ -130,14 +137,20 @@ fn what_was_recorded_is_answered_again() {
     let file = home.path().join("recorded.jsonl");
     let file = file.to_str().unwrap();
     let replay = format!("replay:{file}");
-    for (strategy, answer) in [("goal", goals(&["put(cereal, counter)"])), ("direct", paper_plan(&MOVE[1..]))] {
+    for (strategy, answer) in [
+        ("goal", goals(&["put(cereal, counter)"])),
+        ("direct", paper_plan(&MOVE[1..])),
+    ] {
         let _ = std::fs::remove_file(file);
         let server = Server::giving(vec![answer]);
         let reference = server.reference();
         let first = arguments(&reference, &["--strategy", strategy, "--record", file]);
         let first = run(longstep(home.path()).args(first), "");
         assert_eq!(first.code, 0, "{}", first.stderr);
-        let second = run(longstep(home.path()).args(arguments(&replay, &["--strategy", strategy])), "");
+        let second = run(
+            longstep(home.path()).args(arguments(&replay, &["--strategy", strategy])),
+            "",
+        );
         let timeless = |text: &str| {
             let lines = text.lines().map(|line| line.split(" (").next().unwrap_or_default());
             lines.collect::<Vec<_>>().join("\n")

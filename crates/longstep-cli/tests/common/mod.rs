@@ -125,7 +125,10 @@ fn attend(
     // What else servers of this kind can be asked, this one does not know.
     if !method.starts_with("POST /v1/chat/completions") {
         others.fetch_add(1, Ordering::SeqCst);
-        return write!(stream, "HTTP/1.1 404 X\r\ncontent-length: 0\r\nconnection: close\r\n\r\n");
+        return write!(
+            stream,
+            "HTTP/1.1 404 X\r\ncontent-length: 0\r\nconnection: close\r\n\r\n"
+        );
     }
     let mut body = vec![0; length];
     reader.read_exact(&mut body)?;
@@ -216,7 +219,10 @@ pub struct Ran {
 
 /// Runs it with this on its input.
 pub fn run(command: &mut Command, input: &str) -> Ran {
-    let command = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let command = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     // It may end without having read everything.
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
@@ -232,7 +238,10 @@ pub fn run(command: &mut Command, input: &str) -> Ran {
 /// Runs it with this on its input; stdout and stderr come as one text, as a person sees them.
 pub fn seen(command: &mut Command, input: &str) -> String {
     let (mut reader, writer) = std::io::pipe().unwrap();
-    command.stdin(Stdio::piped()).stdout(writer.try_clone().unwrap()).stderr(writer);
+    command
+        .stdin(Stdio::piped())
+        .stdout(writer.try_clone().unwrap())
+        .stderr(writer);
     let mut child = command.spawn().unwrap();
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
     // The ends that are written to would keep the reader waiting.

@@ -535,7 +535,7 @@ fn what_is_no_log_is_told() {
         ),
         (
             format!("{first}\nnothing\n{first}\n"),
-            "line 2 of the session log is damaged: expected ident at line 1 column 2",
+            "line 2 of the session log is damaged: expected ident at column 2",
         ),
     ];
     for (text, expected) in table {
