@@ -63,7 +63,10 @@ fn proposal(session: &Session) {
             true => "That cannot be had. In the plan with your change:",
             false => "That cannot be had",
         };
-        show::list(title, &proposal.refused);
+        show::heading(title);
+        for why in &proposal.refused {
+            anstream::println!("  - {why}");
+        }
         anstream::println!("\nThe plan stays as it was; /plan shows it.");
         return;
     }
