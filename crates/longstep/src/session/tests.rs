@@ -1,5 +1,7 @@
 //! Sessions with replies that are written here, as a server would send them.
 
+use std::sync::{Arc, LazyLock};
+
 use super::{Entry, Event, Log, LogError, ModelFacts, Need, RepairPolicy, Session, Settings, Strategy, replay};
 use crate::domain::{self, Domain};
 use crate::json::Path;
@@ -10,8 +12,11 @@ const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects"
     "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "inside_something(<cupboard>)",
         "<cupboard_handle>": "closed()"}}"#;
 
-pub(super) fn household() -> Domain {
-    domain::shipped("household").unwrap().unwrap()
+/// The household, loaded once: hundreds of sessions are about it.
+pub(super) fn household() -> Arc<Domain> {
+    static HOUSEHOLD: LazyLock<Arc<Domain>> =
+        LazyLock::new(|| Arc::new(domain::shipped("household").unwrap().unwrap()));
+    HOUSEHOLD.clone()
 }
 
 fn session(settings: Settings) -> Session {
