@@ -7,9 +7,8 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use longstep::session::{Event, ModelFacts, Need, Session, Settings};
+use longstep::session::{Event, ModelFacts, Session, Settings};
 use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, session_directory};
-use owo_colors::OwoColorize;
 use rustyline::error::ReadlineError;
 use rustyline::history::DefaultHistory;
 use rustyline::{Config, Editor};
@@ -43,23 +42,19 @@ enum Next {
 }
 
 pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
+    let interactive = std::io::stdin().is_terminal();
     let mut chat = match (&arguments.resume, &arguments.env) {
-        (Some(named), _) => resume(arguments, &crate::session::folder(named)?)?,
+        (Some(named), _) => resume(arguments, &crate::session::folder(named)?, interactive)?,
         (None, Some(env)) => begin(arguments, env)?,
         // The arguments are declared so that it is one or the other.
         (None, None) => return Err(Failure::unreadable("neither --env nor --resume is given").into()),
     };
-    let interactive = std::io::stdin().is_terminal();
     if interactive {
         ask::watch_for_interrupts();
-        anstream::eprintln!(
-            "{}",
-            format!(
-                "The session is kept in {}. /help tells what you can say.",
-                chat.folder.path().display()
-            )
-            .dimmed()
-        );
+        screen::notice(&format!(
+            "The session is kept in {}. /help tells what you can say.",
+            chat.folder.path().display()
+        ));
     }
     let history = session_directory().ok().map(|folder| folder.with_file_name("history"));
     let config = Config::builder()
@@ -79,9 +74,13 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
         }
         let _ = editor.save_history(&history);
     }
-    if interactive {
-        let name = screen::session_name(chat.folder.path());
-        anstream::eprintln!("{}", format!("Go on with: longstep chat --resume {name}").dimmed());
+    let name = screen::session_name(chat.folder.path());
+    if chat.session.proposal().is_some() && outcome.is_ok() {
+        screen::notice(&format!(
+            "The plan is not accepted. Go on with: longstep chat --resume {name}"
+        ));
+    } else if interactive {
+        screen::notice(&format!("Go on with: longstep chat --resume {name}"));
     }
     outcome.map(|()| 0)
 }
@@ -129,7 +128,7 @@ fn free_folder(env: &Path) -> Result<PathBuf> {
     free.ok_or_else(|| Failure::unreadable("there are too many sessions").into())
 }
 
-fn resume<'a>(arguments: &'a ChatArguments, path: &Path) -> Result<Chat<'a>> {
+fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> Result<Chat<'a>> {
     let (folder, log) = SessionFolder::open(path)?;
     let Some(Event::Begin { domain, .. }) = log.events().next() else {
         // A log that was read begins.
@@ -164,7 +163,7 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path) -> Result<Chat<'a>> {
         told,
     };
     chat.folder.keep(&mut chat.session)?;
-    screen::where_we_are(&chat.session);
+    screen::where_we_are(&chat.session, interactive);
     Ok(chat)
 }
 
@@ -197,6 +196,9 @@ impl Chat<'_> {
                     return Err(error);
                 }
                 failure::tell(&error);
+                if self.session.proposal().is_some() {
+                    screen::notice("the plan stays as it was; /plan shows it");
+                }
             }
         }
     }
@@ -237,10 +239,10 @@ impl Chat<'_> {
             match advanced {
                 Ok(need) => screen::need(&self.session, &need, interactive),
                 Err(AdvanceError::Model(ModelError::Stopped)) => {
-                    screen::notice("stopped");
-                    if self.session.proposal().is_some() {
-                        screen::need(&self.session, &Need::Decision, interactive);
-                    }
+                    screen::notice(match self.session.proposal() {
+                        Some(_) => "stopped; the plan stays as it was, /plan shows it",
+                        None => "stopped",
+                    });
                 }
                 Err(error) => return Err(error.into()),
             }

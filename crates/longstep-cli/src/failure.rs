@@ -3,6 +3,7 @@
 use longstep::diagnostic::Diagnostics;
 use longstep::goal::GoalError;
 use longstep::prompt::PromptError;
+use longstep::session::ResumeError;
 use longstep_llm::{AdvanceError, FolderError, ModelError};
 use owo_colors::OwoColorize;
 
@@ -101,6 +102,11 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     if let Some(AdvanceError::Prompt(PromptError::OverBudget(_))) = advance {
         let hint = "use a model with a larger context, or shorter prompt parts with --prompt FOLDER";
         return (Some(hint.to_owned()), LIMIT);
+    }
+    if let Some(ResumeError::Plan { .. } | ResumeError::Environment(_)) = error.downcast_ref::<ResumeError>() {
+        let hint = "the domain has changed since: take up its old version, or begin a new session; nothing was \
+                    touched, and `longstep session show` still tells what happened";
+        return (Some(hint.to_owned()), UNREADABLE);
     }
     if error.downcast_ref::<GoalError>().is_some() {
         return (

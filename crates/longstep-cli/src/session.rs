@@ -6,6 +6,7 @@ use anyhow::Result;
 use longstep::session::{Event, Log, replay};
 use longstep_llm::{LOG, SessionFolder, session_directory};
 use owo_colors::OwoColorize;
+use serde_json::Value;
 
 use crate::arguments::SessionCommand;
 use crate::inputs;
@@ -13,6 +14,9 @@ use crate::solve::stopwatch;
 
 /// Characters of an instruction that a table shows.
 const SHOWN: usize = 60;
+
+/// Characters of a value that a comparison shows.
+const COMPARED: usize = 100;
 
 pub(crate) fn run(command: &SessionCommand) -> Result<u8> {
     match command {
@@ -49,6 +53,10 @@ fn list() -> Result<u8> {
         .filter_map(|entry| entry.file_name().into_string().ok())
         .collect();
     names.sort();
+    if names.is_empty() {
+        anstream::println!("there are no sessions in {} yet", all.display());
+        return Ok(0);
+    }
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
     for name in &names {
         match SessionFolder::read(&all.join(name)) {
@@ -185,10 +193,15 @@ fn replayed(folder: &Path) -> Result<u8> {
     };
     let outcome = replay(domain, &log, stopwatch)?;
     for difference in &outcome.differing {
-        let text = |value: &Option<serde_json::Value>| value.as_ref().map_or("nothing".to_owned(), ToString::to_string);
-        anstream::println!("line {}:", difference.line);
-        anstream::println!("  {} {}", "recorded".red(), text(&difference.recorded));
-        anstream::println!("  {} {}", "today   ".green(), text(&difference.today));
+        anstream::println!("{}", format!("line {}", difference.line).bold());
+        for part in parts(difference.recorded.as_ref(), difference.today.as_ref()) {
+            anstream::println!("  {}", part.name);
+            anstream::println!("    {} {}", "recorded".red(), part.recorded);
+            anstream::println!("    {} {}", "today   ".green(), part.today);
+        }
+    }
+    if !outcome.differing.is_empty() {
+        anstream::println!();
     }
     let told = format!(
         "{}, {} accepted",
@@ -202,5 +215,66 @@ fn replayed(folder: &Path) -> Result<u8> {
         let many = plural(outcome.differing.len(), "event");
         anstream::println!("{} {many} ({told})", "Not the same:".red().bold());
         Ok(10)
+    }
+}
+
+/// A part of an event that is another one today.
+struct Part {
+    /// The keys to it, as `plan.environment_after`.
+    name: String,
+    recorded: String,
+    today: String,
+}
+
+/// What differs between two events, part by part: an event may hold whole environments, most of them the same.
+fn parts(recorded: Option<&Value>, today: Option<&Value>) -> Vec<Part> {
+    let mut parts = Vec::new();
+    let kind = |event: &Value| event["event"].clone();
+    match (recorded, today) {
+        (Some(recorded), Some(today)) if kind(recorded) == kind(today) => {
+            let name = kind(recorded).as_str().unwrap_or_default().to_owned();
+            compare(&name, recorded, today, &mut parts);
+        }
+        (recorded, today) => parts.push(Part {
+            name: "event".to_owned(),
+            recorded: recorded.map_or("nothing".to_owned(), |event| shortened(&kind(event))),
+            today: today.map_or("nothing".to_owned(), |event| shortened(&kind(event))),
+        }),
+    }
+    parts
+}
+
+fn compare(name: &str, recorded: &Value, today: &Value, parts: &mut Vec<Part>) {
+    if recorded == today {
+        return;
+    }
+    if let (Value::Object(was), Value::Object(is)) = (recorded, today) {
+        let new = is.keys().filter(|key| !was.contains_key(*key));
+        for key in was.keys().chain(new) {
+            let (was, is) = (was.get(key), is.get(key));
+            compare(
+                &format!("{name}.{key}"),
+                was.unwrap_or(&Value::Null),
+                is.unwrap_or(&Value::Null),
+                parts,
+            );
+        }
+        return;
+    }
+    parts.push(Part {
+        name: name.to_owned(),
+        recorded: shortened(recorded),
+        today: shortened(today),
+    });
+}
+
+fn shortened(value: &Value) -> String {
+    let text = match value {
+        Value::Null => "nothing".to_owned(),
+        value => value.to_string(),
+    };
+    match text.char_indices().nth(COMPARED) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
     }
 }

@@ -28,14 +28,14 @@ pub struct SessionFolder {
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// A file or folder cannot be read or written.
-    #[error("{action} {}: {source}", path.display())]
+    #[error("{action} {}: {reason}", path.display())]
     File {
         /// `cannot read`, `cannot write`.
         action: &'static str,
         /// Which.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
     /// There is a session already where one was to begin.
     #[error("there is a session in {} already", .0.display())]
@@ -231,5 +231,5 @@ fn lock(log: &File, folder: &Path) -> Result<(), FolderError> {
 
 fn file_error(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> FolderError {
     let path = path.to_path_buf();
-    move |source| FolderError::File { action, path, source }
+    move |reason| FolderError::File { action, path, reason }
 }

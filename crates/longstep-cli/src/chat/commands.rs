@@ -64,6 +64,14 @@ impl Chat<'_> {
             return Err(Failure::unreadable("there is no plan yet").into());
         };
         let length = plan.len();
+        if length == 0 {
+            return Err(Failure::unreadable("the plan has no steps: there is nothing to do").into());
+        }
+        if rest.is_empty() {
+            return Err(Failure::unreadable("which step?")
+                .hint(format!("/why STEP; steps are numbered 1 to {length}"))
+                .into());
+        }
         let number: Option<usize> = rest.parse().ok().filter(|number| (1..=length).contains(number));
         let Some(number) = number else {
             let failure = Failure::unreadable(format!("`{rest}` is no step of the plan"));
@@ -89,6 +97,8 @@ impl Chat<'_> {
             .session
             .undo()
             .map_err(|_| Failure::unreadable("there is no accepted plan to take back"))?;
+        // Nobody is told of what is not on the disk.
+        self.folder.keep(&mut self.session)?;
         screen::notice(&format!("plan {number} is taken back"));
         show::changes(&after, &self.session.world().environment);
         Ok(())

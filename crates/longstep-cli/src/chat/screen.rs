@@ -6,7 +6,7 @@ use longstep::domain::Domain;
 use longstep::goal::Goal;
 use longstep::plan::Step;
 use longstep::session::{Need, Session};
-use longstep::verify::Purpose;
+use longstep::verify::{Purpose, VerifiedPlan};
 use longstep::world::{Environment, World};
 use longstep_llm::session_directory;
 use owo_colors::OwoColorize;
@@ -32,9 +32,7 @@ pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
         Need::Answer(question) => anstream::println!("{} {question}", "Question:".yellow().bold()),
         Need::Decision => {
             proposal(session);
-            if !interactive {
-                anstream::println!("{}", "waiting for a decision".dimmed());
-            }
+            waiting(interactive);
         }
         Need::Help => {
             if let Some(stuck) = session.stuck() {
@@ -48,31 +46,59 @@ pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
     }
 }
 
+/// Where no prompt is shown, a line says that the plan waits.
+fn waiting(interactive: bool) {
+    if !interactive {
+        let told = "Waiting for a decision: an empty line accepts the plan, `no` gives it up.";
+        anstream::println!("{}\n", told.dimmed());
+    }
+}
+
 fn proposal(session: &Session) {
     let Some(proposal) = session.proposal() else { return };
     if !proposal.refused.is_empty() {
-        show::list("That cannot be had", &proposal.refused);
+        // What is wrong is told of the plan as it would be, and steps have other numbers there.
+        let of_steps = proposal.refused.iter().any(|why| why.starts_with("step "));
+        let title = match of_steps {
+            true => "That cannot be had. In the plan with your change:",
+            false => "That cannot be had",
+        };
+        show::heading(title);
+        for why in &proposal.refused {
+            anstream::println!("  - {why}");
+        }
         anstream::println!("\nThe plan stays as it was; /plan shows it.");
         return;
     }
     if let Some(goal) = &proposal.goal {
-        goal_lines(session.domain(), session.world(), goal);
+        goal_lines(session.domain(), session.world(), goal, &proposal.plan);
     }
     show::answer(&proposal.answer, show::Changes::Hidden);
 }
 
-fn goal_lines(domain: &Domain, world: &World, goal: &Goal) {
+fn goal_lines(domain: &Domain, world: &World, goal: &Goal, plan: &VerifiedPlan) {
     show::heading("Goal");
     for line in solve::goal_lines(domain, world, goal) {
         anstream::println!("  {line}");
     }
-    anstream::println!();
+    if !plan.steps().is_empty() {
+        anstream::println!();
+    }
 }
 
 /// The plan that was accepted last, as what it changed.
 pub(super) fn accepted(session: &Session) {
     let number = session.accepted().len() - 1;
     let Some(last) = session.accepted().last() else { return };
+    // Who is not asked has not seen the plan yet.
+    if let Some(file) = session.plan_file(number).filter(|_| session.settings().accept) {
+        if let Some(goal) = &last.goal {
+            goal_lines(session.domain(), &last.before, goal, &last.plan);
+        }
+        let cohesion = file.task_cohesion;
+        show::steps(&cohesion.task_sequence, &cohesion.step_instructions, |_| false);
+        anstream::println!();
+    }
     anstream::println!("{} as plan {number}", "Accepted".green().bold());
     show::changes(&last.before.environment, &session.world().environment);
     anstream::println!();
@@ -93,7 +119,7 @@ pub(super) fn at_hand(session: &Session) -> Option<(&World, &[Step], Purpose, Op
 pub(super) fn plan(session: &Session) {
     if let Some(proposal) = session.proposal() {
         if let Some(goal) = &proposal.goal {
-            goal_lines(session.domain(), session.world(), goal);
+            goal_lines(session.domain(), session.world(), goal, &proposal.plan);
         }
         show::answer(&proposal.answer, show::Changes::Shown);
         return;
@@ -126,7 +152,10 @@ pub(super) fn environment(session: &Session) {
     for (title, list) in [("Assets", &environment.assets), ("Objects", &environment.objects)] {
         show::heading(title);
         for identifier in list {
-            anstream::println!("  {identifier:width$}  {}", said(environment, identifier).dimmed());
+            match said(environment, identifier) {
+                nothing if nothing.is_empty() => anstream::println!("  {identifier}"),
+                said => anstream::println!("  {identifier:width$}  {}", said.dimmed()),
+            }
         }
     }
 }
@@ -138,15 +167,18 @@ fn said(environment: &Environment, identifier: &str) -> String {
 }
 
 /// Where a session is that goes on.
-pub(super) fn where_we_are(session: &Session) {
+pub(super) fn where_we_are(session: &Session, interactive: bool) {
     let count = session.accepted().len();
     notice(&format!("{} so far", crate::session::plural(count, "accepted plan")));
     if let Some(instruction) = session.instruction() {
         notice(&format!("at hand: {instruction}"));
     }
     if session.proposal().is_some() {
-        proposal(session);
+        plan(session);
+        waiting(interactive);
     } else if let Some(question) = session.question() {
-        anstream::println!("{} {question}", "Question:".yellow().bold());
+        need(session, &Need::Answer(question.to_owned()), interactive);
+    } else if session.stuck().is_some() {
+        need(session, &Need::Help, interactive);
     }
 }

@@ -89,7 +89,7 @@ impl Log {
                         0 => LogError::NoBeginning,
                         _ => LogError::Damaged {
                             line: index + 1,
-                            reason: error.to_string(),
+                            reason: reason(&error),
                         },
                     });
                 }
@@ -113,6 +113,16 @@ impl Log {
     /// What happened, in order.
     pub fn events(&self) -> impl Iterator<Item = &Event> {
         self.entries.iter().map(|entry| &entry.event)
+    }
+}
+
+/// What is wrong with a line; where in the line, since the line's own number is told beside it.
+fn reason(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let (what, _) = text.rsplit_once(" at line ").unwrap_or((&text, ""));
+    match error.column() {
+        0 => what.to_owned(),
+        column => format!("{what} at column {column}"),
     }
 }
 

@@ -38,6 +38,8 @@ mod asking;
 mod direct;
 mod event;
 mod goal;
+#[cfg(test)]
+mod injected;
 mod log;
 mod resume;
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Sessions with replies that are written here, as a server would send them.
 
+use std::sync::{Arc, LazyLock};
+
 use super::{Entry, Event, Log, LogError, ModelFacts, Need, RepairPolicy, Session, Settings, Strategy, replay};
 use crate::domain::{self, Domain};
 use crate::json::Path;
@@ -10,8 +12,11 @@ const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects"
     "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "inside_something(<cupboard>)",
         "<cupboard_handle>": "closed()"}}"#;
 
-fn household() -> Domain {
-    domain::shipped("household").unwrap().unwrap()
+/// The household, loaded once: hundreds of sessions are about it.
+pub(super) fn household() -> Arc<Domain> {
+    static HOUSEHOLD: LazyLock<Arc<Domain>> =
+        LazyLock::new(|| Arc::new(domain::shipped("household").unwrap().unwrap()));
+    HOUSEHOLD.clone()
 }
 
 fn session(settings: Settings) -> Session {
@@ -26,14 +31,14 @@ fn session(settings: Settings) -> Session {
     Session::new("household", household, world, settings, model, || 0.0)
 }
 
-fn direct() -> Settings {
+pub(super) fn direct() -> Settings {
     Settings {
         strategy: Strategy::Direct,
         ..Settings::default()
     }
 }
 
-fn reply(text: &str) -> Reply {
+pub(super) fn reply(text: &str) -> Reply {
     let usage = Usage {
         calls: 1,
         prompt_tokens: 7,
@@ -46,16 +51,16 @@ fn reply(text: &str) -> Reply {
     }
 }
 
-fn goals(goals: &[&str]) -> String {
+pub(super) fn goals(goals: &[&str]) -> String {
     serde_json::json!({"question": "", "goals": goals}).to_string()
 }
 
-fn edits(edits: &[&str]) -> String {
+pub(super) fn edits(edits: &[&str]) -> String {
     serde_json::json!({"question": "", "goal": false, "edits": edits}).to_string()
 }
 
 /// A plan for the pen, in the paper's format.
-fn pen_plan(calls: &[&str], place: &str) -> String {
+pub(super) fn pen_plan(calls: &[&str], place: &str) -> String {
     let explanations: Vec<&str> = calls.iter().map(|_| "with the pen").collect();
     serde_json::json!({
         "task_cohesion": {"task_sequence": calls, "step_instructions": explanations, "object_name": "<pen>"},
@@ -66,7 +71,7 @@ fn pen_plan(calls: &[&str], place: &str) -> String {
     .to_string()
 }
 
-const MOVE_PEN: [&str; 6] = [
+pub(super) const MOVE_PEN: [&str; 6] = [
     "move_hand()",
     "grasp_object()",
     "detach_from_plane()",
@@ -107,7 +112,7 @@ fn state(session: &Session, identifier: &str) -> String {
         .join(", ")
 }
 
-fn text_of(events: Vec<Event>) -> String {
+pub(super) fn text_of(events: Vec<Event>) -> String {
     let entry = |event| Entry {
         at: "2026-01-01T00:00:00Z".to_owned(),
         event,
@@ -535,7 +540,7 @@ fn what_is_no_log_is_told() {
         ),
         (
             format!("{first}\nnothing\n{first}\n"),
-            "line 2 of the session log is damaged: expected ident at line 1 column 2",
+            "line 2 of the session log is damaged: expected ident at column 2",
         ),
     ];
     for (text, expected) in table {

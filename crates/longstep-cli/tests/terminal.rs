@@ -1,0 +1,150 @@
+//! `longstep chat` in a terminal: one that `script` makes, which every Linux has.
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+
+mod common;
+
+use std::io::{Read, Write};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use common::{Answer, PANTRY, Server, goals, root};
+
+/// Longer than anything here takes; a conversation that hangs is no reason for a test to.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A conversation in a terminal.
+struct Terminal {
+    child: Child,
+    keys: ChildStdin,
+    shown: Arc<Mutex<Vec<u8>>>,
+    /// How much of it was looked at.
+    read: usize,
+}
+
+impl Terminal {
+    fn chat(server: &Server, home: &std::path::Path) -> Self {
+        let program = env!("CARGO_BIN_EXE_longstep");
+        let line = format!("{program} chat --env {PANTRY} --model {}", server.reference());
+        let mut child = Command::new("script")
+            .args(["--quiet", "--return", "--command", &line, "/dev/null"])
+            .current_dir(root())
+            .env("LONGSTEP_SESSIONS", home.join("sessions"))
+            .env("LONGSTEP_CACHE", home.join("cache"))
+            .env("TERM", "xterm")
+            .env("NO_PROXY", "127.0.0.1")
+            .env_remove("LONGSTEP_API_KEY")
+            .env_remove("NO_COLOR")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let shown = Arc::new(Mutex::new(Vec::new()));
+        let mut screen = child.stdout.take().unwrap();
+        let kept = shown.clone();
+        thread::spawn(move || {
+            let mut buffer = [0; 1024];
+            while let Ok(count @ 1..) = screen.read(&mut buffer) {
+                kept.lock().unwrap().extend_from_slice(&buffer[..count]);
+            }
+        });
+        let keys = child.stdin.take().unwrap();
+        Self {
+            child,
+            keys,
+            shown,
+            read: 0,
+        }
+    }
+
+    fn press(&mut self, keys: &str) {
+        self.keys.write_all(keys.as_bytes()).unwrap();
+        self.keys.flush().unwrap();
+    }
+
+    /// Waits until this is shown, behind what was waited for before.
+    fn expect(&mut self, text: &str) {
+        let began = Instant::now();
+        loop {
+            let shown = self.shown.lock().unwrap().clone();
+            let new = String::from_utf8_lossy(&shown[self.read..]).into_owned();
+            if let Some(at) = new.find(text) {
+                self.read += at + text.len();
+                return;
+            }
+            assert!(began.elapsed() < PATIENCE, "no `{text}` in\n{new:?}");
+            thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// Waits for its end; returns the exit code and everything that was shown.
+    fn end(mut self) -> (Option<i32>, String) {
+        drop(self.keys);
+        let began = Instant::now();
+        let code = loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                break status.code();
+            }
+            if began.elapsed() > PATIENCE {
+                let _ = self.child.kill();
+                let shown = self.shown.lock().unwrap();
+                panic!("it does not end: {:?}", String::from_utf8_lossy(&shown));
+            }
+            thread::sleep(Duration::from_millis(10));
+        };
+        // What is left in the pipe comes at once.
+        thread::sleep(Duration::from_millis(50));
+        let shown = self.shown.lock().unwrap();
+        (code, String::from_utf8_lossy(&shown).into_owned())
+    }
+}
+
+/// Waits until the server was asked so often.
+fn asked(server: &Server, times: usize) {
+    let began = Instant::now();
+    while server.bodies().len() < times {
+        assert!(began.elapsed() < PATIENCE, "the server is not asked");
+        thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn ctrl_c_calls_off_the_call_and_not_the_conversation() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::giving(vec![
+        Answer::Silence(Duration::from_secs(60)),
+        goals(&["put(cereal, counter)"]),
+        Answer::Silence(Duration::from_secs(60)),
+    ]);
+    let mut terminal = Terminal::chat(&server, home.path());
+    terminal.expect("> ");
+    terminal.press("Put the cereal on the counter\r");
+    asked(&server, 1);
+    terminal.expect("waiting for the server");
+    terminal.press("\x03");
+    terminal.expect("stopped");
+    terminal.expect("> ");
+    terminal.press("Put the cereal on the counter\r");
+    terminal.expect("accept?");
+    // The words about a plan are called off: the plan is there again.
+    terminal.press("not there\r");
+    asked(&server, 3);
+    terminal.press("\x03");
+    terminal.expect("the plan stays as it was");
+    terminal.expect("accept?");
+    terminal.press("\r");
+    terminal.expect("as plan 0");
+    terminal.expect("> ");
+    // Where nothing is under way, it takes the line back.
+    terminal.press("Put the but\x03");
+    terminal.expect("> ");
+    terminal.press("\x04");
+    let (code, shown) = terminal.end();
+    assert_eq!(code, Some(0), "{shown}");
+    assert!(shown.contains("Go on with: longstep chat --resume pantry-1"), "{shown}");
+    // There is colour, and nothing of the line that turns is left behind.
+    assert!(shown.contains("\x1b[1m"), "{shown:?}");
+    assert_eq!(server.bodies().len(), 3);
+}
