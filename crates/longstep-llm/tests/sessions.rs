@@ -11,7 +11,7 @@
 #[path = "../../longstep/tests/chain/mod.rs"]
 mod chain;
 
-use chain::{Draw, Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
+use chain::{Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
 use longstep::domain::Domain;
 use longstep::session::{Event, ModelFacts, Need, Session, Settings};
 use longstep::solution;
@@ -166,8 +166,7 @@ fn hundred() {
     let first = world_of(&domain, &read("virtualhome14/kitchen.json"));
     let mut recomputed = Recomputation::new(&first.environment);
     let mut session = session("virtualhome", domain, first, model.as_ref());
-    let seed = std::env::var("LONGSTEP_SEED").map_or(7, |seed| seed.parse().unwrap());
-    let mut draw = Draw::new(seed);
+    let mut draw = chain::draw();
     let (mut tokens, mut seconds, mut resident) = (Vec::new(), Vec::new(), Vec::new());
     let (mut meant, mut verified, mut questions, mut stuck) = (0, 0, 0, 0);
     for number in 1..=100 {

@@ -11,7 +11,7 @@
 
 mod chain;
 
-use chain::{Draw, Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
+use chain::{Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
 use longstep::domain::Domain;
 use longstep::prompt::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
 use longstep::session::{ModelFacts, Need, Session, Settings, Strategy};
@@ -150,7 +150,7 @@ fn a_reply_that_ignores_the_wish_is_not_taken_for_it() {
 #[ignore = "needs LONGSTEP_CORPUS"]
 fn a_hundred_instructions_cost_what_three_do() {
     let kitchen = read("virtualhome14/kitchen.json");
-    let mut draw = Draw::new(7);
+    let mut draw = chain::draw();
     let first = world_of(&domain("virtualhome"), &kitchen);
     let mut recomputed = Recomputation::new(&first.environment);
     let mut session = session("virtualhome", domain("virtualhome"), first);

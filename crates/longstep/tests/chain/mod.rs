@@ -5,7 +5,7 @@
 
 mod draw;
 
-pub use draw::Draw;
+use draw::Draw;
 
 use std::path::PathBuf;
 
@@ -85,6 +85,11 @@ impl Recomputation {
         assert_eq!(json(claimed), json(&self.environment), "claimed after");
         assert_eq!(json(&carried.environment), json(&self.environment), "carried");
     }
+}
+
+/// What instructions are drawn with: `LONGSTEP_SEED`, or 7.
+pub fn draw() -> Draw {
+    Draw::new(std::env::var("LONGSTEP_SEED").map_or(7, |seed| seed.parse().unwrap()))
 }
 
 /// By how much the values grow from one to the next, by least squares.
