@@ -202,7 +202,7 @@ fn hundred() {
             }
         };
         meant += usize::from(good);
-        let goal = drawn.goal.facts[0].everyday(session.domain(), session.world());
+        let goal = drawn.told(session.domain(), session.world());
         let memory = memory();
         println!(
             "{} {number:3} {:5.0} tokens {:6.2} s {:7.1} MB  {}  ->  {came}{}",

@@ -14,6 +14,30 @@ pub struct Drawn {
     pub kind: String,
 }
 
+impl Drawn {
+    /// Whether a model that is asked for a goal has a way to say the one that is meant.
+    pub fn can_be_said(&self, domain: &Domain, world: &World) -> bool {
+        let spoken = Spoken::of(domain, world, &self.words);
+        let offers = offers(domain, world, &[], &spoken);
+        let offered = |fact: &GoalFact| match fact {
+            GoalFact::Word { word, arguments } => offers
+                .iter()
+                .any(|o| o.word == *word && o.arguments.contains(arguments)),
+            GoalFact::Plain(_) => false,
+        };
+        self.goal.facts.iter().all(offered)
+    }
+
+    /// What is meant.
+    pub fn told(&self, domain: &Domain, world: &World) -> String {
+        let facts = self.goal.facts.iter();
+        facts
+            .map(|fact| fact.everyday(domain, world))
+            .collect::<Vec<_>>()
+            .join(" & ")
+    }
+}
+
 /// The same seed draws the same instructions for the same worlds.
 pub struct Draw {
     state: u64,

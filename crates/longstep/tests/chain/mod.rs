@@ -1,11 +1,11 @@
 //! Long chains of instructions over one world, for the tests here and for those with a real model: instructions drawn
 //! for the world as it is, the world computed once more in another way, and the figures of a chain.
 
-#![allow(dead_code, unreachable_pub)]
+#![allow(dead_code, unreachable_pub, unused_imports)]
 
 mod draw;
 
-use draw::Draw;
+pub use draw::{Draw, Drawn};
 
 use std::path::PathBuf;
 
