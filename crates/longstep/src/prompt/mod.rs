@@ -36,5 +36,6 @@ pub use focus::{Focus, focus};
 pub(crate) use parts::broken_parts;
 pub use parts::{Part, PartName, PartTexts, PromptError, fixed_parts};
 pub use query::query;
+pub(crate) use reply::answered;
 pub use reply::direct_schema;
 pub use scene::scene;

@@ -4,9 +4,10 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::query::contained_json;
 use crate::call::Call;
 use crate::domain::Domain;
-use crate::plan::TaskCohesion;
+use crate::plan::{PlanFile, TaskCohesion};
 use crate::world::{Environment, World};
 
 /// A whole answer, every key there.
@@ -74,6 +75,28 @@ impl AnswerText {
             question: question.to_owned(),
         }
     }
+}
+
+/// A plan as a model would have answered with it: in the form of the worked examples, and contained like them, since a
+/// summary is what somebody typed.
+pub(crate) fn answered(file: &PlanFile) -> String {
+    let steps = &file.task_cohesion;
+    let lists = |environment: &Option<Environment>| {
+        let environment = environment.as_ref();
+        environment.map_or_else(|| StateLists::of(&Environment::default()), StateLists::of)
+    };
+    contained_json(&AnswerText {
+        task_cohesion: Cohesion {
+            task_sequence: steps.task_sequence.clone(),
+            step_instructions: steps.step_instructions.clone(),
+            object_name: steps.object_name.clone(),
+            object_names: steps.object_names.clone(),
+        },
+        environment_before: lists(&file.environment_before),
+        environment_after: lists(&file.environment_after),
+        instruction_summary: file.instruction_summary.clone(),
+        question: file.question.clone(),
+    })
 }
 
 /// Values in one enumeration at most, and properties of one schema.

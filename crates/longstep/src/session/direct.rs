@@ -7,7 +7,7 @@ use crate::attempt::Attempt;
 use crate::feedback;
 use crate::plan;
 use crate::prompt::{
-    DialogueError, Exchange, Finish, Prepared, PromptError, Reply, Round, TokenCounter, direct_request, query,
+    DialogueError, Exchange, Finish, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query,
 };
 use crate::repair::Outcome;
 use crate::verify::VerifiedPlan;
@@ -15,8 +15,7 @@ use crate::verify::VerifiedPlan;
 /// The model's last word is the plan that the person saw, repaired or not: that is what their words are about.
 pub(super) fn round(proposal: &Proposal, words: &str) -> Round {
     Round {
-        // A plan is plain data with string keys; writing it as JSON does not fail.
-        replied: serde_json::to_string_pretty(&proposal.answer.plan).unwrap_or_default(),
+        replied: answered(&proposal.answer.plan),
         said: words.to_owned(),
     }
 }
@@ -47,7 +46,7 @@ impl Session {
         } = self.accepted.get(number)?;
         Some(Exchange {
             said: query(&self.domain, before, instruction).ok()?,
-            replied: serde_json::to_string_pretty(&self.plan_file(number)?).ok()?,
+            replied: answered(&self.plan_file(number)?),
         })
     }
 
@@ -117,6 +116,16 @@ impl Session {
         answer.timings_ms.search = searched - started;
         answer.timings_ms.verify = (self.now)() - searched;
         match plan {
+            // The person asked for something else than they have.
+            Some(plan) if turn.is_as_before(&plan) => {
+                let stuck = Stuck {
+                    why: "the model's plan is the same as before".to_owned(),
+                    trouble: Trouble::Model,
+                    answer: None,
+                };
+                let told = "This is the same plan as before. Answer with the whole plan, changed as I said.";
+                self.correct(turn, reply, told.to_owned(), stuck);
+            }
             Some(plan) => {
                 let proposal = Proposal {
                     plan,
@@ -166,8 +175,16 @@ impl Session {
     pub(super) fn reply_of(&self, stuck: &Stuck) -> String {
         match &stuck.answer {
             Some(answer) if answer.status != Status::Question && !answer.goal.is_empty() => answer.goal.join(" & "),
-            Some(answer) => serde_json::to_string_pretty(&answer.plan).unwrap_or_default(),
+            Some(answer) => answered(&answer.plan),
             None => String::new(),
         }
+    }
+}
+
+impl Turn {
+    /// Whether the person had words about this very plan. Other explanations of the steps may be what they asked for.
+    fn is_as_before(&self, plan: &VerifiedPlan) -> bool {
+        let before = self.proposal.as_ref();
+        before.is_some_and(|proposal| proposal.plan.steps() == plan.steps())
     }
 }

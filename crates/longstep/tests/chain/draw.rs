@@ -1,0 +1,170 @@
+//! Draws instructions that make sense in a world: what to reach, and words for it.
+
+use longstep::domain::{Domain, PredicateId};
+use longstep::goal::{Goal, GoalFact, Spoken, offers};
+use longstep::solution;
+use longstep::world::{EntityId, Fact, World};
+
+/// An instruction, and what is meant by it.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    pub words: String,
+    pub goal: Goal,
+    /// The form of the goal, as `put(ITEM, PLACE)`.
+    pub kind: String,
+}
+
+impl Drawn {
+    /// Whether a model that is asked for a goal has a way to say the one that is meant.
+    pub fn can_be_said(&self, domain: &Domain, world: &World) -> bool {
+        let spoken = Spoken::of(domain, world, &self.words);
+        let offers = offers(domain, world, &[], &spoken);
+        let offered = |fact: &GoalFact| match fact {
+            GoalFact::Word { word, arguments } => offers
+                .iter()
+                .any(|o| o.word == *word && o.arguments.contains(arguments)),
+            GoalFact::Plain(_) => false,
+        };
+        self.goal.facts.iter().all(offered)
+    }
+
+    /// What is meant.
+    pub fn told(&self, domain: &Domain, world: &World) -> String {
+        let facts = self.goal.facts.iter();
+        facts
+            .map(|fact| fact.everyday(domain, world))
+            .collect::<Vec<_>>()
+            .join(" & ")
+    }
+}
+
+/// The same seed draws the same instructions for the same worlds.
+pub struct Draw {
+    state: u64,
+}
+
+/// How a goal of the domain `virtualhome` is said, and how often it is drawn. What people want most is that things go
+/// somewhere else, and that doors and switches are in another state.
+const SAYINGS: [(&str, u32, &[&str]); 10] = [
+    (
+        "put(ITEM, PLACE)",
+        12,
+        &[
+            "{0} should go {at} {1}",
+            "Please place {0} {at} {1}",
+            "I would like to have {0} {at} {1}",
+            "Could you set {0} down {at} {1}?",
+            "Bring {0} over and leave it {at} {1}",
+        ],
+    ),
+    (
+        "put(ITEM, top of PLACE)",
+        3,
+        &["Please set {0} on top of {1}", "{0} should stand on top of {1}"],
+    ),
+    (
+        "opened(THING)",
+        3,
+        &["Please open {0}", "I want {0} open", "Leave {0} open for me"],
+    ),
+    (
+        "closed(THING)",
+        3,
+        &["Please close {0}", "{0} should be closed", "Shut {0}, would you?"],
+    ),
+    (
+        "on(DEVICE)",
+        3,
+        &["Switch {0} on, please", "Turn on {0}", "Could you start {0}?"],
+    ),
+    ("off(DEVICE)", 3, &["Switch {0} off again", "Turn off {0}, please"]),
+    (
+        "moved(ITEM)",
+        2,
+        &["Shift {0} a little", "Move {0} to a different spot where it is"],
+    ),
+    (
+        "heated(ITEM, DEVICE)",
+        2,
+        &["Warm up {0} with {1}", "Heat {0} in {1}, please"],
+    ),
+    ("wet(ITEM)", 1, &["Rinse {0} with water", "Get {0} wet, please"]),
+    (
+        "drunk(ITEM)",
+        1,
+        &["Drink from {0}", "I am thirsty on your behalf: drink from {0}"],
+    ),
+];
+
+impl Draw {
+    pub fn new(seed: u64) -> Self {
+        Self { state: seed }
+    }
+
+    /// SplitMix64.
+    fn next(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.state;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    fn one_of<'a, T>(&mut self, all: &'a [T]) -> &'a T {
+        &all[(self.next() % all.len() as u64) as usize]
+    }
+
+    /// An instruction for the world as it is, which some plan carries out.
+    pub fn instruction(&mut self, domain: &Domain, world: &World) -> Drawn {
+        let offers = offers(domain, world, &[], &Spoken::default());
+        let mut urn = Vec::new();
+        for offer in &offers {
+            let shown = domain.goal_word(offer.word).shown();
+            if let Some(saying) = SAYINGS.iter().find(|saying| saying.0 == shown) {
+                urn.extend(std::iter::repeat_n((offer, saying), saying.1 as usize));
+            }
+        }
+        loop {
+            let (offer, (kind, _, wordings)) = *self.one_of(&urn);
+            let arguments = self.one_of(&offer.arguments).clone();
+            if arguments.get(1).is_some_and(|place| is_gadget(domain, world, *place)) {
+                continue;
+            }
+            let wording: &&str = self.one_of(wordings);
+            let words = said(domain, world, wording, &arguments);
+            let goal = Goal {
+                facts: vec![GoalFact::Word {
+                    word: offer.word,
+                    arguments,
+                }],
+            };
+            if solution::of_goal(domain, world, &goal, "", || 0.0).plan.is_some() {
+                let kind = (*kind).to_owned();
+                return Drawn { words, goal, kind };
+            }
+        }
+    }
+}
+
+/// Nobody puts things on a tap, a toaster or a television.
+fn is_gadget(domain: &Domain, world: &World, place: EntityId) -> bool {
+    holds(domain, world, "has-switch", place) && !holds(domain, world, "can-open", place)
+}
+
+fn holds(domain: &Domain, world: &World, predicate: &str, entity: EntityId) -> bool {
+    let found = domain.predicates.iter().position(|p| p.name == predicate).unwrap();
+    world.state.holds(Fact::new(PredicateId::new(found), [entity]))
+}
+
+fn said(domain: &Domain, world: &World, wording: &str, arguments: &[EntityId]) -> String {
+    let name = |index: usize| world.entity(arguments[index]).with_article();
+    let mut text = wording.replace("{0}", &name(0));
+    if arguments.len() > 1 {
+        let hollow = ["drawer", "sink"].iter().any(|hollow| name(1).contains(hollow));
+        let within = hollow || holds(domain, world, "can-open", arguments[1]);
+        text = text.replace("{1}", &name(1));
+        text = text.replace("{at}", if within { "in" } else { "on" });
+    }
+    let first = text.chars().take(1).flat_map(char::to_uppercase);
+    first.chain(text.chars().skip(1)).collect()
+}
