@@ -34,6 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod accepted;
 mod asking;
 mod direct;
 mod event;
@@ -42,211 +43,30 @@ mod goal;
 mod injected;
 mod log;
 mod resume;
+mod settings;
+mod stage;
 #[cfg(test)]
 mod tests;
 mod why;
 
+pub use accepted::Accepted;
 pub use event::{Event, MessageRecord, StepRecord, UsageRecord, VERSION};
 pub use log::{Entry, Log, LogError};
 pub use resume::{Replay, ReplayDifference, ResumeError, Resumed, replay};
+pub use settings::{ModelFacts, RepairPolicy, Settings, Strategy};
+pub use stage::{Need, OutOfTurn, Proposal, Stuck, Trouble};
 pub use why::{Why, why};
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
-use crate::answer::{Answer, Status};
+use crate::answer::Answer;
 use crate::domain::Domain;
-use crate::goal::Goal;
-use crate::plan::{PlanFile, TaskCohesion};
+use crate::plan::PlanFile;
 use crate::prompt::{ConstraintKind, Counting, Message, Prepared, PromptError, Round, TokenCounter, Usage};
 use crate::solution::Stopwatch;
-use crate::verify::{Purpose, VerifiedPlan};
-use crate::world::{EntityId, World};
+use crate::world::World;
 
-use asking::Asking;
-
-/// What a model is asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Strategy {
-    /// Only what is wanted; search finds the steps. Few tokens, and what small models can do.
-    #[default]
-    Goal,
-    /// The whole plan and the environment after it, as in the paper.
-    Direct,
-}
-
-/// What happens to a plan of a model that is not valid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RepairPolicy {
-    /// It is repaired; only what repair cannot mend goes back to the model.
-    #[default]
-    First,
-    /// It goes back to the model, and is repaired when the rounds are used up.
-    AfterFeedback,
-    /// It goes back to the model and is never repaired.
-    Never,
-}
-
-/// How a session goes about it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Settings {
-    /// What a model is asked for.
-    pub strategy: Strategy,
-    /// What happens to a plan that is not valid.
-    pub repair: RepairPolicy,
-    /// How often a model is told what is wrong with its reply, for each instruction.
-    pub rounds: u32,
-    /// Whether verified plans are accepted without asking.
-    pub accept: bool,
-    /// How many earlier instructions a model is shown at most, with the plans that were accepted for them (direct
-    /// strategy). What does not fit is dropped, oldest first.
-    pub history: usize,
-}
-
-impl Default for Settings {
-    /// The goal strategy, repair first, three rounds (the most that the paper needed), and two earlier instructions:
-    /// enough for "put it back", and the same for the hundredth instruction as for the third.
-    fn default() -> Self {
-        Self {
-            strategy: Strategy::default(),
-            repair: RepairPolicy::default(),
-            rounds: 3,
-            accept: false,
-            history: 2,
-        }
-    }
-}
-
-/// What a session has to know of the model that is asked.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ModelFacts {
-    /// What it is called, for the log.
-    pub name: String,
-    /// What it obeys.
-    pub kind: ConstraintKind,
-    /// How many tokens prompt and answer may have together; none if nobody knows.
-    pub context: Option<u64>,
-}
-
-/// What a session needs now.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Need {
-    /// A person's instruction.
-    Instruction,
-    /// A model's reply to this request.
-    Model(Box<Prepared>),
-    /// A person's answer to this question.
-    Answer(String),
-    /// A look at [`Session::proposal`]: accept it, or say what is to be different.
-    Decision,
-    /// Other words: [`Session::stuck`] tells why nothing came of the instruction.
-    Help,
-}
-
-/// A verified plan that waits for a person's word.
-#[derive(Debug, Clone)]
-pub struct Proposal {
-    /// The plan.
-    pub plan: VerifiedPlan,
-    /// What it is for.
-    pub purpose: Purpose,
-    /// The goal that it was made for, if it was made for one.
-    pub goal: Option<Goal>,
-    /// The same as everybody is answered.
-    pub answer: Answer,
-    /// What the person asked for last and cannot have, and why; empty if they have it.
-    pub refused: Vec<String>,
-}
-
-/// Why nothing came of an instruction.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stuck {
-    /// In one sentence.
-    pub why: String,
-    /// The plan that is not valid, or that there is none; missing where a reply could not be read at all.
-    pub answer: Option<Box<Answer>>,
-    /// What kind of trouble it is.
-    pub trouble: Trouble,
-}
-
-/// A kind of trouble, which decides the exit code of a program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trouble {
-    /// No plan, or none that is valid: the answer tells.
-    Plan,
-    /// A limit of tokens or rounds.
-    Limit,
-    /// The model did not answer, or its reply cannot be used.
-    Model,
-}
-
-/// Counts nothing, where nobody asks how much there is room for.
-struct Uncounted;
-
-impl TokenCounter for Uncounted {
-    fn message_tokens(&mut self, _: &Message) -> u64 {
-        0
-    }
-
-    fn frame_tokens(&mut self) -> u64 {
-        0
-    }
-
-    fn counting(&self) -> Counting {
-        Counting::Estimate("nothing is counted".to_owned())
-    }
-}
-
-/// One instruction, from its words to an accepted plan.
-#[derive(Debug, Clone)]
-struct Turn {
-    instruction: String,
-    /// What the model replied and what was said to it then.
-    rounds: Vec<Round>,
-    /// How often it was told what is wrong.
-    corrections: u32,
-    usage: Usage,
-    model_milliseconds: f64,
-    /// The plan that the person has words about.
-    proposal: Option<Box<Proposal>>,
-}
-
-/// Where a session is.
-#[derive(Debug, Clone)]
-enum Stage {
-    Idle,
-    Asking(Turn, Asking),
-    /// The reply that asked, and the question in it.
-    Question(Turn, String, String),
-    /// A plan: the one of the turn.
-    Proposed(Turn),
-    Stuck(Turn, Stuck),
-}
-
-/// An instruction that was carried through.
-#[derive(Debug, Clone)]
-pub struct Accepted {
-    /// What was asked for.
-    pub instruction: String,
-    /// The world before.
-    pub before: World,
-    /// What was done.
-    pub plan: VerifiedPlan,
-    /// The goal that it was made for, if it was made for one.
-    pub goal: Option<Goal>,
-}
-
-/// Something that does not fit where the session is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("{what} does not fit here: the session {state}")]
-pub struct OutOfTurn {
-    what: &'static str,
-    state: &'static str,
-}
+use stage::{Stage, Turn, sentence};
 
 /// A chain of instructions over one evolving world.
 #[derive(Debug, Clone)]
@@ -630,60 +450,19 @@ impl Session {
     }
 }
 
-impl Accepted {
-    /// The plan as it is saved; `after` is the world that it leads to.
-    fn file(&self, domain: &Domain, after: &World) -> PlanFile {
-        PlanFile {
-            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.steps()),
-            environment_before: Some(self.before.environment.clone()),
-            environment_after: Some(after.environment.clone()),
-            instruction_summary: self.instruction.clone(),
-            question: String::new(),
-        }
+/// Counts nothing, where nobody asks how much there is room for.
+struct Uncounted;
+
+impl TokenCounter for Uncounted {
+    fn message_tokens(&mut self, _: &Message) -> u64 {
+        0
     }
 
-    fn goal_texts(&self, domain: &Domain) -> Vec<String> {
-        let facts = self.goal.iter().flat_map(|goal| &goal.facts);
-        facts.map(|fact| fact.exact(domain, &self.before)).collect()
+    fn frame_tokens(&mut self) -> u64 {
+        0
     }
 
-    /// What the instruction was about: the subjects of its goal, or what was handled.
-    fn subjects(&self, domain: &Domain) -> Vec<EntityId> {
-        let mut subjects: Vec<EntityId> = match &self.goal {
-            Some(goal) => goal.facts.iter().filter_map(|fact| fact.subject(domain)).collect(),
-            None => self
-                .plan
-                .steps()
-                .iter()
-                .filter_map(|step| step.object(domain))
-                .collect(),
-        };
-        subjects.sort_unstable();
-        subjects.dedup();
-        subjects
-    }
-
-    fn steps(&self, domain: &Domain) -> Vec<StepRecord> {
-        let record = |step: &crate::plan::Step| StepRecord {
-            action: domain.action(step.action).name.clone(),
-            arguments: step
-                .arguments
-                .iter()
-                .map(|id| self.before.entity(*id).identifier.clone())
-                .collect(),
-            explanation: step.explanation.clone(),
-        };
-        self.plan.steps().iter().map(record).collect()
-    }
-}
-
-/// Why an answer is not a verified plan, in one sentence.
-fn sentence(status: Status) -> &'static str {
-    match status {
-        Status::Verified => "there is a plan",
-        Status::Invalid => "the plan is not valid",
-        Status::Unsolvable => "no plan can do this",
-        Status::GaveUp => "no plan was found within the limits",
-        Status::Question => "there is a question",
+    fn counting(&self) -> Counting {
+        Counting::Estimate("nothing is counted".to_owned())
     }
 }

@@ -1,0 +1,68 @@
+//! What has been accepted.
+
+use super::StepRecord;
+use crate::domain::Domain;
+use crate::goal::Goal;
+use crate::plan::{PlanFile, Step, TaskCohesion};
+use crate::verify::VerifiedPlan;
+use crate::world::{EntityId, World};
+
+/// An instruction that was carried through.
+#[derive(Debug, Clone)]
+pub struct Accepted {
+    /// What was asked for.
+    pub instruction: String,
+    /// The world before.
+    pub before: World,
+    /// What was done.
+    pub plan: VerifiedPlan,
+    /// The goal that it was made for, if it was made for one.
+    pub goal: Option<Goal>,
+}
+
+impl Accepted {
+    /// The plan as it is saved; `after` is the world that it leads to.
+    pub(super) fn file(&self, domain: &Domain, after: &World) -> PlanFile {
+        PlanFile {
+            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.steps()),
+            environment_before: Some(self.before.environment.clone()),
+            environment_after: Some(after.environment.clone()),
+            instruction_summary: self.instruction.clone(),
+            question: String::new(),
+        }
+    }
+
+    pub(super) fn goal_texts(&self, domain: &Domain) -> Vec<String> {
+        let facts = self.goal.iter().flat_map(|goal| &goal.facts);
+        facts.map(|fact| fact.exact(domain, &self.before)).collect()
+    }
+
+    /// What the instruction was about: the subjects of its goal, or what was handled.
+    pub(super) fn subjects(&self, domain: &Domain) -> Vec<EntityId> {
+        let mut subjects: Vec<EntityId> = match &self.goal {
+            Some(goal) => goal.facts.iter().filter_map(|fact| fact.subject(domain)).collect(),
+            None => self
+                .plan
+                .steps()
+                .iter()
+                .filter_map(|step| step.object(domain))
+                .collect(),
+        };
+        subjects.sort_unstable();
+        subjects.dedup();
+        subjects
+    }
+
+    pub(super) fn steps(&self, domain: &Domain) -> Vec<StepRecord> {
+        let record = |step: &Step| StepRecord {
+            action: domain.action(step.action).name.clone(),
+            arguments: step
+                .arguments
+                .iter()
+                .map(|id| self.before.entity(*id).identifier.clone())
+                .collect(),
+            explanation: step.explanation.clone(),
+        };
+        self.plan.steps().iter().map(record).collect()
+    }
+}
