@@ -292,12 +292,15 @@ fn another_model_is_asked_from_then_on() {
     assert_eq!(other.bodies().len(), 1);
 }
 
+/// A name; answers and lines before the session is taken up again, and after.
+type Resumption<'a> = (&'a str, Vec<Answer>, String, Vec<Answer>, &'a str);
+
 #[test]
 fn sessions_go_on() {
     let plan = "Put the cereal on the counter\n";
     let accepted = "Put the cereal on the counter\n\n";
     let juice = || goals(&["put(juice, counter)"]);
-    let table: Vec<(&str, Vec<Answer>, String, Vec<Answer>, &str)> = vec![
+    let table: Vec<Resumption<'_>> = vec![
         (
             "at_rest",
             vec![cereal_on_counter()],
