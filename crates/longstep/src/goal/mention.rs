@@ -156,7 +156,7 @@ impl FullNames {
     fn of(world: &World, singulars: &[String]) -> Self {
         let mut found = Vec::new();
         for (id, entity) in world.entities() {
-            for name in &entity.names {
+            for name in std::iter::once(&entity.name).chain(&entity.names) {
                 let parts: Vec<String> = plain_words(name).iter().map(|part| singular(part)).collect();
                 if parts.is_empty() {
                     continue;
