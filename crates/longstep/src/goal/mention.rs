@@ -93,7 +93,11 @@ impl Spoken {
             let stems = domain.implied.get(&base_name(&world.entity(id).identifier));
             stems.is_some_and(|stems| begins_with_any(&words, stems))
         };
-        let named = |id: EntityId| scored.iter().any(|(other, score)| *other == id && !beaten(id, *score));
+        let names = FullNames::of(world, &singulars);
+        let named = |id: EntityId| {
+            let best = |(other, score): &(EntityId, usize)| *other == id && !beaten(id, *score);
+            scored.iter().any(best) && !names.cover(world, &singulars, id)
+        };
         let all = world.entities().map(|(id, _)| id);
         let entities: Vec<EntityId> = all.filter(|id| named(*id) || implied(*id)).collect();
         Self { entities, words }
@@ -142,6 +146,43 @@ impl Spoken {
     /// Whether a word of the instruction begins with one of the stems.
     pub(super) fn has_any(&self, stems: &[String]) -> bool {
         begins_with_any(&self.words, stems)
+    }
+}
+
+/// Where an instruction says whole names of things: first word, length, and whose name it is.
+struct FullNames(Vec<(usize, usize, EntityId)>);
+
+impl FullNames {
+    fn of(world: &World, singulars: &[String]) -> Self {
+        let mut found = Vec::new();
+        for (id, entity) in world.entities() {
+            for name in std::iter::once(&entity.name).chain(&entity.names) {
+                let parts: Vec<String> = plain_words(name).iter().map(|part| singular(part)).collect();
+                if parts.is_empty() {
+                    continue;
+                }
+                let starts = singulars.windows(parts.len()).enumerate();
+                let starts = starts.filter(|(_, window)| *window == parts);
+                found.extend(starts.map(|(start, _)| (start, parts.len(), id)));
+            }
+        }
+        Self(found)
+    }
+
+    /// Whether the words that could mean the thing are all parts of longer names of other things: who says "drawer 2"
+    /// speaks of no other drawer, and who says "tv stand" of no tv.
+    fn cover(&self, world: &World, singulars: &[String], id: EntityId) -> bool {
+        let heads: Vec<String> = world.entity(id).names.iter().map(|name| head(name)).collect();
+        let longest = |place: usize, own: bool| {
+            let here = |(start, length, whose): &&(usize, usize, EntityId)| {
+                (*whose == id) == own && (*start..start + length).contains(&place)
+            };
+            self.0.iter().filter(here).map(|(_, length, _)| *length).max()
+        };
+        let places = singulars.iter().enumerate().filter(|(_, word)| heads.contains(word));
+        let covered =
+            |place: usize| longest(place, false).is_some_and(|other| other > longest(place, true).unwrap_or(1));
+        places.map(|(place, _)| place).all(covered)
     }
 }
 
