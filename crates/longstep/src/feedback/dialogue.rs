@@ -12,7 +12,7 @@ use crate::domain::{Domain, plain_words};
 use crate::goal::QUESTION;
 use crate::plan::{Plan, Step};
 use crate::prompt::{
-    ChatRequest, Constraint, ConstraintKind, DialogueError, Finish, Message, Reply, Role, Usage, one_line, shortened,
+    ChatRequest, Constraint, ConstraintKind, DialogueError, Message, Reply, Role, Usage, one_line, shortened, whole,
 };
 use crate::world::World;
 
@@ -116,11 +116,7 @@ impl FeedbackDialogue {
     pub fn supply(&mut self, domain: &Domain, world: &World, reply: &Reply) -> Result<Wish, DialogueError> {
         self.usage += reply.usage;
         self.answer.clone_from(&reply.text);
-        match reply.finish {
-            Finish::Stop => {}
-            Finish::Length => return Err(DialogueError::CutOff(shortened(&self.answer))),
-            Finish::Refused => return Err(DialogueError::Refused),
-        }
+        whole(reply)?;
         let text = match self.kind {
             ConstraintKind::Grammar => reply.text.trim().to_owned(),
             ConstraintKind::JsonSchema => self.unwrapped(&reply.text)?,

@@ -45,6 +45,19 @@ pub enum DialogueError {
     NoWish(#[from] WishError),
 }
 
+/// Whether a reply came to its end: one that is cut off or refused says nothing.
+///
+/// # Errors
+///
+/// When it did not.
+pub(crate) fn whole(reply: &Reply) -> Result<(), DialogueError> {
+    match reply.finish {
+        Finish::Stop => Ok(()),
+        Finish::Length => Err(DialogueError::CutOff(shortened(&reply.text))),
+        Finish::Refused => Err(DialogueError::Refused),
+    }
+}
+
 /// What to do next.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Turn {
@@ -201,11 +214,7 @@ impl GoalDialogue {
     pub fn supply(&mut self, domain: &Domain, world: &World, reply: &Reply) -> Result<Turn, DialogueError> {
         self.usage += reply.usage;
         self.answer.push_str(&reply.text);
-        match reply.finish {
-            Finish::Stop => {}
-            Finish::Length => return Err(DialogueError::CutOff(shortened(&self.answer))),
-            Finish::Refused => return Err(DialogueError::Refused),
-        }
+        whole(reply)?;
         match self.kind {
             ConstraintKind::Grammar => self.supply_part(domain, world, &reply.text),
             ConstraintKind::JsonSchema => self.supply_whole(domain, world, &reply.text),

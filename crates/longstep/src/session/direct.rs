@@ -7,7 +7,7 @@ use crate::attempt::Attempt;
 use crate::feedback;
 use crate::plan;
 use crate::prompt::{
-    DialogueError, Exchange, Finish, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query,
+    DialogueError, Exchange, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query, whole,
 };
 use crate::repair::Outcome;
 use crate::verify::VerifiedPlan;
@@ -51,13 +51,8 @@ impl Session {
     }
 
     pub(super) fn plan_reply(&mut self, turn: Turn, reply: &Reply) {
-        match reply.finish {
-            Finish::Stop => {}
-            Finish::Length => {
-                let error = DialogueError::CutOff(reply.text.chars().take(80).collect());
-                return self.give_up(turn, unusable(&error));
-            }
-            Finish::Refused => return self.give_up(turn, unusable(&DialogueError::Refused)),
+        if let Err(error) = whole(reply) {
+            return self.give_up(turn, unusable(&error));
         }
         let draft = match plan::read(&reply.text) {
             Ok(draft) => draft,

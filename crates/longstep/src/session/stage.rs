@@ -15,9 +15,9 @@ pub enum Need {
     Model(Box<Prepared>),
     /// A person's answer to this question.
     Answer(String),
-    /// A look at [`Session::proposal`]: accept it, or say what is to be different.
+    /// A look at [`proposal`](super::Session::proposal): accept it, or say what is to be different.
     Decision,
-    /// Other words: [`Session::stuck`] tells why nothing came of the instruction.
+    /// Other words: [`stuck`](super::Session::stuck) tells why nothing came of the instruction.
     Help,
 }
 
