@@ -26,10 +26,10 @@ pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn Ch
     Ok(open(&reference, &options, &mut |progress| spinner.show(&progress))?)
 }
 
-/// What a session has to know of it.
-pub(crate) fn facts(name: &str, model: &dyn ChatModel) -> ModelFacts {
+/// What a session has to know of it. The address of a server may hold a password and stays out of the log.
+pub(crate) fn facts(model: &dyn ChatModel) -> ModelFacts {
     ModelFacts {
-        name: name.to_owned(),
+        name: model.name().to_owned(),
         kind: model.constraint_kind(),
         context: model.context_tokens(),
     }

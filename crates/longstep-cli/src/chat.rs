@@ -99,7 +99,7 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
         Some(folder) => SessionFolder::create(folder)?,
         None => SessionFolder::create(&free_folder(env)?)?,
     };
-    let facts = ask::facts(name, model.as_ref());
+    let facts = ask::facts(model.as_ref());
     // The log is read from anywhere: a domain's folder is named whole.
     let whole = Path::new(named)
         .is_dir()
@@ -259,7 +259,7 @@ impl Chat<'_> {
     fn open_model(&mut self) -> Result<()> {
         if self.model.is_none() {
             let model = ask::model(&self.model_name, self.arguments)?;
-            let facts: ModelFacts = ask::facts(&self.model_name, model.as_ref());
+            let facts: ModelFacts = ask::facts(model.as_ref());
             if self.session.model() != &facts {
                 self.session.set_model(facts);
             }

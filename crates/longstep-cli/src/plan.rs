@@ -24,7 +24,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let asked = stopwatch();
     let mut model = ask::model(&arguments.model.model, &arguments.model)?;
     let opened = stopwatch() - asked;
-    let facts = ask::facts(&arguments.model.model, model.as_ref());
+    let facts = ask::facts(model.as_ref());
     let mut session = Session::new(named, domain, world, arguments.strategy.settings(), facts, stopwatch);
     // A session that has just begun waits for an instruction.
     session.instruct(instruction)?;

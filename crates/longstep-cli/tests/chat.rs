@@ -600,3 +600,16 @@ fn what_is_typed_wrong_is_told() {
     // No session is begun by what cannot begin.
     assert!(!home.path().join("state/longstep/sessions").exists());
 }
+
+#[test]
+fn a_password_in_a_server_s_address_is_in_no_file_and_no_message() {
+    let home = Home::new();
+    let server = Server::giving(vec![cereal_on_counter()]);
+    let reference = server.reference().replace("http://", "http://robot:hunter2@");
+    let mut command = home.longstep(&["chat", "--env", PANTRY, "--model", &reference, "--yes"]);
+    command.arg("--session").arg(home.session());
+    let said = seen(&mut command, "The cereal goes on the counter\n");
+    assert!(said.contains("Accepted as plan 0"), "{said}");
+    assert!(!said.contains("hunter2"), "{said}");
+    assert!(!std::fs::read_to_string(home.log()).unwrap().contains("hunter2"));
+}

@@ -129,7 +129,7 @@ impl Chat<'_> {
         }
         // The old one stays when the new one cannot be opened.
         let model = ask::model(rest, self.arguments)?;
-        self.session.set_model(ask::facts(rest, model.as_ref()));
+        self.session.set_model(ask::facts(model.as_ref()));
         self.model = Some(model);
         rest.clone_into(&mut self.model_name);
         screen::notice(&format!("{rest} is asked from now on"));
