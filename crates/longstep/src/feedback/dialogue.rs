@@ -12,7 +12,7 @@ use crate::domain::{Domain, plain_words};
 use crate::goal::QUESTION;
 use crate::plan::{Plan, Step};
 use crate::prompt::{
-    ChatRequest, Constraint, ConstraintKind, DialogueError, Message, Reply, Role, Usage, one_line, shortened, whole,
+    ChatRequest, Constraint, ConstraintKind, DialogueError, Message, Reply, Role, Usage, object, one_line, whole,
 };
 use crate::world::World;
 
@@ -143,14 +143,7 @@ impl FeedbackDialogue {
             #[serde(default)]
             edits: Vec<String>,
         }
-        // A server that ignores the schema may put a fence around the object.
-        let bare = text
-            .trim()
-            .trim_start_matches("```json")
-            .trim_start_matches("```")
-            .trim_end_matches("```");
-        let answer: Answer = serde_json::from_str(bare.trim())
-            .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))?;
+        let answer: Answer = object(text)?;
         Ok(match answer {
             Answer { question, .. } if !question.trim().is_empty() => format!("{QUESTION}{}", question.trim()),
             Answer { goal: true, .. } => GOAL.to_owned(),

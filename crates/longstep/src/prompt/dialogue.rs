@@ -4,6 +4,7 @@
 //! ([`GoalDialogue::supply`]) until it understands.
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::query::plain_line;
@@ -56,6 +57,22 @@ pub(crate) fn whole(reply: &Reply) -> Result<(), DialogueError> {
         Finish::Length => Err(DialogueError::CutOff(shortened(&reply.text))),
         Finish::Refused => Err(DialogueError::Refused),
     }
+}
+
+/// The JSON object of a server's answer.
+///
+/// # Errors
+///
+/// When it is none, or another one.
+pub(crate) fn object<T: DeserializeOwned>(text: &str) -> Result<T, DialogueError> {
+    // A server that ignores the schema may put a fence around the object.
+    let bare = text
+        .trim()
+        .trim_start_matches("```json")
+        .trim_start_matches("```")
+        .trim_end_matches("```");
+    serde_json::from_str(bare.trim())
+        .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))
 }
 
 /// What to do next.
@@ -246,14 +263,7 @@ impl GoalDialogue {
             #[serde(default)]
             goals: Vec<String>,
         }
-        // A server that ignores the schema may put a fence around the object.
-        let bare = text
-            .trim()
-            .trim_start_matches("```json")
-            .trim_start_matches("```")
-            .trim_end_matches("```");
-        let answer: Answer = serde_json::from_str(bare.trim())
-            .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))?;
+        let answer: Answer = object(text)?;
         if !answer.question.trim().is_empty() {
             return Ok(self.asked(domain, world, answer.question.trim().to_owned()));
         }
@@ -291,7 +301,7 @@ pub(crate) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-pub(crate) fn shortened(text: &str) -> String {
+fn shortened(text: &str) -> String {
     let mut short: String = one_line(text).chars().take(120).collect();
     if short.len() < text.trim().len() {
         short.push('…');

@@ -26,7 +26,7 @@ pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
 pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Round, Usage};
 pub use count::{Counting, EstimatedTokens, TokenCounter};
 pub use dialogue::{DialogueError, GoalDialogue, Turn};
-pub(crate) use dialogue::{one_line, shortened, whole};
+pub(crate) use dialogue::{object, one_line, whole};
 pub use direct::{Prepared, direct_request};
 pub use example::Example;
 pub(crate) use example::{check_example, render_goal_prompt};

@@ -137,7 +137,6 @@ impl Session {
                     true => sentence(answer.status).to_owned(),
                     false => wrong.join("; "),
                 };
-                // What repair could not mend is told without the changes that it would make.
                 let told = attempt.feedback(domain, world);
                 let stuck = Stuck {
                     why,
