@@ -27,7 +27,8 @@ struct Terminal {
 impl Terminal {
     fn chat(server: &Server, home: &std::path::Path) -> Self {
         let program = env!("CARGO_BIN_EXE_longstep");
-        let line = format!("{program} chat --env {PANTRY} --model {}", server.reference());
+        // A shell that stayed would get every Ctrl-C as well, and some then end by it whatever the program does.
+        let line = format!("exec {program} chat --env {PANTRY} --model {}", server.reference());
         let mut child = Command::new("script")
             .args(["--quiet", "--return", "--command", &line, "/dev/null"])
             .current_dir(root())
