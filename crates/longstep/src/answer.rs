@@ -219,7 +219,7 @@ impl Answer {
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
         answer.plan.task_cohesion = TaskCohesion::new(domain, world, report.plan.steps());
-        answer.plan.environment_after = Some(world::write(domain, world, &report.after));
+        answer.plan.environment_after = Some(world::write(domain, world, &report.ending().after));
         answer.steps = report
             .plan
             .steps()

@@ -100,7 +100,7 @@ impl Attempt {
         answer.assumptions.extend(open.iter().map(|a| a.message(domain, world)));
         let claim = self.purpose.claim.as_ref();
         answer.claims = claim.map_or_else(Claims::default, |claim| {
-            compare_claims(domain, world, claim, &report.after)
+            compare_claims(domain, world, claim, &report.ending().after)
         });
         self.remark(domain, world, &mut answer);
         answer

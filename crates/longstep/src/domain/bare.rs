@@ -97,6 +97,8 @@ fn with_plain_words(semantics: Semantics) -> Domain {
             .map(|schema| Action {
                 explicit: (0..schema.parameters.len()).collect(),
                 object: None,
+                actor: None,
+                senses: Vec::new(),
                 says: Template::pddl(&schema.name, schema.parameters.len()),
                 means: String::new(),
                 call: schema.name.clone(),

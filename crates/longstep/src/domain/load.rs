@@ -4,12 +4,13 @@ mod goals;
 
 use toml::Spanned;
 
-use super::condition::{Condition, Effect};
+use super::condition::{Atom, Condition, Effect};
 use super::pddl::{Reader, Scope, Semantics, Written};
 use super::words::{self, DomainFile, ExamplesFile, FeedbackFile, TimeEntry, UnknownEntry};
 use super::{
-    Action, DefaultFact, Derivation, Domain, EnvironmentTypes, Files, FormPiece, GoalWord, Lexicon, Literal, Parameter,
-    PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
+    Action, ActionSchema, DefaultFact, Derivation, Domain, EnvironmentTypes, Files, FormPiece, GoalWord, Lexicon,
+    Literal, Parameter, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, Template,
+    TypeId, Unknown, pddl, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
@@ -238,8 +239,11 @@ impl Loader<'_> {
             asset: self.kind(&file.environment.assets),
             object: self.kind(&file.environment.objects),
         };
-        let predicate_words = self.predicates(&file.predicate);
+        let mut predicate_words = self.predicates(&file.predicate);
         let actions = self.actions(&file.action);
+        for atom in actions.iter().flat_map(|action| &action.senses) {
+            predicate_words[atom.predicate.index()].fluent = true;
+        }
         let states = file.state.iter().filter_map(|entry| self.state(entry)).collect();
         let properties = file.property.iter().map(|entry| self.property(entry)).collect();
         let derivations = file.derive.iter().map(|entry| self.derivation(entry)).collect();
@@ -257,6 +261,7 @@ impl Loader<'_> {
             })
             .collect();
         let goal_words: Vec<GoalWord> = file.goal.iter().filter_map(|entry| self.goal_word(entry)).collect();
+        self.asked_for_lack(&file, &actions, &goal_words);
         let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
         let repair = self.repair_costs(&file.repair);
         Domain {
@@ -392,6 +397,10 @@ impl Loader<'_> {
                 .object
                 .as_ref()
                 .and_then(|object| self.parameter(object, &schema.parameters));
+            let actor = entry
+                .actor
+                .as_ref()
+                .and_then(|actor| self.parameter(actor, &schema.parameters));
             if let Some(shown) = object.filter(|index| explicit.contains(index)) {
                 let message = format!("`{}` is shown in the call already", known[shown]);
                 self.report(&entry.call, message);
@@ -408,11 +417,76 @@ impl Loader<'_> {
                 call: call.name,
                 explicit,
                 object,
+                actor,
+                senses: self.senses(entry, schema),
                 says: self.template(&entry.says, &schema.parameters),
                 means: entry.means.clone(),
             });
         }
         actions
+    }
+
+    /// What a sensing action tells.
+    fn senses(&mut self, entry: &words::ActionEntry, schema: &ActionSchema) -> Vec<Atom> {
+        let mut outcomes: Vec<Atom> = Vec::new();
+        for text in &entry.senses {
+            let Some(literal) = self.literal(text, &schema.parameters) else {
+                continue;
+            };
+            let others = |atom: &Atom| atom.terms != literal.atom.terms || *atom == literal.atom;
+            if !literal.holds {
+                self.report(text, "an outcome is a fact of its own, not the lack of one");
+            } else if outcomes.iter().any(others) {
+                self.report(text, "outcomes are different facts about the same things");
+            } else {
+                outcomes.push(literal.atom);
+            }
+        }
+        if let ([only], [_]) = (entry.senses.as_slice(), outcomes.as_slice()) {
+            self.report(
+                only,
+                "sensing tells which of at least two outcomes holds; add the other one",
+            );
+        }
+        if !outcomes.is_empty() && !schema.effects.is_empty() {
+            let message = format!("`{}` senses, so it must not have effects", schema.name);
+            self.report(&entry.name, message);
+        }
+        outcomes
+    }
+
+    /// What is not known does not hold, and neither does its opposite: nobody may ask that an outcome does not hold.
+    fn asked_for_lack(&mut self, file: &DomainFile, actions: &[Action], goal_words: &[GoalWord]) {
+        let sensed: Vec<PredicateId> = actions
+            .iter()
+            .flat_map(|a| &a.senses)
+            .map(|atom| atom.predicate)
+            .collect();
+        let asks = |condition: &Condition| {
+            let mut asks = None;
+            condition.for_each_atom(&mut |atom, holds| {
+                if !holds && sensed.contains(&atom.predicate) {
+                    asks = Some(atom.predicate);
+                }
+            });
+            asks
+        };
+        let named = |name: &str| file.action.iter().find(|entry| entry.name.get_ref() == name);
+        let of_actions = actions.iter().filter_map(|action| {
+            let conditions = std::iter::once(&action.precondition).chain(action.effects.iter().map(|e| &e.condition));
+            Some((&named(&action.name)?.name, conditions.into_iter().find_map(asks)?))
+        });
+        let of_goals = goal_words.iter().filter_map(|word| {
+            let shown = |entry: &&words::GoalEntry| entry.form.get_ref().starts_with(&word.word);
+            Some((&file.goal.iter().find(shown)?.form, asks(&word.condition)?))
+        });
+        let found: Vec<_> = of_actions.chain(of_goals).collect();
+        for (place, predicate) in found {
+            let name = &self.semantics.predicates[predicate.index()].name;
+            let message =
+                format!("this needs that `{name}` does not hold, which is never known: ask for another outcome");
+            self.report(place, message);
+        }
     }
 
     fn state(&mut self, entry: &words::StateEntry) -> Option<StateWord> {

@@ -180,6 +180,12 @@ pub struct Action {
     pub explicit: Vec<usize>,
     /// The implicit parameter that a plan's `object_name` gives.
     pub object: Option<usize>,
+    /// The parameter that does it, where there is a choice: a hand, an arm, a robot. What no single one of them does
+    /// has none.
+    pub actor: Option<usize>,
+    /// What it tells, if it is sensing: exactly one of these facts holds, and afterwards it is known which. Empty for
+    /// an action that changes the world.
+    pub senses: Vec<Atom>,
     /// The explanation of a step.
     pub says: Template,
     /// What the action is for, as a model and a person are told.
@@ -218,7 +224,7 @@ pub struct PredicateWords {
     pub event: bool,
     /// What to think of it when the environment does not say.
     pub unknown: Unknown,
-    /// Whether some action changes it.
+    /// Whether some action changes it, or tells it.
     pub fluent: bool,
 }
 

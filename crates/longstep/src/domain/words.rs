@@ -73,6 +73,9 @@ pub(super) struct ActionEntry {
     pub(super) name: Text,
     pub(super) call: Text,
     pub(super) object: Option<Text>,
+    pub(super) actor: Option<Text>,
+    #[serde(default)]
+    pub(super) senses: Vec<Text>,
     pub(super) says: Text,
     pub(super) means: String,
 }

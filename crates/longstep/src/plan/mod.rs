@@ -4,10 +4,12 @@ mod near;
 mod paper;
 mod read;
 mod resolve;
+pub mod tree;
 
 pub use paper::{PlanFile, TaskCohesion};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
+pub use tree::{Lane, LaneItem, Node, Test};
 
 use crate::call::Call;
 use crate::domain::{ActionId, Domain, id};
@@ -53,6 +55,14 @@ impl Step {
         }
     }
 
+    /// The hand, arm or robot that does it, if it is one of several.
+    pub fn actor(&self, domain: &Domain) -> Option<EntityId> {
+        domain
+            .action(self.action)
+            .actor
+            .map(|parameter| self.arguments[parameter])
+    }
+
     /// The entity that the paper's `object_name` speaks of, if the action has one.
     pub fn object(&self, domain: &Domain) -> Option<EntityId> {
         domain
@@ -62,13 +72,6 @@ impl Step {
     }
 }
 
-/// A part of a plan.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Node {
-    /// One step, by its number.
-    Step(StepId),
-}
-
 /// A plan is a tree of nodes over its steps; a plain list is a tree whose nodes are the steps in turn.
 ///
 /// Steps are numbered in reading order, whatever the tree looks like, so that a finding can say "step 3".
@@ -76,7 +79,7 @@ pub enum Node {
 /// ```
 /// use longstep::plan::{Node, Plan};
 /// let plan = Plan::sequence(Vec::new());
-/// assert!(plan.steps().is_empty() && plan.body().is_empty());
+/// assert!(plan.steps().is_empty() && plan.body().is_empty() && plan.is_sequence());
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Plan {
@@ -89,6 +92,12 @@ impl Plan {
     pub fn sequence(steps: Vec<Step>) -> Self {
         let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
         Self { steps, body }
+    }
+
+    /// The plan with this tree; none unless every step stands in it once, in reading order, and it is no deeper than
+    /// [`tree::DEEPEST`].
+    pub fn tree(steps: Vec<Step>, body: Vec<Node>) -> Option<Self> {
+        tree::is_sound(&body, steps.len()).then_some(Self { steps, body })
     }
 
     /// Every step, in reading order.
@@ -104,6 +113,11 @@ impl Plan {
     /// The outermost nodes, in the order in which they are carried out.
     pub fn body(&self) -> &[Node] {
         &self.body
+    }
+
+    /// Whether it is a plain list of steps.
+    pub fn is_sequence(&self) -> bool {
+        self.body.iter().all(|node| matches!(node, Node::Step(_)))
     }
 }
 

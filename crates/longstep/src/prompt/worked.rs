@@ -169,7 +169,7 @@ fn shown(
             .map(|violation| violation.message(domain, world, steps, None));
         told.collect::<Vec<_>>().join("; ")
     })?;
-    let after = world::write(domain, world, verified.after());
+    let after = world::write(domain, world, &verified.ending().after);
     let cohesion = TaskCohesion::new(domain, world, verified.steps());
     Ok(AnswerText::new(cohesion, world, StateLists::of(&after), summary, ""))
 }

@@ -211,6 +211,7 @@ impl Reasons<'_> {
         let steps = self.report.plan.steps();
         let changes: Vec<Change> = self
             .report
+            .ending()
             .trace
             .steps()
             .nth(at)
@@ -249,7 +250,7 @@ impl Reasons<'_> {
             return Some(says.fill(|slot| world.entity(broken.bindings[slot]).with_article()));
         }
         // What holds after the repair and would not without the step.
-        let failing = |fact: &&Fact| self.report.after.holds(**fact) && !state.holds(**fact);
+        let failing = |fact: &&Fact| self.report.ending().after.holds(**fact) && !state.holds(**fact);
         if let Some(fact) = self.meant.promised().find(failing) {
             let text = fact_text(domain, world, *fact, true);
             return Some(format!("the plan is to end so that {text}"));

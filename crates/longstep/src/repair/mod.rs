@@ -129,8 +129,8 @@ fn repair_within(
     // What the draft would come to if every step worked.
     let as_if = match check(domain, world, plan, purpose).into_verified() {
         Ok(plan) if draft.issues.is_empty() => return Outcome::Valid(plan),
-        Ok(plan) => plan.after().clone(),
-        Err(report) => report.after,
+        Ok(plan) => plan.ending().after.clone(),
+        Err(report) => report.ending().after.clone(),
     };
     if let Some(why) = unclear(domain, world, draft, purpose) {
         return Outcome::Unclear { why };

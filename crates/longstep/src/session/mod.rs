@@ -339,7 +339,7 @@ impl Session {
             plan: proposal.plan,
             goal: proposal.goal,
         };
-        let world = accepted.before.after(&self.domain, &accepted.plan);
+        let world = accepted.before.after(&self.domain, accepted.plan.ending());
         self.events.push(Event::Accept {
             number: self.accepted.len(),
             instruction: accepted.instruction.clone(),

@@ -136,7 +136,7 @@ impl Session {
             invalid(told.collect::<Vec<_>>().join("; "))
         })?;
         let before = self.world.clone();
-        self.world = before.after(&self.domain, &plan);
+        self.world = before.after(&self.domain, plan.ending());
         self.stage = Stage::Idle;
         self.accepted.push(Accepted {
             instruction: instruction.to_owned(),

@@ -25,7 +25,7 @@ use crate::world::{Voice, World};
 /// ```
 pub fn why(domain: &Domain, world: &World, steps: &[Step], purpose: &Purpose, goal: Option<&Goal>, step: usize) -> Why {
     let whole = check(domain, world, Plan::sequence(steps.to_vec()), purpose);
-    let changed = whole.trace.steps().find(|(id, _)| id.index() == step);
+    let changed = whole.ending().trace.steps().find(|(id, _)| id.index() == step);
     let brings_about = changed
         .into_iter()
         .flat_map(|(_, changes)| changes)

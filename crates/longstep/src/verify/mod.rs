@@ -49,14 +49,23 @@ pub struct Purpose {
 pub struct Report {
     /// The plan, all arguments bound.
     pub plan: Plan,
-    /// What each step changed.
-    pub trace: Trace,
+    /// How it can end, at least one: several where sensing decides, sorted by what it told.
+    pub endings: Vec<Ending>,
     /// What is wrong; empty for a good plan.
     pub violations: Vec<Violation>,
     /// What is odd without being wrong.
     pub warnings: Vec<Violation>,
     /// What the verdict rests on that the environment does not say.
     pub assumptions: Vec<Assumption>,
+}
+
+/// One way in which a plan can end.
+#[derive(Debug, Clone)]
+pub struct Ending {
+    /// What sensing told on the way, as far as it is still known; empty for a plan without sensing.
+    pub when: Vec<Fact>,
+    /// What each step changed, on one way that ends so.
+    pub trace: Trace,
     /// The world after the last step.
     pub after: State,
 }
@@ -85,13 +94,23 @@ impl VerifiedPlan {
         &self.report
     }
 
-    /// The world after the last step.
-    pub fn after(&self) -> &State {
-        &self.report.after
+    /// How it can end, at least one.
+    pub fn endings(&self) -> &[Ending] {
+        &self.report.endings
+    }
+
+    /// Its first ending: the only one of a plan without sensing.
+    pub fn ending(&self) -> &Ending {
+        self.report.ending()
     }
 }
 
 impl Report {
+    /// The first ending: the only one of a plan without sensing.
+    pub fn ending(&self) -> &Ending {
+        &self.endings[0]
+    }
+
     /// The plan, if nothing speaks against it.
     ///
     /// # Errors
@@ -148,11 +167,14 @@ pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> R
         Some(Assumption::Fact { fact, ground })
     };
     Report {
-        trace: path.trace,
+        endings: vec![Ending {
+            when: Vec::new(),
+            trace: path.trace,
+            after: path.state,
+        }],
         violations,
         warnings,
         assumptions: rested.into_iter().filter_map(assumption).collect(),
-        after: path.state,
         plan,
     }
 }
@@ -182,6 +204,7 @@ impl Walk<'_> {
         for node in nodes {
             match node {
                 Node::Step(id) => self.step(*id, path),
+                _ => {}
             }
         }
     }
