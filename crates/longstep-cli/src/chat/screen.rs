@@ -5,7 +5,7 @@ use std::path::Path;
 use longstep::domain::Domain;
 use longstep::goal::Goal;
 use longstep::plan::Step;
-use longstep::session::{Need, Session};
+use longstep::session::{Ended, Need, Session};
 use longstep::verify::{Purpose, VerifiedPlan};
 use longstep::world::{Environment, World};
 use longstep_llm::session_directory;
@@ -34,6 +34,7 @@ pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
             proposal(session);
             waiting(interactive);
         }
+        Need::Ending(endings) => ended(session, endings),
         Need::Help => {
             if let Some(stuck) = session.stuck() {
                 match &stuck.answer {
@@ -52,6 +53,20 @@ fn waiting(interactive: bool) {
         let told = "Waiting for a decision: an empty line accepts the plan, `no` gives it up.";
         anstream::println!("{}\n", told.dimmed());
     }
+}
+
+/// Asks how a plan ended that can end in several ways.
+fn ended(session: &Session, endings: &[Ended]) {
+    anstream::println!("{}", "How did it end?".yellow().bold());
+    for (number, ending) in endings.iter().enumerate() {
+        let when = match ending.when.is_empty() {
+            true => "in another way".to_owned(),
+            false => ending.when.join(", and "),
+        };
+        anstream::println!("  {} {when}", format!("{}.", number + 1).bold());
+        show::changes(&session.world().environment, &ending.environment);
+    }
+    anstream::println!();
 }
 
 fn proposal(session: &Session) {
@@ -100,6 +115,10 @@ pub(super) fn accepted(session: &Session) {
         anstream::println!();
     }
     anstream::println!("{} as plan {number}", "Accepted".green().bold());
+    let endings = session.endings();
+    if !endings.is_empty() {
+        return ended(session, &endings);
+    }
     show::changes(&last.before.environment, &session.world().environment);
     anstream::println!();
 }
@@ -178,6 +197,8 @@ pub(super) fn where_we_are(session: &Session, interactive: bool) {
         waiting(interactive);
     } else if let Some(question) = session.question() {
         need(session, &Need::Answer(question.to_owned()), interactive);
+    } else if !session.endings().is_empty() {
+        need(session, &Need::Ending(session.endings()), interactive);
     } else if session.stuck().is_some() {
         need(session, &Need::Help, interactive);
     }

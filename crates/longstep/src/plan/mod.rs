@@ -8,7 +8,8 @@ pub mod script;
 pub mod tree;
 mod written;
 
-pub use paper::{PlanFile, TaskCohesion};
+pub(crate) use paper::endings;
+pub use paper::{EndingFile, PlanFile, TaskCohesion};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
 pub use script::ScriptError;
