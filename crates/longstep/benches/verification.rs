@@ -109,7 +109,9 @@ fn branches(domain: &Domain, world: &World, apart: bool) -> Plan {
         let condition = Test::Sense(add("check-cleanness", vec![table]));
         let mut wiped = |times: usize| -> Vec<Node> {
             let times = if apart { 0 } else { times };
-            (0..times).map(|_| Node::Step(add("wipe", vec![sponge, table]))).collect()
+            (0..times)
+                .map(|_| Node::Step(add("wipe", vec![sponge, table])))
+                .collect()
         };
         let (then, otherwise) = (wiped(1), wiped(2));
         body.push(Node::If {
@@ -129,7 +131,11 @@ fn branching(criterion: &mut Criterion) {
         let plan = branches(&domain, &world, apart);
         let report = verify::check(&domain, &world, plan.clone(), &Purpose::default());
         let kinds: Vec<&str> = report.violations.iter().map(|violation| violation.kind()).collect();
-        println!("{name}: {} steps, {} endings, {kinds:?}", plan.steps().len(), report.endings.len());
+        println!(
+            "{name}: {} steps, {} endings, {kinds:?}",
+            plan.steps().len(),
+            report.endings.len()
+        );
         group.bench_function(name, |bencher| {
             bencher.iter_batched(
                 || plan.clone(),

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
-use crate::plan::{self, PlanFile, Step, TaskCohesion};
+use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
 use crate::prompt::Usage;
 use crate::repair::Edit;
 use crate::verify::{Ending, Report, Violation};
@@ -66,6 +66,9 @@ pub struct Answer {
     pub timings_ms: Timings,
     /// Remarks that change no verdict: what was read leniently, what is odd about the plan.
     pub notes: Vec<String>,
+    /// The plan as lines for a person.
+    #[serde(skip)]
+    pub outline: Vec<OutlineLine>,
 }
 
 /// A change of an [`Answer`].
@@ -214,6 +217,7 @@ impl Answer {
             usage: UsageAnswer::default(),
             timings_ms: Timings::default(),
             notes: Vec::new(),
+            outline: Vec::new(),
         }
     }
 
@@ -226,6 +230,7 @@ impl Answer {
         let environment = |ending: &Ending| world::write(domain, world, &ending.after);
         (answer.plan.environment_after, answer.plan.endings) =
             plan::endings(domain, world, &report.endings, environment);
+        answer.outline = plan::outline(domain, world, &report.plan);
         answer.steps = report
             .plan
             .steps()
