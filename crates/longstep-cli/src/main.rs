@@ -9,6 +9,7 @@ mod chat;
 mod domain;
 mod draft;
 mod explain;
+mod export;
 mod failure;
 mod inputs;
 mod model;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Session(command) => session::run(&command),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Repair(arguments) => repair::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Domain(command) => domain::run(&command),
         Command::Model(command) => model::run(&command),

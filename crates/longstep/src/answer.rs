@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
-use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
+use crate::plan::{self, OutlineLine, PlanFile, Resolved, Step, TaskCohesion};
 use crate::prompt::Usage;
 use crate::repair::Edit;
 use crate::verify::{Ending, Report, Violation};
@@ -226,7 +226,7 @@ impl Answer {
         let good = report.violations.is_empty();
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
-        answer.plan.task_cohesion = TaskCohesion::new(domain, world, report.plan.steps());
+        answer.plan.task_cohesion = TaskCohesion::new(domain, world, &report.plan);
         let environment = |ending: &Ending| world::write(domain, world, &ending.after);
         (answer.plan.environment_after, answer.plan.endings) =
             plan::endings(domain, world, &report.endings, environment);
@@ -238,10 +238,15 @@ impl Answer {
             .enumerate()
             .map(|(i, s)| StepAnswer::of(domain, world, i, s))
             .collect();
-        let calls = &answer.plan.task_cohesion.task_sequence;
+        let calls: Vec<String> = report
+            .plan
+            .steps()
+            .iter()
+            .map(|step| step.call(domain, world).to_string())
+            .collect();
         let told = report.violations.iter();
         answer.violations = told
-            .map(|v| ViolationAnswer::of(domain, world, v, calls, report.plan.steps(), goal))
+            .map(|v| ViolationAnswer::of(domain, world, v, &calls, report.plan.steps(), goal))
             .collect();
         answer.assumptions = report.assumptions.iter().map(|a| a.message(domain, world)).collect();
         let odd = report.warnings.iter();
@@ -255,11 +260,11 @@ impl Answer {
     }
 
     /// The answer to a plan whose steps name what there is not: it was not simulated.
-    pub fn of_unresolved(domain: &Domain, world: &World, written: &PlanFile, violations: &[Violation]) -> Self {
+    pub fn of_unresolved(domain: &Domain, world: &World, written: &PlanFile, resolved: &Resolved) -> Self {
         let mut answer = Self::without_plan(Status::Invalid, world, &written.instruction_summary, "");
         answer.plan.task_cohesion.clone_from(&written.task_cohesion);
-        let calls = &written.task_cohesion.task_sequence;
-        let told = violations.iter();
+        let calls = &resolved.written;
+        let told = resolved.issues.iter();
         answer.violations = told
             .map(|v| ViolationAnswer::of(domain, world, v, calls, &[], None))
             .collect();

@@ -71,6 +71,7 @@ fn plan() -> impl Strategy<Value = PlanFile> {
                         step_instructions,
                         object_name,
                         object_names,
+                        task_tree: None,
                     },
                     environment_before: before,
                     environment_after: after,

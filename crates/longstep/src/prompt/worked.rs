@@ -170,6 +170,6 @@ fn shown(
         told.collect::<Vec<_>>().join("; ")
     })?;
     let after = world::write(domain, world, &verified.ending().after);
-    let cohesion = TaskCohesion::new(domain, world, verified.steps());
+    let cohesion = TaskCohesion::new(domain, world, verified.plan());
     Ok(AnswerText::new(cohesion, world, StateLists::of(&after), summary, ""))
 }

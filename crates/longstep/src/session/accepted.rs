@@ -26,7 +26,7 @@ impl Accepted {
         let environment = |ending: &Ending| self.before.after(domain, ending).environment;
         let (environment_after, endings) = plan::endings(domain, &self.before, self.plan.endings(), environment);
         PlanFile {
-            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.steps()),
+            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.plan()),
             environment_before: Some(self.before.environment.clone()),
             environment_after,
             endings,

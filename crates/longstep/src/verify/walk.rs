@@ -3,10 +3,12 @@
 //! The walk carries all states in which a way can be at a node. Sensing splits a state, and ways that come to the same
 //! state are one from there on. Loops are followed until no new state comes up.
 
-use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::history::{Here, History};
-use super::{Violation, simulate, unmet, violation};
+use super::{StepClaim, Violation, claims, simulate, unmet, violation};
 use crate::domain::{Action, Atom, Domain, PredicateId, RuleTime};
 use crate::plan::{Node, Plan, StepId, Test, tree};
 use crate::verify::broken_bindings;
@@ -43,6 +45,8 @@ pub(super) struct Walk<'a> {
     pub(super) plan: &'a Plan,
     pub(super) history: History,
     pub(super) rested: Vec<Fact>,
+    /// What the steps claim, in their order.
+    claims: &'a [StepClaim],
     found: Vec<Found>,
     sensed: Vec<PredicateId>,
     reached: Vec<bool>,
@@ -54,7 +58,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub(super) fn new(domain: &'a Domain, world: &'a World, plan: &'a Plan) -> Self {
+    pub(super) fn new(domain: &'a Domain, world: &'a World, plan: &'a Plan, claims: &'a [StepClaim]) -> Self {
         let sensed = domain.actions.iter().flat_map(|action| &action.senses);
         let mut sensed: Vec<PredicateId> = sensed.map(|atom| atom.predicate).collect();
         sensed.sort_unstable();
@@ -65,6 +69,7 @@ impl<'a> Walk<'a> {
             plan,
             history: History::default(),
             rested: Vec::new(),
+            claims,
             found: Vec::new(),
             sensed,
             reached: vec![false; plan.steps().len()],
@@ -151,13 +156,14 @@ impl<'a> Walk<'a> {
                     let (yes, no) = self.test(condition, ways, first_of(node));
                     let mut ends = self.nodes(then, yes);
                     ends.extend(self.nodes(otherwise, no));
-                    merged(ends)
+                    self.merged(ends)
                 }
                 Node::While { condition, body } => self.repeated(condition, body, ways, first_of(node)),
                 Node::Repeat { times, body } => {
                     for _ in 0..*times {
                         let before: Vec<State> = ways.iter().map(|way| way.state.clone()).collect();
-                        ways = merged(self.nodes(body, ways));
+                        let ends = self.nodes(body, ways);
+                        ways = self.merged(ends);
                         // From here on nothing new can come up.
                         if self.stopped || ways.iter().map(|way| &way.state).eq(before.iter()) {
                             break;
@@ -167,12 +173,17 @@ impl<'a> Walk<'a> {
                 }
                 Node::Parallel { lanes } => {
                     self.check_lanes(lanes);
-                    merged(self.each(ways, |walk, way| vec![walk.side_by_side(lanes, way)]))
+                    let ends = self.each(ways, |walk, way| vec![walk.side_by_side(lanes, way)]);
+                    self.merged(ends)
                 }
                 Node::Remark(_) => ways,
             };
             if ways.len() > STATES {
                 self.stop(first_of(node), ways.len());
+            }
+            if self.stopped {
+                // One of them is enough to show where it was given up.
+                ways.truncate(1);
             }
         }
         ways
@@ -239,6 +250,9 @@ impl<'a> Walk<'a> {
             .is_some_and(|(_, changes)| !changes.is_empty());
         if !changed && !action.effects.is_empty() {
             self.odd(Violation::NoEffect { step: id.index() }, self.when(way));
+        }
+        for violation in claims::broken(self.claims, id.index(), &way.state) {
+            self.odd(violation, self.when(way));
         }
         self.always(id, way);
     }
@@ -349,9 +363,10 @@ impl<'a> Walk<'a> {
 
     /// The ways out of a loop that goes on as long as a condition holds.
     fn repeated(&mut self, condition: &Test, body: &[Node], ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
+        let start = &self.world.state;
         let mut heads = Heads::default();
         for way in ways {
-            heads.meet(way);
+            heads.meet(way, start);
         }
         let mut out = Vec::new();
         while let Some((number, way)) = heads.next() {
@@ -359,21 +374,31 @@ impl<'a> Walk<'a> {
             heads.leaves[number] = !no.is_empty();
             out.extend(no);
             for end in self.nodes(body, yes) {
-                let next = heads.meet(end);
+                let next = heads.meet(end, start);
                 heads.follows.push((number, next));
             }
             if heads.ways.len() > STATES {
                 self.stop(before, heads.ways.len());
             }
             if self.stopped {
-                return merged(out);
+                return self.merged(out);
             }
         }
         if let Some(stuck) = heads.endless() {
             let when = self.when(&heads.ways[stuck]);
             self.wrong(Violation::EndlessLoop { step: before }, when);
         }
-        merged(out)
+        self.merged(out)
+    }
+
+    /// Ways that came to the same state are one: the first of them.
+    fn merged(&self, ways: Vec<Way>) -> Vec<Way> {
+        if ways.len() < 2 {
+            return ways;
+        }
+        let mut seen = FxHashSet::default();
+        let new = |way: &Way| seen.insert(way.state.changed_lists(&self.world.state));
+        ways.into_iter().filter(new).collect()
     }
 
     /// What was found, what is wrong and what is odd, each once.
@@ -392,7 +417,7 @@ impl<'a> Walk<'a> {
 /// The states at the head of a loop.
 #[derive(Default)]
 struct Heads {
-    numbers: FxHashMap<State, usize>,
+    numbers: FxHashMap<Vec<(usize, Arc<Vec<Fact>>)>, usize>,
     ways: Vec<Way>,
     /// How many of them have been followed.
     followed: usize,
@@ -403,11 +428,12 @@ struct Heads {
 }
 
 impl Heads {
-    fn meet(&mut self, way: Way) -> usize {
-        if let Some(number) = self.numbers.get(&way.state) {
+    fn meet(&mut self, way: Way, start: &State) -> usize {
+        let state = way.state.changed_lists(start);
+        if let Some(number) = self.numbers.get(&state) {
             return *number;
         }
-        self.numbers.insert(way.state.clone(), self.ways.len());
+        self.numbers.insert(state, self.ways.len());
         self.ways.push(way);
         self.leaves.push(false);
         self.ways.len() - 1
@@ -443,15 +469,6 @@ fn first_of(node: &Node) -> Option<usize> {
     tree::steps(std::slice::from_ref(node)).first().map(|step| step.index())
 }
 
-/// Ways that came to the same state are one: the first of them.
-fn merged(ways: Vec<Way>) -> Vec<Way> {
-    if ways.len() < 2 {
-        return ways;
-    }
-    let mut seen = rustc_hash::FxHashSet::default();
-    ways.into_iter().filter(|way| seen.insert(way.state.clone())).collect()
-}
-
 /// Each finding once. One that `count` of them share, or that somewhere is so whatever sensing told, is so in any
 /// case; else what they all know counts.
 fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
@@ -484,7 +501,7 @@ fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
 }
 
 /// The other outcomes of the sensing that tells a fact, if there is one.
-fn others(domain: &Domain, fact: Fact) -> Option<Vec<Fact>> {
+pub(super) fn others(domain: &Domain, fact: Fact) -> Option<Vec<Fact>> {
     let tells = |action: &&Action| action.senses.iter().any(|atom| atom.predicate == fact.predicate());
     let action = domain.actions.iter().find(tells)?;
     let arguments: Vec<EntityId> = domain.arguments(fact).collect();
