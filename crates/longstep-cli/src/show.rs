@@ -79,7 +79,11 @@ fn numbered(script: &str, answer: &Answer) {
         let stands = |step: &&answer::StepAnswer| code.contains(&format!("{}(", step.action));
         let first = steps.next_if(stands);
         // A condition may sense more than once.
-        while first.is_some() && steps.next_if(|step| code.trim_start().starts_with("if ") && stands(step)).is_some() {}
+        while first.is_some()
+            && steps
+                .next_if(|step| code.trim_start().starts_with("if ") && stands(step))
+                .is_some()
+        {}
         let number = first.map_or(String::new(), |step| format!("{}.", step.index + 1));
         let number = format!("{number:>width$}", width = digits + 1);
         let wrong = |step: &answer::StepAnswer| answer.violations.iter().any(|found| found.step == Some(step.index));

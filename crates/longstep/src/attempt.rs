@@ -123,7 +123,8 @@ impl Attempt {
         match self.verified(domain, world) {
             Some(verified) => Outcome::Valid(verified),
             None => Outcome::Unclear {
-                why: "only plain lists of steps are repaired, and this plan branches, repeats or runs side by side".to_owned(),
+                why: "only plain lists of steps are repaired, and this plan branches, repeats or runs side by side"
+                    .to_owned(),
             },
         }
     }

@@ -182,7 +182,12 @@ impl TaskCohesion {
                 },
             })
         };
-        let steps: Vec<WrittenStep> = self.task_sequence.iter().enumerate().map(step).collect::<Result<_, _>>()?;
+        let steps: Vec<WrittenStep> = self
+            .task_sequence
+            .iter()
+            .enumerate()
+            .map(step)
+            .collect::<Result<_, _>>()?;
         let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
         let objects = self.objects().map(str::to_owned).collect();
         Ok(Written { steps, body, objects })
