@@ -3,6 +3,7 @@
 mod ask;
 pub(crate) mod claims;
 mod near;
+mod outline;
 mod paper;
 mod read;
 mod resolve;
@@ -11,7 +12,9 @@ mod task_tree;
 pub mod tree;
 mod written;
 
-pub use paper::{PlanFile, TaskCohesion};
+pub use outline::{OutlineLine, outline};
+pub(crate) use paper::endings;
+pub use paper::{EndingFile, PlanFile, TaskCohesion};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
 pub use script::ScriptError;
@@ -133,6 +136,14 @@ impl Plan {
     /// The outermost nodes, in the order in which they are carried out.
     pub fn body(&self) -> &[Node] {
         &self.body
+    }
+
+    /// The plan without a step; none if a condition needs it.
+    pub(crate) fn without(&self, step: StepId) -> Option<Self> {
+        let body = tree::without(&self.body, step)?;
+        let mut steps = self.steps.clone();
+        steps.remove(step.index());
+        Some(Self { steps, body })
     }
 
     /// Whether it is a plain list of steps.
