@@ -23,7 +23,9 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
         return Ok(answer.status.exit_code());
     };
     match arguments.format {
-        PlanFormat::Python => anstream::print!("{}", script::write(&Written::of_plan(&domain, &world, verified.plan()))),
+        PlanFormat::Python => {
+            anstream::print!("{}", script::write(&Written::of_plan(&domain, &world, verified.plan())))
+        }
         PlanFormat::Json => anstream::println!("{}", serde_json::to_string_pretty(&answer.plan)?),
     }
     Ok(answer.status.exit_code())

@@ -82,7 +82,10 @@ impl Resolver<'_> {
         if exact.is_some() {
             return Some(Meaning::Acts);
         }
-        let predicate = domain.predicates.iter().position(|predicate| predicate_word(&predicate.name) == *name);
+        let predicate = domain
+            .predicates
+            .iter()
+            .position(|predicate| predicate_word(&predicate.name) == *name);
         if let Some(index) = predicate {
             let arity = domain.predicates[index].parameters.len();
             let atom = Atom {
@@ -137,6 +140,10 @@ impl Resolver<'_> {
 
 /// How an action is called, for a person.
 fn shown(action: &Action) -> String {
-    let names: Vec<&str> = action.explicit.iter().map(|at| action.parameters[*at].name.as_str()).collect();
+    let names: Vec<&str> = action
+        .explicit
+        .iter()
+        .map(|at| action.parameters[*at].name.as_str())
+        .collect();
     format!("{}({})", action.call, names.join(", "))
 }

@@ -65,8 +65,18 @@ mod tests {
     #[track_caller]
     fn check(explanation: &str, sentence: &str, claims: &[&str]) {
         let told = told(explanation);
-        let found: Vec<String> = told.claims.iter().map(|(entity, call)| format!("{entity} {call}")).collect();
-        assert_eq!((told.sentence, found.as_slice()), (sentence, &claims.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>()[..]));
+        let found: Vec<String> = told
+            .claims
+            .iter()
+            .map(|(entity, call)| format!("{entity} {call}"))
+            .collect();
+        assert_eq!(
+            (told.sentence, found.as_slice()),
+            (
+                sentence,
+                &claims.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>()[..]
+            )
+        );
     }
 
     #[test]

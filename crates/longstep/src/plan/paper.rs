@@ -34,6 +34,20 @@ pub struct PlanFile {
     pub question: String,
 }
 
+impl From<TaskCohesion> for PlanFile {
+    /// A plan that says nothing but its steps.
+    fn from(task_cohesion: TaskCohesion) -> Self {
+        Self {
+            task_cohesion,
+            environment_before: None,
+            environment_after: None,
+            endings: Vec::new(),
+            instruction_summary: String::new(),
+            question: String::new(),
+        }
+    }
+}
+
 /// A way in which a branching plan can end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EndingFile {
@@ -59,20 +73,6 @@ pub(crate) fn endings(
         environment_after: environment(ending),
     };
     (None, endings.iter().map(file).collect())
-}
-
-impl From<TaskCohesion> for PlanFile {
-    /// A plan that says nothing but its steps.
-    fn from(task_cohesion: TaskCohesion) -> Self {
-        Self {
-            task_cohesion,
-            environment_before: None,
-            environment_after: None,
-            endings: Vec::new(),
-            instruction_summary: String::new(),
-            question: String::new(),
-        }
-    }
 }
 
 /// The steps of a plan file: a list of calls, or a tree of them where a plan branches, repeats or runs side by side.
@@ -215,7 +215,12 @@ impl TaskCohesion {
                 },
             })
         };
-        let steps: Vec<WrittenStep> = self.task_sequence.iter().enumerate().map(step).collect::<Result<_, _>>()?;
+        let steps: Vec<WrittenStep> = self
+            .task_sequence
+            .iter()
+            .enumerate()
+            .map(step)
+            .collect::<Result<_, _>>()?;
         let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
         let objects = self.objects().map(str::to_owned).collect();
         Ok(Written { steps, body, objects })

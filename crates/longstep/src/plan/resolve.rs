@@ -221,7 +221,10 @@ impl Resolver<'_> {
     }
 
     fn lane(&mut self, lane: &Lane<String>, written: &Written) -> Lane {
-        let actor = self.world.find(&lane.actor).or_else(|| near::entity(self.world, &lane.actor));
+        let actor = self
+            .world
+            .find(&lane.actor)
+            .or_else(|| near::entity(self.world, &lane.actor));
         if actor.is_none() {
             let known = self.world.entities().map(|(_, entity)| entity.identifier.as_str());
             self.issues.push(Violation::UnknownActor {

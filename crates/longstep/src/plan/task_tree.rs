@@ -119,7 +119,10 @@ pub fn read_tree(tree: &Value, objects: Vec<String>, path: &Path) -> Result<Writ
     };
     match written.is_sound() {
         true => Ok(written),
-        false => wrong(path, format!("has branches and conditions more than {DEEPEST} deep in each other")),
+        false => wrong(
+            path,
+            format!("has branches and conditions more than {DEEPEST} deep in each other"),
+        ),
     }
 }
 
@@ -192,7 +195,9 @@ fn step(value: &Value, path: &Path) -> Read<WrittenStep> {
             implicit.push((name.clone(), text(value, &at)?));
         }
     }
-    let explanation = object.get("explanation").map(|words| text(words, &path.push("explanation")));
+    let explanation = object
+        .get("explanation")
+        .map(|words| text(words, &path.push("explanation")));
     Ok(WrittenStep {
         call,
         implicit,
@@ -214,7 +219,9 @@ impl Reader {
     }
 
     fn under(&mut self, object: &Map<String, Value>, key: &str, path: &Path) -> Read<Vec<WrittenNode>> {
-        object.get(key).map_or_else(|| Ok(Vec::new()), |value| self.nodes(value, &path.push(key)))
+        object
+            .get(key)
+            .map_or_else(|| Ok(Vec::new()), |value| self.nodes(value, &path.push(key)))
     }
 
     fn node(&mut self, value: &Value, path: &Path) -> Read<WrittenNode> {
@@ -315,7 +322,9 @@ fn test(value: &Value, path: &Path, depth: usize) -> Read<Test<WrittenStep>> {
             return wrong(&path, "should have two parts or more");
         }
         let parts = parts.iter().enumerate();
-        parts.map(|(index, part)| test(part, &path.index(index), depth + 1)).collect()
+        parts
+            .map(|(index, part)| test(part, &path.index(index), depth + 1))
+            .collect()
     };
     if has("call") {
         step(value, path).map(Test::Holds)
@@ -329,5 +338,85 @@ fn test(value: &Value, path: &Path, depth: usize) -> Read<Test<WrittenStep>> {
         parts("any").map(Test::Any)
     } else {
         wrong(path, "should have one of `call`, `not`, `all` and `any`")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn refused(tree: Value, told: &str) {
+        let error = read_tree(&tree, Vec::new(), &Path::key("task_tree")).unwrap_err();
+        assert_eq!(error.to_string(), told);
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_path() {
+        let call = json!({ "call": "a()" });
+        refused(json!({}), "`task_tree` should be an array");
+        refused(
+            json!([1]),
+            "`task_tree[0]` should have one of `call`, `if`, `while`, `repeat`, `parallel` and `remark`",
+        );
+        refused(json!([{ "call": 1 }]), "`task_tree[0].call` should be a text");
+        refused(
+            json!([{ "call": "a(" }]),
+            "`task_tree[0].call` should be a call such as `grasp(<cup>)`",
+        );
+        refused(
+            json!([{ "call": "if()" }]),
+            "`task_tree[0].call` has a name that no script can write",
+        );
+        refused(
+            json!([{ "call": "1()" }]),
+            "`task_tree[0].call` has a name that no script can write",
+        );
+        refused(
+            json!([{ "call": "a()", "arm": "left" }]),
+            "`task_tree[0].arm` is not known beside `call`",
+        );
+        refused(
+            json!([{ "call": "a()", "implicit": { "to": 1 } }]),
+            "`task_tree[0].implicit.to` should be a text",
+        );
+        refused(
+            json!([{ "call": "a()", "implicit": { "2": "" } }]),
+            "`task_tree[0].implicit.2` is no name of a parameter",
+        );
+        refused(json!([{ "if": call, "do": [] }]), "`task_tree[0]` has no `then`");
+        refused(
+            json!([{ "if": call, "then": [call, 3] }]),
+            "`task_tree[0].then[1]` should have one of `call`, `if`, `while`, `repeat`, `parallel` and `remark`",
+        );
+        refused(
+            json!([{ "if": { "all": [call] }, "then": [] }]),
+            "`task_tree[0].if.all` should have two parts or more",
+        );
+        refused(
+            json!([{ "if": {}, "then": [] }]),
+            "`task_tree[0].if` should have one of `call`, `not`, `all` and `any`",
+        );
+        refused(
+            json!([{ "repeat": -1, "do": [] }]),
+            "`task_tree[0].repeat` should be a number of times",
+        );
+        refused(
+            json!([{ "parallel": [] }]),
+            "`task_tree[0].parallel` should have a lane",
+        );
+        refused(
+            json!([{ "parallel": [{ "lane": "l", "do": [] }, { "lane": "l", "do": [] }] }]),
+            "`task_tree[0].parallel[1].lane` has a lane already",
+        );
+        refused(
+            json!([{ "parallel": [{ "lane": "l", "do": [{ "if": call, "then": [] }] }] }]),
+            "`task_tree[0].parallel[0].do[0]` should have one of `call`, `sync` and `remark`",
+        );
+        let mut deep = json!([]);
+        for _ in 0..60 {
+            deep = json!([{ "repeat": 2, "do": deep }]);
+        }
+        assert!(read_tree(&deep, Vec::new(), &Path::default()).is_err());
     }
 }

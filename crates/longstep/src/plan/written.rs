@@ -167,7 +167,11 @@ impl Writer<'_> {
         let Some(word) = word else {
             return Call {
                 name: predicate_word(&self.domain.predicate(fact.predicate()).name),
-                arguments: self.domain.arguments(fact).map(|entity| self.identifier(entity)).collect(),
+                arguments: self
+                    .domain
+                    .arguments(fact)
+                    .map(|entity| self.identifier(entity))
+                    .collect(),
             };
         };
         let mut slots = vec![None; word.parameters.len() + 1];
@@ -178,7 +182,11 @@ impl Writer<'_> {
         }
         Call {
             name: word.word.clone(),
-            arguments: slots.into_iter().flatten().map(|entity| self.identifier(entity)).collect(),
+            arguments: slots
+                .into_iter()
+                .flatten()
+                .map(|entity| self.identifier(entity))
+                .collect(),
         }
     }
 }

@@ -89,7 +89,16 @@ pub(super) fn bind_way(
         chosen: Vec::new(),
         broken: 0,
     };
-    let places = claimed_places(domain, world, claim, objects);
+    let mut places = claimed_places(domain, world, claim, objects);
+    for fact in turns
+        .iter()
+        .flat_map(|turn| &turn.claims)
+        .filter(|fact| !start.holds(**fact))
+    {
+        if domain.arguments(*fact).any(|entity| objects.contains(&entity)) {
+            places.extend(domain.arguments(*fact));
+        }
+    }
     let complete = |turn: &Turn| {
         let all = candidates(domain, world, &turn.step, objects, &places).into_iter();
         all.map(|candidate| candidate.arguments).collect()
@@ -318,7 +327,8 @@ impl Binder<'_> {
                     continue;
                 }
                 let others = self.candidates[index].iter().filter(|other| {
-                    let differs = |(at, entity): (usize, &EntityId)| (*entity != chosen[index][at]) == (at == parameter);
+                    let differs =
+                        |(at, entity): (usize, &EntityId)| (*entity != chosen[index][at]) == (at == parameter);
                     other.iter().enumerate().all(differs)
                 });
                 let fits = |other: &Vec<EntityId>| {

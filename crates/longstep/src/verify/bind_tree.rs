@@ -46,7 +46,11 @@ pub fn bind_tree(
             steps[id.index()].arguments = arguments.into_iter().map(Some).collect();
         }
         assumptions.extend(open.into_iter().map(|open| match open {
-            Assumption::Argument { step, parameter, entity } => Assumption::Argument {
+            Assumption::Argument {
+                step,
+                parameter,
+                entity,
+            } => Assumption::Argument {
                 step: way.steps[step].index(),
                 parameter,
                 entity,
@@ -87,7 +91,9 @@ impl Way {
     fn turns(&self, steps: &[DraftStep], resolved: &Resolved) -> Vec<Turn> {
         let turn = |(id, learned): (&StepId, &Vec<Learned>)| Turn {
             step: steps[id.index()].clone(),
-            claims: claims::of_step(&resolved.claims, id.index()).map(|claim| claim.fact).collect(),
+            claims: claims::of_step(&resolved.claims, id.index())
+                .map(|claim| claim.fact)
+                .collect(),
             learned: learned.clone(),
         };
         self.steps.iter().zip(&self.learned).map(turn).collect()

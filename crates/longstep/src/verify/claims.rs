@@ -17,10 +17,7 @@ pub struct StepClaim {
 pub(super) fn broken(claims: &[StepClaim], step: usize, after: &State) -> Vec<Violation> {
     of_step(claims, step)
         .filter(|claim| !after.holds(claim.fact))
-        .map(|claim| Violation::StepClaim {
-            step,
-            fact: claim.fact,
-        })
+        .map(|claim| Violation::StepClaim { step, fact: claim.fact })
         .collect()
 }
 

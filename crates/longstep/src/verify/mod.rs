@@ -19,9 +19,9 @@ mod violation;
 mod walk;
 
 pub use bind::bind;
+pub(crate) use bind::{Candidate, candidates, claimed_places};
 pub use bind_tree::bind_tree;
 pub use claims::StepClaim;
-pub(crate) use bind::{Candidate, candidates, claimed_places};
 pub use explain::feedback;
 pub(crate) use possible::{can_apply, can_be_brought_about};
 pub use rules::{Waiver, broken_bindings};

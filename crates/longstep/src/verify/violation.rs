@@ -446,7 +446,10 @@ impl Violation {
             }
             Self::UnknownCondition { step, name, near: n } => {
                 let near = near(n);
-                format!("step {}: `{name}` is neither a sensing action nor a state{near}", step + 1)
+                format!(
+                    "step {}: `{name}` is neither a sensing action nor a state{near}",
+                    step + 1
+                )
             }
             Self::UnknownParameter { step, name, near: n } => {
                 let near = near(n);

@@ -23,8 +23,8 @@ pub use fact::{EntityId, Fact, FactSet, State};
 pub use naming::{Voice, fact_text};
 pub(crate) use read::ENTITY_LIMIT;
 pub use read::read;
-pub(crate) use write::{fact_of, word_for};
 pub use write::write;
+pub(crate) use write::{fact_of, word_for};
 
 use std::sync::Arc;
 

@@ -11,7 +11,9 @@ use crate::plan::{Node, PlanFile, TaskCohesion, Written, script};
 
 /// Reads the script of a reply; none if nothing in it is meant as one.
 pub(super) fn read(text: &str) -> Option<Result<Draft, Unreadable>> {
-    let blocks: Vec<Block> = blocks(text).filter(|block| is_meant(&text[block.inside.clone()])).collect();
+    let blocks: Vec<Block> = blocks(text)
+        .filter(|block| is_meant(&text[block.inside.clone()]))
+        .collect();
     if blocks.is_empty() {
         return (!text.contains(FENCE) && is_meant(text)).then(|| whole(text));
     }
@@ -101,7 +103,9 @@ fn is_meant(text: &str) -> bool {
     let Some(line) = lines.find(|line| !line.starts_with('#')) else {
         return false;
     };
-    let word_end = line.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(line.len());
+    let word_end = line
+        .find(|c: char| !(c.is_alphanumeric() || c == '_'))
+        .unwrap_or(line.len());
     let (word, rest) = line.split_at(word_end);
     let code = line.split('#').next().unwrap_or_default().trim_end();
     match word {

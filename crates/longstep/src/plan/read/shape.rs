@@ -33,7 +33,10 @@ fn own_likeness(node: &Node) -> Option<Likeness> {
         return None;
     };
     let asks = |value: &Literal| matches!(value, Literal::Text(text) if !text.trim().is_empty());
-    if entries.iter().any(|entry| entry.key == "task_cohesion" || entry.key == "python_script") {
+    if entries
+        .iter()
+        .any(|entry| entry.key == "task_cohesion" || entry.key == "python_script")
+    {
         Some(Likeness::Whole)
     } else if entries
         .iter()
@@ -423,7 +426,11 @@ fn json(node: &Node, path: &Path) -> Result<Value, TreeError> {
         Literal::Text(text) => Value::String(text.clone()),
         Literal::List(items) => {
             let items = items.iter().enumerate();
-            Value::Array(items.map(|(index, item)| json(item, &path.index(index))).collect::<Result<_, _>>()?)
+            Value::Array(
+                items
+                    .map(|(index, item)| json(item, &path.index(index)))
+                    .collect::<Result<_, _>>()?,
+            )
         }
         Literal::Object(entries) => {
             let mut object = Map::new();

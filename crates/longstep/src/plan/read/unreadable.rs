@@ -130,7 +130,9 @@ impl Unreadable {
 }
 
 fn within(inside: &Option<Position>) -> String {
-    inside.map_or_else(String::new, |position| format!("{}: in `python_script`, ", at(&position)))
+    inside.map_or_else(String::new, |position| {
+        format!("{}: in `python_script`, ", at(&position))
+    })
 }
 
 fn at(position: &Position) -> String {

@@ -166,7 +166,7 @@ impl<'t> Parser<'t> {
 
     /// The names that the first comment of a plan says are handled.
     fn objects(&mut self) -> Result<Vec<String>, Fault> {
-        let Kind::Remark(words) = self.peek() else {
+        let Kind::Objects(words) = self.peek() else {
             return Ok(Vec::new());
         };
         let Some(list) = words.strip_prefix(OBJECTS) else {
@@ -209,7 +209,7 @@ impl<'t> Parser<'t> {
 
     fn words_alone(&mut self) -> Vec<String> {
         let mut words = Vec::new();
-        while let Kind::Remark(said) = self.peek() {
+        while let Kind::Remark(said) | Kind::Objects(said) = self.peek() {
             words.push(said.clone());
             self.next += 1;
         }
@@ -219,7 +219,7 @@ impl<'t> Parser<'t> {
     /// Whether only comments stand before an `else` or `elif`.
     fn alternative_ahead(&self) -> bool {
         let mut ahead = self.tokens[self.next..].iter().map(|token| &token.kind);
-        let next = ahead.find(|kind| !matches!(kind, Kind::Remark(_)));
+        let next = ahead.find(|kind| !matches!(kind, Kind::Remark(_) | Kind::Objects(_)));
         matches!(next, Some(Kind::Name("else" | "elif")))
     }
 

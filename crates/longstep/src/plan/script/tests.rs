@@ -224,7 +224,10 @@ fn nothing_stands_too_deep() {
     };
     assert!(read(&nested(DEEPEST)).is_ok());
     let error = read(&nested(DEEPEST + 1)).unwrap_err();
-    assert_eq!((error.position.line, error.position.column), (DEEPEST as u32 + 1, DEEPEST as u32 + 1));
+    assert_eq!(
+        (error.position.line, error.position.column),
+        (DEEPEST as u32 + 1, DEEPEST as u32 + 1)
+    );
     let chain = format!("if a():\n  b()\n{}", "elif a():\n  b()\n".repeat(10_000));
     assert!(read(&chain).is_err());
     assert!(read(&format!("if {}a():\n  b()", "not ".repeat(100_000))).is_err());
@@ -267,7 +270,10 @@ mod random {
 
     impl Draw {
         fn below(&mut self, limit: usize) -> usize {
-            self.seed = self.seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.seed = self
+                .seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (self.seed >> 33) as usize % limit
         }
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::super::written::in_name;
+use super::write::OBJECTS;
 use super::{Fault, fault};
 
 /// A token and the byte at which it begins.
@@ -26,6 +27,8 @@ pub(super) enum Kind<'t> {
     Comment(String),
     /// A comment on a line of its own, where a statement can stand.
     Remark(String),
+    /// The same, if it names what a plan handles.
+    Objects(String),
     /// The end of a statement's line.
     Newline,
     Indent,
@@ -68,7 +71,7 @@ struct Lexer<'t> {
     /// A blank or a tab, whichever came first.
     indented_with: Option<char>,
     /// Comments on lines of their own, with their columns: the next statement decides to which block they belong.
-    waiting: Vec<(usize, usize, String)>,
+    waiting: Vec<(usize, usize, Kind<'t>)>,
 }
 
 /// A tab goes to the next multiple of this.
@@ -95,8 +98,13 @@ impl<'t> Lexer<'t> {
             }
             Some('#') => {
                 let at = self.at;
+                let names = self.rest().trim_start_matches('#').trim_start().starts_with(OBJECTS);
                 if let Some(comment) = self.comment() {
-                    self.waiting.push((at, column, comment));
+                    let kind = match names {
+                        true => Kind::Objects(comment),
+                        false => Kind::Remark(comment),
+                    };
+                    self.waiting.push((at, column, kind));
                 }
                 return Ok(());
             }
@@ -141,7 +149,7 @@ impl<'t> Lexer<'t> {
             Some(_) => {
                 while let Some((at, indented, comment)) = waiting.next_if(|(_, indented, _)| *indented > column) {
                     self.dedent(indented, at);
-                    self.push(at, Kind::Remark(comment));
+                    self.push(at, comment);
                 }
                 self.dedent(column, at);
             }
@@ -154,7 +162,7 @@ impl<'t> Lexer<'t> {
             );
         }
         for (at, _, comment) in waiting {
-            self.push(at, Kind::Remark(comment));
+            self.push(at, comment);
         }
         Ok(())
     }
