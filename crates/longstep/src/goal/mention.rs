@@ -210,7 +210,7 @@ pub(crate) fn understand_spoken(
     let meant = &spoken.entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
-        GoalFact::Plain(_) => None,
+        GoalFact::Plain(_) | GoalFact::If(_) => None,
     };
     let about = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
     if goal.facts.is_empty() {
