@@ -74,13 +74,13 @@ pub fn parse(domain: &Domain, world: &World, text: &str) -> Result<Goal, GoalErr
 
 fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalError> {
     match Written::read(part) {
-        Some(written) => Ok(GoalFact::If(conditional(domain, world, part, &written)?)),
+        Some(written) => Ok(GoalFact::If(conditional(domain, world, &written)?)),
         None => plain(domain, world, part),
     }
 }
 
 /// A goal with a condition; neither of its sides has one in turn.
-fn conditional(domain: &Domain, world: &World, part: &str, written: &Written<'_>) -> Result<Conditional, GoalError> {
+fn conditional(domain: &Domain, world: &World, written: &Written<'_>) -> Result<Conditional, GoalError> {
     let condition = match state(domain, world, written.condition)? {
         Some(fact) if domain.is_sensed(fact.predicate()) => fact,
         _ => {

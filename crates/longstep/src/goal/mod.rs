@@ -4,8 +4,10 @@
 //! it say what makes sense ([`offers`], [`grammar()`]); [`understand`] then looks at the answer once more
 //! against what the instruction speaks of; search turns the goal into steps.
 
+mod begun;
 mod conditional;
 mod correction;
+mod depends;
 mod grammar;
 mod language;
 mod mention;
@@ -14,10 +16,12 @@ mod pronoun;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use begun::{Begun, Next, ended};
 pub use conditional::Conditional;
-pub(crate) use conditional::Written;
+pub(crate) use conditional::{AND, ELSE, Written};
 pub(crate) use correction::{Correction, parts};
-pub(crate) use grammar::{JOINT, QUESTION, quoted};
+pub(crate) use depends::{cannot_be_told, conditions};
+pub(crate) use grammar::{JOINT, QUESTION, Ways, quoted, schema_of, written as grammar_of};
 pub use grammar::{Place, grammar, schema};
 pub(crate) use language::read_form;
 pub use language::{GoalError, parse};

@@ -209,8 +209,12 @@ impl<'a> Search<'a> {
                         open.push(cost, worst, true, Choice::Outcomes(number, look, depth + 1 + sum));
                     }
                 }
-                Choice::Outcomes(_, _, total) if total >= in_all => {}
-                Choice::Outcomes(number, look, _) => {
+                Choice::Outcomes(number, look, total) => {
+                    let depth = nodes.all[number as usize].depth as usize;
+                    let earlier = best.as_ref().is_none_or(|best| depth < best.path.len());
+                    if total > in_all || (total == in_all && !earlier) {
+                        continue;
+                    }
                     let below = best.as_ref().map_or(below, |best| below.min(best.worst.saturating_add(1)));
                     if let Some(course) = self.solved(&nodes, number, look, below)? {
                         open.push(course.worst, 0, true, Choice::Solved(Rc::new(course)));
