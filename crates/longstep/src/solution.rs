@@ -73,7 +73,9 @@ pub fn of_wanted(
         contingent::Outcome::ProvenUnsolvable { when, .. } => {
             let mut answer = Answer::without_plan(Status::Unsolvable, world, summary, "");
             let told = when.map(|fact| Voice::Person.fact(domain, world, fact, true));
-            answer.notes.extend(told.map(|told| format!("there is no way if it turns out that {told}")));
+            answer
+                .notes
+                .extend(told.map(|told| format!("there is no way if it turns out that {told}")));
             answer
         }
         contingent::Outcome::GaveUp { why, .. } => {
@@ -108,6 +110,7 @@ fn plan_for(domain: &Domain, world: &World, wanted: &[Wanted]) -> contingent::Ou
         } => {
             let explained = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
             contingent::Outcome::Solved {
+                worst: steps.len() as u32,
                 plan: steps.into_iter().map(explained).collect(),
                 shortest,
                 expanded,

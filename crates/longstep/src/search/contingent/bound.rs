@@ -20,8 +20,6 @@ pub(super) struct Bounds {
     /// Sensing has whichever outcome is wished for.
     wishful: LandmarkCut,
     groups: Vec<(Group, Vec<LandmarkCut>)>,
-    /// Whether what is told may be another thing the next time, so that only the wishful bound counts.
-    looping: bool,
     known: FxHashMap<Bits, Estimate>,
     /// How many states were looked at.
     pub(super) looked_at: usize,
@@ -37,6 +35,7 @@ pub(super) struct Estimate {
 }
 
 impl Bounds {
+    /// If it is `looping`, what is told may be another thing the next time, and only the wishful bound counts.
     pub(super) fn new(task: &Task, looping: bool) -> Self {
         let groups = match looping {
             true => Vec::new(),
@@ -50,7 +49,6 @@ impl Bounds {
         Self {
             wishful: LandmarkCut::new(task),
             groups: groups.into_iter().map(bounds).collect(),
-            looping,
             known: FxHashMap::default(),
             looked_at: 0,
         }
@@ -69,7 +67,7 @@ impl Bounds {
         let mut take = |bound: &mut LandmarkCut| {
             let found = bound.estimate(|fact| state.holds(fact));
             estimate.cost = estimate.cost.and_then(|cost| Some(cost.max(found.cost?)));
-            if !self.looping && estimate.preferred.is_empty() {
+            if estimate.preferred.is_empty() {
                 estimate.preferred = found.preferred;
             }
             estimate.cost.is_some()

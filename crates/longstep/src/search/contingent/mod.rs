@@ -8,6 +8,8 @@
 
 mod and_or;
 mod bound;
+#[cfg(test)]
+mod brute_force;
 mod course;
 #[cfg(test)]
 mod tests;
@@ -34,6 +36,8 @@ pub enum Outcome {
     Solved {
         /// Its steps and branches; a plain list where nothing had to be sensed.
         plan: Plan,
+        /// Steps in the worst case, loops gone through once.
+        worst: u32,
         /// Whether it is proven that no plan has a better worst case.
         shortest: bool,
         /// States looked at.
@@ -102,8 +106,11 @@ pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits)
         false => straight(domain, world, &task, limits),
     };
     match outcome {
-        Outcome::Solved { plan, expanded, .. } if !scope.whole => Outcome::Solved {
+        Outcome::Solved {
+            plan, worst, expanded, ..
+        } if !scope.whole => Outcome::Solved {
             plan,
+            worst,
             shortest: false,
             expanded,
         },
@@ -120,6 +127,7 @@ fn straight(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Out
             shortest,
             expanded,
         } => Outcome::Solved {
+            worst: steps.len() as u32,
             plan: steps
                 .into_iter()
                 .map(|step| Step::explained(domain, world, step.action, step.arguments))
@@ -157,6 +165,7 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
             },
             |plan| Outcome::Solved {
                 plan,
+                worst: course.worst,
                 shortest,
                 expanded,
             },
