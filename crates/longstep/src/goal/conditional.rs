@@ -165,7 +165,9 @@ impl Conditional {
 
 /// A fact as an environment says it, with `name` called for each entity.
 pub(super) fn written_fact(domain: &Domain, fact: Fact, name: &dyn Fn(EntityId) -> String) -> String {
-    let word = state_word(domain, fact.predicate()).map_or("?", |word| &word.word);
+    let word = state_word(domain, fact.predicate());
+    // What no environment says is called by its own name.
+    let word = word.map_or_else(|| &domain.predicate(fact.predicate()).name, |word| &word.word);
     let arguments: Vec<String> = domain.arguments(fact).map(name).collect();
     format!("{word}({})", arguments.join(", "))
 }
