@@ -25,6 +25,8 @@ pub(crate) struct Begun {
     pub(crate) facts: Vec<GoalFact>,
     /// Of the goal that is not: what is said on the side that goes on.
     pub(crate) side: Vec<GoalFact>,
+    /// What is said on the other side, if that comes second.
+    pub(crate) other_side: Vec<GoalFact>,
     pub(crate) next: Next,
 }
 
@@ -46,6 +48,7 @@ impl Begun {
             return Ok(Self {
                 facts: all(said)?,
                 side: Vec::new(),
+                other_side: Vec::new(),
                 next: Next::Goal,
             });
         }
@@ -57,24 +60,31 @@ impl Begun {
             return Ok(Self {
                 facts: all(answer)?,
                 side: Vec::new(),
+                other_side: Vec::new(),
                 next: if answer.is_empty() { Next::Goal } else { Next::Nothing },
             });
         };
         let open = last.trim().strip_suffix(word).unwrap_or_default();
         let written = Written::read(open);
         let in_otherwise = word == ELSE || written.as_ref().is_some_and(|written| !written.otherwise.is_empty());
-        let said = match (&written, word) {
-            (Some(written), AND) if in_otherwise => &written.otherwise[..],
-            (Some(written), AND) => &written.then[..],
-            _ => &[],
+        let read = |parts: &[&str]| -> Result<Vec<GoalFact>, GoalError> {
+            let facts: Result<Vec<Vec<GoalFact>>, GoalError> = parts.iter().map(|part| all(part)).collect();
+            Ok(facts?.concat())
         };
-        let mut side = Vec::new();
-        for part in said {
-            side.extend(all(part)?);
-        }
+        // Before the first goal of a side, the text does not read as a whole.
+        let (then, otherwise) = match &written {
+            Some(written) => (read(&written.then)?, read(&written.otherwise)?),
+            None => (Vec::new(), Vec::new()),
+        };
+        let (side, other_side) = if in_otherwise {
+            (otherwise, then)
+        } else {
+            (then, Vec::new())
+        };
         Ok(Self {
             facts: all(before)?,
             side,
+            other_side,
             next: if in_otherwise { Next::Otherwise } else { Next::Then },
         })
     }

@@ -10,6 +10,8 @@ const CONDITIONAL: &str = "if unless whether when whenever depending depends pro
 const POLITE: &str = "you i we possible necessary needed";
 /// Words that tell of a condition said before.
 const ALTERNATIVE: &str = "otherwise else";
+/// What follows "if" where the other case is meant, and what follows "depending".
+const OTHER_CASE: &str = "not on";
 /// Words with which a condition ends.
 const ENDING: &str = "then please just";
 
@@ -52,6 +54,12 @@ impl Clauses {
         self.words.extend(later.words);
         self.alternative |= later.alternative;
         self.strict |= later.strict;
+    }
+
+    /// Whether it says what is wanted in the other case, too: "otherwise", "if not", or a second condition.
+    pub(super) fn has_other_case(&self) -> bool {
+        let other = |words: &Vec<String>| words.first().is_some_and(|word| among(OTHER_CASE, word));
+        self.alternative || self.words.len() > 1 || self.words.iter().any(other)
     }
 
     fn is_empty(&self) -> bool {
@@ -103,6 +111,11 @@ pub(crate) fn conditions(domain: &Domain, world: &World, spoken: &Spoken) -> Vec
     if found.is_empty() { by(&anywhere) } else { found }
 }
 
+/// Whether the instruction says what is wanted where its condition does not hold.
+pub(crate) fn has_other_case(spoken: &Spoken) -> bool {
+    spoken.clauses().has_other_case()
+}
+
 /// Whether the instruction has a condition about which nothing here can tell anything.
 pub(crate) fn cannot_be_told(domain: &Domain, world: &World, spoken: &Spoken) -> bool {
     let senses = domain.actions.iter().any(|action| !action.senses.is_empty());
@@ -138,6 +151,28 @@ mod tests {
             shown.push("nobody knows".to_owned());
         }
         assert_eq!(shown.join(" "), expected, "{instruction}");
+    }
+
+    #[test]
+    fn the_other_case_is_said_or_not() {
+        for (instruction, expected) in [
+            (
+                "If the milk is out of date, throw it away, otherwise put it in the fridge",
+                true,
+            ),
+            (
+                "If the milk is out of date, throw it away, and if not, put it in the fridge",
+                true,
+            ),
+            (
+                "If the milk is bad, throw it away, if it is good, put it in the fridge",
+                true,
+            ),
+            ("If the milk is out of date, throw it away", false),
+            ("Put the milk in the fridge unless it has gone bad", false),
+        ] {
+            assert_eq!(Clauses::of(instruction).has_other_case(), expected, "{instruction}");
+        }
     }
 
     #[test]

@@ -6,6 +6,8 @@
 
 mod begun;
 mod conditional;
+#[cfg(test)]
+mod conditional_tests;
 mod correction;
 mod depends;
 mod grammar;
@@ -20,7 +22,7 @@ pub(crate) use begun::{Begun, Next, ended};
 pub use conditional::Conditional;
 pub(crate) use conditional::{AND, ELSE, Written};
 pub(crate) use correction::{Correction, parts};
-pub(crate) use depends::{cannot_be_told, conditions};
+pub(crate) use depends::{cannot_be_told, conditions, has_other_case};
 pub(crate) use grammar::{JOINT, QUESTION, Ways, quoted, schema_of, written as grammar_of};
 pub use grammar::{Place, grammar, schema};
 pub(crate) use language::read_form;
@@ -28,7 +30,7 @@ pub use language::{GoalError, parse};
 pub(crate) use mention::understand_spoken;
 pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
 pub use offer::{Offer, offers};
-pub(crate) use offer::{already, is_plain};
+pub(crate) use offer::{already, is_plain, offers_on};
 pub use pronoun::{SpelledOut, spelled_out};
 
 use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, PredicateId, RuleTime, StateWord, Term};

@@ -15,7 +15,7 @@ use crate::domain::Domain;
 use crate::feedback::WishError;
 use crate::goal::{
     self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Spoken, Understanding, Ways, ended,
-    grammar_of, offers, schema_of, understand_spoken,
+    grammar_of, offers, offers_on, schema_of, understand_spoken,
 };
 use crate::world::{EntityId, World};
 
@@ -98,6 +98,8 @@ pub struct GoalDialogue {
     facts: Vec<GoalFact>,
     /// What the next goal goes with, and where it stands.
     said: Vec<GoalFact>,
+    /// What is asked for in the other case, which is not asked for in this one.
+    other_side: Vec<GoalFact>,
     next: Next,
     has_condition: bool,
     /// Whether the instruction depends on what nothing here can tell.
@@ -146,6 +148,7 @@ impl GoalDialogue {
             answer: String::new(),
             facts: Vec::new(),
             said: Vec::new(),
+            other_side: Vec::new(),
             next: Next::Goal,
             has_condition: false,
             usage: Usage::default(),
@@ -199,7 +202,8 @@ impl GoalDialogue {
         let more = self.said.len() + 1 < GOAL_LIMIT;
         let joints: &[&str] = match self.next {
             _ if !more => &[],
-            Next::Then => &[goal::ELSE, goal::AND, goal::JOINT],
+            Next::Then if goal::has_other_case(spoken) => &[goal::ELSE, goal::AND, goal::JOINT],
+            Next::Then => &[goal::AND, goal::JOINT],
             Next::Otherwise => &[goal::AND, goal::JOINT],
             _ => &[goal::JOINT],
         };
@@ -242,12 +246,13 @@ impl GoalDialogue {
 
     /// What can be said next: nothing that the person took back.
     fn offers(&self, domain: &Domain, world: &World) -> Vec<Offer> {
-        let mut offers = offers(domain, world, &self.said, &self.spoken);
+        let further = !self.said.is_empty() || self.next == Next::Otherwise;
+        let mut offers = offers_on(domain, world, &self.said, &self.spoken, further);
         for offer in &mut offers {
             let rejected = |arguments: &Vec<EntityId>| {
                 let same = |fact: &GoalFact| matches!(fact, GoalFact::Word { word, arguments: other } if *word == offer.word && other == arguments);
                 let excluded = arguments.iter().any(|entity| self.heard.excluded.contains(entity));
-                excluded || self.heard.rejected.iter().any(same)
+                excluded || self.heard.rejected.iter().chain(&self.other_side).any(same)
             };
             offer.arguments.retain(|arguments| !rejected(arguments));
         }
@@ -282,7 +287,7 @@ impl GoalDialogue {
         }
         let begun = Begun::read(domain, world, &self.answer)?;
         (self.said, self.next, self.has_condition) = (begun.said(), begun.next, begun.has_condition());
-        self.facts = begun.facts;
+        (self.facts, self.other_side) = (begun.facts, begun.other_side);
         if self.next != Next::Nothing && !self.offers(domain, world).is_empty() {
             return Ok(Turn::GoOn);
         }
