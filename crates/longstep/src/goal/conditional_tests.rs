@@ -124,14 +124,14 @@ fn a_condition_is_offered_where_the_instruction_has_one() {
     check_next(
         instruction,
         &["if expired(milk) then"],
-        &["start: \" \" goal more", "more: (\" else\" | \" and\" | \" &\")?", put],
+        &["start: \" \" goal more", "more: (\" else\" | \" and\")?", put],
     );
     check_next(
         instruction,
         &["if expired(milk) then", " put(milk, trash bin) else"],
         &[
             "start: \" \" goal more",
-            "more: (\" and\" | \" &\")?",
+            "more: \" and\"?",
             r#"goal: "put(" (("milk") ", " (("fridge") ")"))"#,
         ],
     );

@@ -2,7 +2,7 @@
 
 use super::{Spoken, state_word};
 use crate::domain::{Domain, plain_words};
-use crate::world::{EntityId, Fact, World};
+use crate::world::{Fact, World};
 
 /// Words that begin a condition.
 const CONDITIONAL: &str = "if unless whether when whenever depending depends provided case";
@@ -19,10 +19,23 @@ fn among(list: &str, word: &str) -> bool {
     list.split_whitespace().any(|entry| entry == word)
 }
 
+/// Something that a goal may depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Dependence {
+    /// The fact.
+    pub(crate) fact: Fact,
+    /// Whether it depends on another outcome.
+    pub(crate) negated: bool,
+}
+
 /// The words of an instruction's conditions.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Clauses {
     words: Vec<Vec<String>>,
+    /// How many of them stand after "unless".
+    unless: usize,
+    /// Whether the instruction is one sentence that begins with its condition.
+    leading: bool,
     /// Whether there is an "otherwise".
     alternative: bool,
     /// Whether there is a condition that is no point in time: "when you are done" is none.
@@ -32,6 +45,11 @@ pub(super) struct Clauses {
 impl Clauses {
     pub(super) fn of(instruction: &str) -> Self {
         let mut clauses = Self::default();
+        let sentences = instruction.split(['.', ';', '!', '?']).map(plain_words);
+        let sentences: Vec<Vec<String>> = sentences.filter(|words| !words.is_empty()).collect();
+        if let [sentence] = &sentences[..] {
+            clauses.leading = sentence.first().is_some_and(|word| among(CONDITIONAL, word));
+        }
         for clause in instruction.split([',', '.', ';', ':', '!', '?']) {
             let words = plain_words(clause);
             clauses.alternative |= words.iter().any(|word| among(ALTERNATIVE, word));
@@ -41,6 +59,7 @@ impl Clauses {
                 if !among(CONDITIONAL, word) || polite {
                     continue;
                 }
+                clauses.unless += usize::from(word == "unless");
                 clauses.strict |= !word.starts_with("when");
                 let condition = rest.iter().take_while(|word| !among(ENDING, word));
                 clauses.words.push(condition.cloned().collect());
@@ -52,6 +71,8 @@ impl Clauses {
     /// Takes in what was said later.
     pub(super) fn add(&mut self, later: Self) {
         self.words.extend(later.words);
+        self.unless += later.unless;
+        self.leading = false;
         self.alternative |= later.alternative;
         self.strict |= later.strict;
     }
@@ -81,34 +102,66 @@ fn has_cue(words: &[String], cue: &str) -> bool {
 
 /// What the goals of an instruction can depend on: the outcomes of sensing of which it speaks with its things, where it
 /// has a condition at all. What is said in the condition counts before what is said elsewhere.
-pub(crate) fn conditions(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<Fact> {
-    if spoken.clauses().is_empty() {
+///
+/// Of two outcomes each is the opposite of the other. Of more, one can be denied; and after "unless" the one that is
+/// spoken of is.
+pub(crate) fn conditions(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<Dependence> {
+    let clauses = spoken.clauses();
+    if clauses.is_empty() {
         return Vec::new();
     }
-    let in_clauses = |cue: &String| spoken.clauses().words.iter().any(|words| has_cue(words, cue));
+    let in_clauses = |cue: &String| clauses.words.iter().any(|words| has_cue(words, cue));
     let anywhere = |cue: &String| has_cue(spoken.words(), cue);
-    let by = |said: &dyn Fn(&String) -> bool| -> Vec<Fact> {
+    let spoken_of = |predicate, said: &dyn Fn(&String) -> bool| domain.words(predicate).cues.iter().any(said);
+    let by = |said: &dyn Fn(&String) -> bool| -> Vec<Dependence> {
         let mut found = Vec::new();
         for action in &domain.actions {
-            let spoken_of = |atom: &crate::domain::Atom| domain.words(atom.predicate).cues.iter().any(said);
-            if !action.senses.iter().any(spoken_of) {
+            if !action.senses.iter().any(|atom| spoken_of(atom.predicate, said)) {
                 continue;
             }
             for atom in &action.senses {
                 let [parameter] = &domain.predicate(atom.predicate).parameters[..] else {
                     continue;
                 };
-                let of_kind = |entity: &&EntityId| world.is_of_kind(**entity, parameter.kind);
-                let fact = |entity: &EntityId| Fact::new(atom.predicate, [*entity]);
-                if state_word(domain, atom.predicate).is_some() {
-                    found.extend(spoken.entities.iter().filter(of_kind).map(fact));
+                if state_word(domain, atom.predicate).is_none() {
+                    continue;
+                }
+                for entity in spoken.entities.iter().filter(|e| world.is_of_kind(**e, parameter.kind)) {
+                    let fact = Fact::new(atom.predicate, [*entity]);
+                    let negated: &[bool] = if action.senses.len() > 2 {
+                        &[false, true]
+                    } else {
+                        &[false]
+                    };
+                    found.extend(negated.iter().map(|negated| Dependence {
+                        fact,
+                        negated: *negated,
+                    }));
                 }
             }
         }
         found
     };
-    let found = by(&in_clauses);
-    if found.is_empty() { by(&anywhere) } else { found }
+    let mut found = by(&in_clauses);
+    if found.is_empty() {
+        found = by(&anywhere);
+    }
+    if clauses.unless > 0 && clauses.unless == clauses.words.len() {
+        let fits = |depends: &Dependence| {
+            let own = spoken_of(depends.fact.predicate(), &in_clauses);
+            own == depends.negated
+        };
+        if found.iter().any(fits) {
+            found.retain(fits);
+        }
+    }
+    found
+}
+
+/// Whether the condition of an instruction governs all that it asks for: "if it is dirty, wipe it and put the cloth
+/// away".
+pub(crate) fn governs_all(spoken: &Spoken) -> bool {
+    spoken.clauses().leading
 }
 
 /// Whether the instruction says what is wanted where its condition does not hold.
@@ -143,10 +196,12 @@ mod tests {
         let environment = Environment::from_json(text).unwrap();
         let world = world::read(&domain, &environment, "", "", &Path::default()).unwrap();
         let spoken = Spoken::of(&domain, &world, instruction);
-        let facts = conditions(&domain, &world, &spoken).into_iter();
-        let mut shown: Vec<String> = facts
-            .map(|fact| super::super::GoalFact::Plain(fact).everyday(&domain, &world))
-            .collect();
+        let shown = |depends: Dependence| {
+            let text = super::super::GoalFact::Plain(depends.fact).everyday(&domain, &world);
+            if depends.negated { format!("not {text}") } else { text }
+        };
+        let conditions = conditions(&domain, &world, &spoken).into_iter();
+        let mut shown: Vec<String> = conditions.map(shown).collect();
         if cannot_be_told(&domain, &world, &spoken) {
             shown.push("nobody knows".to_owned());
         }
@@ -185,7 +240,7 @@ mod tests {
         );
         checks(
             "Check the milk: if it is empty, get rid of it",
-            "full(milk) half_full(milk) empty(milk)",
+            "full(milk) not full(milk) half_full(milk) not half_full(milk) empty(milk) not empty(milk)",
         );
         checks("Put the milk into the fridge", "");
         checks("Put the fresh milk into the fridge", "");

@@ -4,9 +4,10 @@ use indexmap::IndexMap;
 use serde_json::{Value, json};
 
 use super::conditional::{IF, NOT, THEN, written_fact};
+use super::depends::Dependence;
 use super::{GoalFact, Offer};
 use crate::domain::{Domain, FormPiece, GoalWord};
-use crate::world::{EntityId, Fact, World};
+use crate::world::{EntityId, World};
 
 /// How a question begins in a model's answer.
 pub(crate) const QUESTION: &str = "question: ";
@@ -33,7 +34,7 @@ pub(crate) struct Ways<'a> {
     /// Goals.
     pub(crate) offers: &'a [Offer],
     /// What a goal may depend on.
-    pub(crate) conditions: &'a [Fact],
+    pub(crate) conditions: &'a [Dependence],
     /// The words with which the answer may go on after a goal.
     pub(crate) joints: &'a [&'static str],
     /// Whether it may also end there.
@@ -96,18 +97,14 @@ pub(crate) fn written(domain: &Domain, world: &World, ways: &Ways<'_>, place: Pl
     text
 }
 
-/// The rule for the beginning of a goal that depends on something, up to "then". Where more than one outcome is left
-/// when one does not hold, its opposite can be said too.
-fn condition_rule(domain: &Domain, world: &World, conditions: &[Fact]) -> String {
+/// The rule for the beginning of a goal that depends on something, up to "then".
+fn condition_rule(domain: &Domain, world: &World, conditions: &[Dependence]) -> String {
     let name = |entity: EntityId| world.entity(entity).name.clone();
-    let mut alternatives = Vec::new();
-    for fact in conditions {
-        let fact_text = written_fact(domain, *fact, &name);
-        alternatives.push(quoted(&format!("{IF}{fact_text}{THEN}")));
-        if domain.outcomes(*fact).len() > 2 {
-            alternatives.push(quoted(&format!("{IF}{NOT}{fact_text}{THEN}")));
-        }
-    }
+    let beginning = |depends: &Dependence| {
+        let not = if depends.negated { NOT } else { "" };
+        quoted(&format!("{IF}{not}{}{THEN}", written_fact(domain, depends.fact, &name)))
+    };
+    let alternatives: Vec<String> = conditions.iter().map(beginning).collect();
     format!("condition: {}\n", alternatives.join("\n  | "))
 }
 

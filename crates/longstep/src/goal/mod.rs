@@ -22,7 +22,7 @@ pub(crate) use begun::{Begun, Next, ended};
 pub use conditional::Conditional;
 pub(crate) use conditional::{AND, ELSE, Written};
 pub(crate) use correction::{Correction, parts};
-pub(crate) use depends::{cannot_be_told, conditions, has_other_case};
+pub(crate) use depends::{cannot_be_told, conditions, governs_all, has_other_case};
 pub(crate) use grammar::{JOINT, QUESTION, Ways, quoted, schema_of, written as grammar_of};
 pub use grammar::{Place, grammar, schema};
 pub(crate) use language::read_form;

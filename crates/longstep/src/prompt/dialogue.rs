@@ -200,13 +200,20 @@ impl GoalDialogue {
             _ => Vec::new(),
         };
         let more = self.said.len() + 1 < GOAL_LIMIT;
-        let joints: &[&str] = match self.next {
-            _ if !more => &[],
-            Next::Then if goal::has_other_case(spoken) => &[goal::ELSE, goal::AND, goal::JOINT],
-            Next::Then => &[goal::AND, goal::JOINT],
-            Next::Otherwise => &[goal::AND, goal::JOINT],
-            _ => &[goal::JOINT],
-        };
+        let mut joints = Vec::new();
+        if self.next == Next::Then && goal::has_other_case(spoken) {
+            joints.push(goal::ELSE);
+        }
+        let in_case = matches!(self.next, Next::Then | Next::Otherwise);
+        if in_case {
+            joints.push(goal::AND);
+        }
+        if !(in_case && goal::governs_all(spoken)) {
+            joints.push(goal::JOINT);
+        }
+        if !more {
+            joints.clear();
+        }
         // Who says "if" makes something depend on it.
         let must_depend = more && !conditions.is_empty() && !self.has_condition;
         let place = if self.answer.is_empty() {
@@ -218,7 +225,7 @@ impl GoalDialogue {
         let ways = Ways {
             offers: if self.cannot_be_told { &[] } else { &offers },
             conditions: &conditions,
-            joints,
+            joints: &joints,
             may_end: !must_depend,
         };
         grammar_of(domain, world, &ways, place)
