@@ -63,9 +63,9 @@
     ; a hand that holds on to something constrained, or to what the other hand holds too, cannot go elsewhere; and
     ; what rides on something lifted has no place of its own
     :precondition (and (forall (?held - item)
-                         (imply (holding ?held ?hand)
-                                (and (lifted ?held)
-                                     (forall (?other - hand) (or (= ?other ?hand) (not (holding ?held ?other)))))))
+                         (or (and (lifted ?held)
+                                  (forall (?other - hand) (or (= ?other ?hand) (not (holding ?held ?other)))))
+                             (not (holding ?held ?hand))))
                        (forall (?support - item)
                          (imply (or (on ?to ?support) (inside ?to ?support) (handle-of ?to ?support))
                                 (not (lifted ?support))))
@@ -151,7 +151,12 @@
 
   (:action close-by-rotate
     :parameters (?hand - hand ?handle - item)
-    :precondition (and (holding ?handle ?hand) (open ?handle) (rotates ?handle))
+    ; not onto the other hand, which has hold of something inside
+    :precondition (and (holding ?handle ?hand)
+                       (open ?handle)
+                       (rotates ?handle)
+                       (forall (?thing - thing ?item - item ?other - hand)
+                         (imply (and (handle-of ?handle ?thing) (inside ?item ?thing)) (not (holding ?item ?other)))))
     :effect (and (closed ?handle) (not (open ?handle)) (worked-by ?handle ?hand)))
 
   (:action open-by-slide
@@ -166,7 +171,11 @@
 
   (:action close-by-slide
     :parameters (?hand - hand ?handle - item)
-    :precondition (and (holding ?handle ?hand) (open ?handle) (slides ?handle))
+    :precondition (and (holding ?handle ?hand)
+                       (open ?handle)
+                       (slides ?handle)
+                       (forall (?thing - thing ?item - item ?other - hand)
+                         (imply (and (handle-of ?handle ?thing) (inside ?item ?thing)) (not (holding ?item ?other)))))
     :effect (and (closed ?handle) (not (open ?handle)) (worked-by ?handle ?hand)))
 
   (:action wipe

@@ -11,6 +11,7 @@ mod draft;
 mod explain;
 mod failure;
 mod inputs;
+mod lanes;
 mod model;
 mod plan;
 mod problem;
