@@ -37,7 +37,7 @@
     (holding ?item - item ?hand - hand)
     (lifted ?item - item)                      ; held, and constrained by nothing
     ; what happened
-    (put-by ?item - item ?by - manipulator)
+    (put-by ?item - item ?place - thing ?by - manipulator)
     (worked-by ?handle - item ?hand - hand)
     (wiped ?place - thing ?tool - item ?hand - hand)
     (adjusted ?handle - item))
@@ -101,7 +101,7 @@
                  (forall (?below - thing)
                    (when (and (lifted ?item) (bin ?below) (hand-at ?hand ?below)
                               (forall (?other - hand) (or (= ?other ?hand) (not (holding ?item ?other)))))
-                         (and (inside ?item ?below) (put-by ?item ?hand))))
+                         (and (inside ?item ?below) (put-by ?item ?below ?hand))))
                  (when (forall (?other - hand) (or (= ?other ?hand) (not (holding ?item ?other))))
                        (not (lifted ?item)))))
 
@@ -121,7 +121,6 @@
                  (forall (?other - hand ?rider - item)
                    (when (and (base ?item) (or (on ?rider ?item) (inside ?rider ?item) (handle-of ?rider ?item)))
                          (not (hand-at ?other ?rider))))
-                 (forall (?by - manipulator) (not (put-by ?item ?by)))
                  (lifted ?item)))
 
   (:action attach
@@ -132,10 +131,10 @@
                        (hand-at ?hand ?to)
                        (not (= ?item ?to))
                        (not (fixed ?to))
-                       (or (base ?to) (exists (?asset - asset) (= ?asset ?to)))
+                       (or (exists (?asset - asset) (= ?asset ?to)) (base ?to))
                        (forall (?handle - item) (imply (handle-of ?handle ?to) (not (closed ?handle)))))
     :effect (and (not (lifted ?item))
-                 (put-by ?item ?hand)
+                 (put-by ?item ?to ?hand)
                  (when (container ?to) (inside ?item ?to))
                  (when (not (container ?to)) (on ?item ?to))))
 
@@ -190,7 +189,6 @@
                        (not (fixed ?item))
                        (or (on ?item ?from) (inside ?item ?from)))
     :effect (and (forall (?place - thing) (and (not (on ?item ?place)) (not (inside ?item ?place))))
-                 (forall (?by - manipulator) (not (put-by ?item ?by)))
                  (lifted ?item)))
 
   (:action carry-with-both
@@ -212,9 +210,9 @@
                        (lifted ?item)
                        (not (= ?item ?to))
                        (not (fixed ?to))
-                       (or (base ?to) (exists (?asset - asset) (= ?asset ?to)))
+                       (or (exists (?asset - asset) (= ?asset ?to)) (base ?to))
                        (forall (?handle - item) (imply (handle-of ?handle ?to) (not (closed ?handle)))))
     :effect (and (not (lifted ?item))
-                 (put-by ?item both)
+                 (put-by ?item ?to both)
                  (when (container ?to) (inside ?item ?to))
                  (when (not (container ?to)) (on ?item ?to)))))

@@ -2,14 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use rustc_hash::FxHashSet;
-
-use super::footprint::{Footprint, Grounded};
+use super::footprint::{Contended, Footprint, Grounded};
 use super::{Makespan, actors, makespan};
 use crate::domain::Domain;
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, apply, check};
-use crate::world::{EntityId, Fact, State, World};
+use crate::world::{EntityId, State, World};
 
 /// A plan whose actors work side by side.
 #[derive(Debug, Clone)]
@@ -84,7 +82,7 @@ fn timed<'a>(domain: &Domain, steps: &'a [Step], prints: &[Footprint]) -> Vec<Ti
             let end = before.start + 1;
             if before.actor == actor {
                 start = start.max(end);
-            } else if !print.is_independent_of(own) {
+            } else if print.is_needed_before(own) {
                 start = start.max(end);
                 let last = awaits.entry(before.actor).or_insert(end);
                 *last = end.max(*last);
@@ -109,17 +107,16 @@ fn footprints(domain: &Domain, world: &World, steps: &[Step]) -> Vec<Footprint> 
         apply(world, &mut state, domain.action(step.action), &step.arguments);
     }
     let writers: Vec<Option<EntityId>> = steps.iter().map(|step| step.actor(domain)).collect();
-    let mut written: Vec<(Option<EntityId>, FxHashSet<Fact>)> = Vec::new();
+    let mut written: Vec<(Option<EntityId>, Contended)> = Vec::new();
     for (writer, step) in writers.iter().zip(&grounded) {
-        let facts = step.writes().into_keys();
         match written.iter_mut().find(|(actor, _)| actor == writer) {
-            Some((_, all)) => all.extend(facts),
-            None => written.push((*writer, facts.collect())),
+            Some((_, all)) => all.extend(step.contends()),
+            None => written.push((*writer, step.contends().collect())),
         }
     }
     let footprint = |(actor, step): (&Option<EntityId>, &Grounded)| {
         let others = written.iter().filter(|(writer, _)| writer != actor);
-        step.footprint(&others.flat_map(|(_, facts)| facts).copied().collect())
+        step.footprint(&others.flat_map(|(_, values)| values).copied().collect())
     };
     writers.iter().zip(&grounded).map(footprint).collect()
 }

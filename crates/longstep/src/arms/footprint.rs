@@ -10,13 +10,24 @@ use crate::world::{EntityId, Fact, State, World};
 /// What a step depends on and what it changes, done in a certain state.
 #[derive(Debug, Clone)]
 pub(super) struct Footprint {
-    /// Facts that let it be done, and that let its effects happen or not.
-    reads: FxHashSet<Fact>,
-    /// What it makes true or false.
-    writes: FxHashMap<Fact, bool>,
+    /// Facts that let it be done, and that let its effects happen or not, with whether they hold.
+    reads: FxHashMap<Fact, bool>,
+    writes: Writes,
     /// The things that it handles.
     things: Vec<EntityId>,
 }
+
+/// What a step makes true or false, and whether it was not so before.
+type Writes = FxHashMap<Fact, Written>;
+
+#[derive(Debug, Clone, Copy)]
+struct Written {
+    holds: bool,
+    changed: bool,
+}
+
+/// Facts with a value that some other actor makes or ends.
+pub(super) type Contended = FxHashSet<(Fact, bool)>;
 
 /// A step with its arguments, about to be done in a certain state.
 pub(super) struct Grounded {
@@ -41,42 +52,49 @@ impl Grounded {
         }
     }
 
-    fn fact(&self, literal: Literal) -> Fact {
-        self.facts[literal.fact as usize].0
-    }
-
     fn holds(&self, literal: Literal) -> bool {
         self.facts[literal.fact as usize].1 == literal.holds
     }
 
-    /// What it makes true or false.
-    pub(super) fn writes(&self) -> FxHashMap<Fact, bool> {
-        let mut writes = FxHashMap::default();
+    fn writes(&self) -> Writes {
+        let mut writes = Writes::default();
         for effect in &self.operator.effects {
             if effect.condition.holds(&|literal| self.holds(literal)) {
+                let (fact, held) = self.facts[effect.literal.fact as usize];
+                let before = writes.get(&fact).is_some_and(|written: &Written| written.holds);
                 // What is both taken away and given stays.
-                let written = writes.entry(self.fact(effect.literal)).or_insert(false);
-                *written |= effect.literal.holds;
+                let holds = effect.literal.holds || before;
+                let changed = holds != held;
+                writes.insert(fact, Written { holds, changed });
             }
         }
         writes
     }
 
-    /// The same with what it depends on: of several reasons why a condition holds or not, one that nobody else can
-    /// change, if there is one.
-    pub(super) fn footprint(&self, contended: &FxHashSet<Fact>) -> Footprint {
+    /// What nobody else can rely on: values that the step ends, or makes where it was otherwise.
+    pub(super) fn contends(&self) -> impl Iterator<Item = (Fact, bool)> {
+        let values = |(fact, written): (Fact, Written)| {
+            let made = written.changed.then_some((fact, written.holds));
+            [(fact, !written.holds)].into_iter().chain(made)
+        };
+        self.writes().into_iter().flat_map(values)
+    }
+
+    /// What the step reads and changes: of several reasons why a condition holds or not, one that is not contended, if
+    /// there is one.
+    pub(super) fn footprint(&self, contended: &Contended) -> Footprint {
         let effects = self.operator.effects.iter().map(|effect| &effect.condition);
         let conditions = std::iter::once(&self.operator.precondition).chain(effects);
         let reasons = conditions.flat_map(|condition| self.because(condition, contended).1);
         Footprint {
-            reads: reasons.map(|literal| self.fact(literal)).collect(),
+            reads: reasons.map(|literal| self.facts[literal.fact as usize]).collect(),
             writes: self.writes(),
             things: self.things.clone(),
         }
     }
 
     /// Whether a formula holds, and literals that alone make it so.
-    fn because(&self, formula: &Formula, contended: &FxHashSet<Fact>) -> (bool, Vec<Literal>) {
+    fn because(&self, formula: &Formula, contended: &Contended) -> (bool, Vec<Literal>) {
         let (parts, decisive) = match formula {
             Formula::Literal(literal) => return (self.holds(*literal), vec![*literal]),
             // One part that fails decides a conjunction, one that holds a disjunction; else all of them do.
@@ -86,7 +104,7 @@ impl Grounded {
         let reasons: Vec<(bool, Vec<Literal>)> = parts.iter().map(|part| self.because(part, contended)).collect();
         let deciding = reasons.iter().filter(|(value, _)| *value == decisive);
         let weight = |why: &[Literal]| {
-            let open = why.iter().filter(|literal| contended.contains(&self.fact(**literal)));
+            let open = why.iter().filter(|literal| contended.contains(&self.facts[literal.fact as usize]));
             (open.count(), why.len())
         };
         match deciding.min_by_key(|(_, why)| weight(why)) {
@@ -97,22 +115,28 @@ impl Grounded {
 }
 
 impl Footprint {
-    /// Whether the order of the two does not matter, and they may overlap.
-    pub(super) fn is_independent_of(&self, other: &Self) -> bool {
-        let disturbs = |one: &Self, other: &Self| {
-            one.writes.iter().any(|(fact, holds)| {
-                other.reads.contains(fact) || other.writes.get(fact).is_some_and(|written| written != holds)
-            })
+    /// Whether this step, which stands before the other, has to: they handle something together, or one of them
+    /// changes what lets the other be done or what that changes.
+    pub(super) fn is_needed_before(&self, later: &Self) -> bool {
+        let written = |by: &Self, fact: &Fact| by.writes.get(fact).copied();
+        let enables = |(fact, held): (&Fact, &bool)| {
+            written(self, fact).is_some_and(|written| written.changed || written.holds != *held)
         };
-        let shared = self.things.iter().any(|thing| other.things.contains(thing));
-        !shared && !disturbs(self, other) && !disturbs(other, self)
+        let disturbs =
+            |(fact, held): (&Fact, &bool)| written(later, fact).is_some_and(|written| written.holds != *held);
+        let differ = |(fact, own): (&Fact, &Written)| written(later, fact).is_some_and(|other| other.holds != own.holds);
+        self.things.iter().any(|thing| later.things.contains(thing))
+            || later.reads.iter().any(enables)
+            || self.reads.iter().any(disturbs)
+            || self.writes.iter().any(differ)
     }
 }
 
 /// Whether two steps, both about to be done in this state, can be done in either order or overlap: they handle
 /// nothing together, and neither changes what lets the other be done or what that changes.
 ///
-/// Two steps that both make the same fact true, or both false, do not disturb each other by that.
+/// Two steps that both make the same fact true, or both false, do not disturb each other by that, and neither does a
+/// step that makes a fact what it is already.
 ///
 /// ```
 /// use longstep::{arms, domain, json, plan::Step, world};
@@ -132,6 +156,9 @@ impl Footprint {
 /// ```
 pub fn independent(domain: &Domain, world: &World, state: &State, one: &Step, other: &Step) -> bool {
     let (one, other) = (Grounded::of(domain, world, state, one), Grounded::of(domain, world, state, other));
-    let written = |by: &Grounded| by.writes().into_keys().collect();
-    one.footprint(&written(&other)).is_independent_of(&other.footprint(&written(&one)))
+    let (first, second) = (
+        one.footprint(&other.contends().collect()),
+        other.footprint(&one.contends().collect()),
+    );
+    !first.is_needed_before(&second) && !second.is_needed_before(&first)
 }

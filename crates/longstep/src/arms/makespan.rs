@@ -131,7 +131,9 @@ pub fn timetable(lanes: &[Lane]) -> Vec<Row> {
         while let Some(name) = next_sync(&rest) {
             let here = |lane: &usize| matches!(rest[*lane].front(), Some(LaneItem::Sync(other)) if *other == name);
             let lanes: Vec<usize> = (0..rest.len()).filter(here).collect();
-            lanes.iter().for_each(|lane| drop(rest[*lane].pop_front()));
+            for lane in &lanes {
+                rest[*lane].pop_front();
+            }
             rows.push(Row::Sync { name, lanes });
         }
         let done = rest.iter_mut().map(|lane| match lane.front() {
