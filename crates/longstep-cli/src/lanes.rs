@@ -29,7 +29,10 @@ pub(crate) fn side_by_side(
             shown(world, compacted.plan.plan())
         }
         None => {
-            let note = format!("nothing of it can be done side by side: {}", arms::makespan(plan.plan()));
+            let note = format!(
+                "nothing of it can be done side by side: {}",
+                arms::makespan(plan.plan())
+            );
             answer.notes.push(note);
             Vec::new()
         }
@@ -64,7 +67,11 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<S
     let column = (WIDTH - MARGIN).saturating_sub(2 * (lanes.len() - 1)) / lanes.len();
     let heads = lanes.iter().map(|lane| {
         let name = &world.entity(lane.actor).name;
-        format!("{}{}", name.bold(), " ".repeat(column.saturating_sub(name.chars().count())))
+        format!(
+            "{}{}",
+            name.bold(),
+            " ".repeat(column.saturating_sub(name.chars().count()))
+        )
     });
     let heads: Vec<String> = heads.collect();
     let mut lines = vec![format!("{}{}", " ".repeat(MARGIN), heads.join("  ").trim_end())];
@@ -80,11 +87,18 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<S
             }
             Row::Sync { name, lanes: met } => {
                 let cells = (0..lanes.len()).map(|lane| match met.contains(&lane) {
-                    true => format!("--- {name} {}", "-".repeat(column.saturating_sub(name.chars().count() + 5))),
+                    true => format!(
+                        "--- {name} {}",
+                        "-".repeat(column.saturating_sub(name.chars().count() + 5))
+                    ),
                     false => " ".repeat(column),
                 });
                 let cells: Vec<String> = cells.collect();
-                lines.push(format!("{}{}", " ".repeat(MARGIN), cells.join("  ").trim_end().dimmed()));
+                lines.push(format!(
+                    "{}{}",
+                    " ".repeat(MARGIN),
+                    cells.join("  ").trim_end().dimmed()
+                ));
             }
         }
     }

@@ -59,7 +59,9 @@ fn every_goal_that_is_meant_can_be_reached() {
         for (says, meant) in cases(&scene) {
             let goal = goal::parse(&domain, &world, meant).unwrap();
             let solution = solution::of_goal(&domain, &world, &goal, says, || 0.0);
-            let plan = solution.plan.unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
+            let plan = solution
+                .plan
+                .unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
             let shared = arms::share(&domain, &world, &plan, &goal.purpose(&domain));
             let time = shared.map_or_else(|| arms::makespan(plan.plan()), |shared| shared.after);
             println!("{:2} steps, {time}: {says}", plan.steps().len());

@@ -264,7 +264,10 @@ impl Answer {
         self.plan.environment_after = now.plan.environment_after;
         self.steps = now.steps;
         let (count, before) = (self.steps.len(), compacted.before.units());
-        self.notes.push(format!("{count} steps, {} of time instead of {before}", compacted.after));
+        self.notes.push(format!(
+            "{count} steps, {} of time instead of {before}",
+            compacted.after
+        ));
     }
 
     /// Adds to the assumptions what was left out of the goal.

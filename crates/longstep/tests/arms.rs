@@ -30,7 +30,11 @@ fn diagnosed(written: &Value) -> (Vec<String>, Vec<String>) {
     let world = world_of(&domain, &written["environment_before"]);
     let attempt = Attempt::new(&domain, &world, plan::read(&written.to_string()).unwrap(), None);
     let verdict = attempt.verdict(&domain, &world);
-    let messages = verdict.violations.into_iter().map(|violation| violation.message).collect();
+    let messages = verdict
+        .violations
+        .into_iter()
+        .map(|violation| violation.message)
+        .collect();
     let length = attempt.resolved.written.len();
     let edits = match attempt.repair(&domain, &world, &Pins::default()) {
         Outcome::Valid(_) => Vec::new(),
@@ -89,7 +93,15 @@ fn check_mended(steps: &[(&str, &str)], after: &str, expected: &[&str]) {
         "task_cohesion": {"task_sequence": calls, "step_instructions": sentences, "object_name": "<cup>"},
         "environment_before": before, "environment_after": claimed});
     let (_, edits) = diagnosed(&written);
-    let short = |edit: &String| edit.split(" (").next().unwrap_or_default().split(": ").next().unwrap_or_default().to_owned();
+    let short = |edit: &String| {
+        edit.split(" (")
+            .next()
+            .unwrap_or_default()
+            .split(": ")
+            .next()
+            .unwrap_or_default()
+            .to_owned()
+    };
     assert_eq!(edits.iter().map(short).collect::<Vec<_>>(), expected);
 }
 
@@ -106,7 +118,10 @@ fn another_hand_does_it_where_the_sentence_means_it() {
         ]
     };
     fn words<'a>(steps: &'a [(String, &'static str)]) -> Vec<(&'a str, &'a str)> {
-        steps.iter().map(|(call, sentence)| (call.as_str(), *sentence)).collect()
+        steps
+            .iter()
+            .map(|(call, sentence)| (call.as_str(), *sentence))
+            .collect()
     }
     let on_sill = "on_something(<sill>)";
     check_mended(&words(&fetch("left")), on_sill, &[]);
@@ -234,7 +249,14 @@ fn two_robots_share_work_as_two_hands_do() {
     assert_eq!(lanes.len(), 2);
     let bo = world.find("bo").unwrap();
     let into_vault = |step: &&plan::Step| step.arguments.contains(&world.find("<vault>").unwrap());
-    assert!(shared.plan.steps().iter().filter(into_vault).all(|step| step.actor(&domain) == Some(bo)));
+    assert!(
+        shared
+            .plan
+            .steps()
+            .iter()
+            .filter(into_vault)
+            .all(|step| step.actor(&domain) == Some(bo))
+    );
     // One parcel is the work of one robot.
     assert!(told("bring(letter, office)").1.is_none());
 }

@@ -36,7 +36,10 @@ pub fn compact(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Pu
         return None;
     }
     let compacted = check(domain, world, tree, purpose).into_verified().ok()?;
-    let same_end = compacted.endings().iter().all(|ending| ending.after == plan.ending().after);
+    let same_end = compacted
+        .endings()
+        .iter()
+        .all(|ending| ending.after == plan.ending().after);
     same_end.then_some(Compacted {
         plan: compacted,
         before,
@@ -158,7 +161,11 @@ impl Tree {
         self.syncs += meetings.len();
         let mut lanes = Vec::with_capacity(actors.len());
         for actor in actors {
-            let mut own = meetings.iter().zip(&names).filter(|(met, _)| met.lanes.contains(&actor)).peekable();
+            let mut own = meetings
+                .iter()
+                .zip(&names)
+                .filter(|(met, _)| met.lanes.contains(&actor))
+                .peekable();
             let mut items = Vec::new();
             for timed in timed.iter().filter(|timed| timed.actor == actor) {
                 while let Some((_, name)) = own.next_if(|(met, _)| met.time <= timed.start) {

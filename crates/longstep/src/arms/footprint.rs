@@ -104,7 +104,9 @@ impl Grounded {
         let reasons: Vec<(bool, Vec<Literal>)> = parts.iter().map(|part| self.because(part, contended)).collect();
         let deciding = reasons.iter().filter(|(value, _)| *value == decisive);
         let weight = |why: &[Literal]| {
-            let open = why.iter().filter(|literal| contended.contains(&self.facts[literal.fact as usize]));
+            let open = why
+                .iter()
+                .filter(|literal| contended.contains(&self.facts[literal.fact as usize]));
             (open.count(), why.len())
         };
         match deciding.min_by_key(|(_, why)| weight(why)) {
@@ -124,7 +126,8 @@ impl Footprint {
         };
         let disturbs =
             |(fact, held): (&Fact, &bool)| written(later, fact).is_some_and(|written| written.holds != *held);
-        let differ = |(fact, own): (&Fact, &Written)| written(later, fact).is_some_and(|other| other.holds != own.holds);
+        let differ =
+            |(fact, own): (&Fact, &Written)| written(later, fact).is_some_and(|other| other.holds != own.holds);
         self.things.iter().any(|thing| later.things.contains(thing))
             || later.reads.iter().any(enables)
             || self.reads.iter().any(disturbs)
@@ -155,7 +158,10 @@ impl Footprint {
 /// assert!(!both(to("right", "<jar>"), to("left", "<jar>")), "both reach for one thing");
 /// ```
 pub fn independent(domain: &Domain, world: &World, state: &State, one: &Step, other: &Step) -> bool {
-    let (one, other) = (Grounded::of(domain, world, state, one), Grounded::of(domain, world, state, other));
+    let (one, other) = (
+        Grounded::of(domain, world, state, one),
+        Grounded::of(domain, world, state, other),
+    );
     let (first, second) = (
         one.footprint(&other.contends().collect()),
         other.footprint(&one.contends().collect()),

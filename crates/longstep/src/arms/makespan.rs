@@ -124,8 +124,10 @@ pub enum Row {
 /// ```
 pub fn timetable(lanes: &[Lane]) -> Vec<Row> {
     let counts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
-    let mut rest: Vec<VecDeque<&LaneItem>> =
-        lanes.iter().map(|lane| lane.items.iter().filter(counts).collect()).collect();
+    let mut rest: Vec<VecDeque<&LaneItem>> = lanes
+        .iter()
+        .map(|lane| lane.items.iter().filter(counts).collect())
+        .collect();
     let mut rows = Vec::new();
     loop {
         while let Some(name) = next_sync(&rest) {
@@ -164,7 +166,9 @@ fn next_sync(rest: &[VecDeque<&LaneItem>]) -> Option<String> {
     let is = |item: &LaneItem, name: &String| matches!(item, LaneItem::Sync(other) if other == name);
     let met = |name: &&&String| {
         let expecting = rest.iter().filter(|lane| lane.iter().any(|item| is(item, name)));
-        expecting.into_iter().all(|lane| lane.front().is_some_and(|item| is(item, name)))
+        expecting
+            .into_iter()
+            .all(|lane| lane.front().is_some_and(|item| is(item, name)))
     };
     let stuck = || rest.iter().all(|lane| !matches!(lane.front(), Some(LaneItem::Step(_))));
     let found = waiting.iter().find(met).or_else(|| waiting.first().filter(|_| stuck()));

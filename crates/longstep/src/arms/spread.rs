@@ -56,7 +56,9 @@ fn time_of(domain: &Domain, world: &World, steps: &[Step]) -> u64 {
 fn handed_on(domain: &Domain, world: &World, steps: &[Step]) -> Vec<Vec<Step>> {
     let mut all = Vec::new();
     for first in 0..steps.len() {
-        let Some(actor) = steps[first].actor(domain) else { continue };
+        let Some(actor) = steps[first].actor(domain) else {
+            continue;
+        };
         for other in others(domain, world, &steps[first], actor) {
             let mut candidate = steps.to_vec();
             for last in first..steps.len() {

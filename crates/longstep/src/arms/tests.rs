@@ -29,7 +29,10 @@ fn solved(domain: &Domain, world: &World, goal: &str) -> (VerifiedPlan, Purpose)
     let goal = goal::parse(domain, world, goal).unwrap();
     let solution = solution::of_goal(domain, world, &goal, "", || 0.0);
     let notes = &solution.answer.notes;
-    (solution.plan.unwrap_or_else(|| panic!("{notes:?}")), goal.purpose(domain))
+    (
+        solution.plan.unwrap_or_else(|| panic!("{notes:?}")),
+        goal.purpose(domain),
+    )
 }
 
 /// A goal in the room: steps, and units of time one after the other and side by side.
@@ -97,14 +100,27 @@ fn time_is_counted_along_the_longest_way() {
         otherwise: vec![step(2), step(3)],
     };
     check_units(vec![branch], "3 units");
-    check_units(vec![Node::Repeat { times: 3, body: vec![step(0)] }, step(1)], "4 units");
+    check_units(
+        vec![
+            Node::Repeat {
+                times: 3,
+                body: vec![step(0)],
+            },
+            step(1),
+        ],
+        "4 units",
+    );
     let endless = Node::While {
         condition: Test::Sense(StepId::new(0)),
         body: vec![step(1)],
     };
     check_units(vec![endless, step(2)], "at least 4 units");
     let lanes = |lanes: &[&str]| Node::Parallel {
-        lanes: lanes.iter().enumerate().map(|(actor, items)| lane(actor, items)).collect(),
+        lanes: lanes
+            .iter()
+            .enumerate()
+            .map(|(actor, items)| lane(actor, items))
+            .collect(),
     };
     check_units(vec![lanes(&["0 1 2", "3"])], "3 units");
     check_units(vec![lanes(&["0 1 a 2", "a 3 4"]), step(5)], "5 units");

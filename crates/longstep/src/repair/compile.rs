@@ -398,10 +398,16 @@ impl Writer<'_, '_> {
         let Some(actor) = self.domain.action(step.action).actor else {
             return;
         };
-        for operator in self.inserted.iter().filter(|operator| operator.step.action == step.action) {
+        for operator in self
+            .inserted
+            .iter()
+            .filter(|operator| operator.step.action == step.action)
+        {
             let same_but_actor = |choice: &&Candidate| {
                 let pairs = choice.arguments.iter().zip(&operator.step.arguments).enumerate();
-                pairs.into_iter().all(|(place, (one, other))| (one == other) == (place != actor))
+                pairs
+                    .into_iter()
+                    .all(|(place, (one, other))| (one == other) == (place != actor))
             };
             let Some(choice) = choices.iter().find(same_but_actor) else {
                 continue;

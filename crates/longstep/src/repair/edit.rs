@@ -302,7 +302,9 @@ impl Reasons<'_> {
         let same = instead.filter(|instead| instead.action == step.action);
         let hidden = |place: usize| same.map(|instead| instead.arguments[place]);
         let arguments = step.arguments.iter().enumerate();
-        let complete: Option<Vec<_>> = arguments.map(|(place, argument)| argument.or_else(|| hidden(place))).collect();
+        let complete: Option<Vec<_>> = arguments
+            .map(|(place, argument)| argument.or_else(|| hidden(place)))
+            .collect();
         let Some(arguments) = complete else {
             return Vec::new();
         };

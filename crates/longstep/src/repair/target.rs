@@ -74,7 +74,11 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
         .filter(|fact| !spoken_of.contains(&subject_of(domain, **fact)));
     let possible = |fact: &Fact| can_be_brought_about(domain, world, *fact);
     // What a rule forbids at the end nobody promises: a hand that was left full is an oversight.
-    let broken = |state: &State| broken_at_end(domain, world, state, purpose).filter(|broken| broken.binds).count();
+    let broken = |state: &State| {
+        broken_at_end(domain, world, state, purpose)
+            .filter(|broken| broken.binds)
+            .count()
+    };
     let breaks = broken(as_if);
     let forbidden = |fact: &Fact| {
         let mut without = as_if.clone();

@@ -109,7 +109,10 @@ pub(crate) fn candidates(
                 // Of several, the one that the sentence speaks of comes first; a place may be named after another.
                 handled.sort_by_key(|object| std::cmp::Reverse(named(object)));
                 let best = handled.first().map_or(0, named);
-                handled.into_iter().map(|object| (object, named(&object) < best)).collect()
+                handled
+                    .into_iter()
+                    .map(|object| (object, named(&object) < best))
+                    .collect()
             }
             None => {
                 let mentioned = |entity: EntityId| match action.object.is_some() && objects.contains(&entity) {
