@@ -7,11 +7,11 @@ use serde::Serialize;
 use crate::arms::Compacted;
 use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
-use crate::plan::{PlanFile, Step, TaskCohesion};
+use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
 use crate::prompt::Usage;
 use crate::repair::Edit;
-use crate::verify::{Report, Violation};
-use crate::world::{self, Claim, Environment, State, World};
+use crate::verify::{Ending, Report, Violation};
+use crate::world::{self, Claim, Environment, State, Voice, World};
 
 /// What came of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -67,6 +67,9 @@ pub struct Answer {
     pub timings_ms: Timings,
     /// Remarks that change no verdict: what was read leniently, what is odd about the plan.
     pub notes: Vec<String>,
+    /// The plan as lines for a person.
+    #[serde(skip)]
+    pub outline: Vec<OutlineLine>,
 }
 
 /// A change of an [`Answer`].
@@ -126,6 +129,9 @@ pub struct ViolationAnswer {
     pub missing: Vec<String>,
     /// The step that took them away, from 0.
     pub undone_by: Option<usize>,
+    /// What sensing told where it is so, as sentences; empty if it is so in any case.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub when: Vec<String>,
     /// One sentence for a person.
     pub message: String,
 }
@@ -199,6 +205,7 @@ impl Answer {
                 task_cohesion: TaskCohesion::default(),
                 environment_before: Some(world.environment.clone()),
                 environment_after: Some(world.environment.clone()),
+                endings: Vec::new(),
                 instruction_summary: summary.to_owned(),
                 question: question.to_owned(),
             },
@@ -211,6 +218,7 @@ impl Answer {
             usage: UsageAnswer::default(),
             timings_ms: Timings::default(),
             notes: Vec::new(),
+            outline: Vec::new(),
         }
     }
 
@@ -220,7 +228,10 @@ impl Answer {
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
         answer.plan.task_cohesion = TaskCohesion::new(domain, world, report.plan.steps());
-        answer.plan.environment_after = Some(world::write(domain, world, &report.ending().after));
+        let environment = |ending: &Ending| world::write(domain, world, &ending.after);
+        (answer.plan.environment_after, answer.plan.endings) =
+            plan::endings(domain, world, &report.endings, environment);
+        answer.outline = plan::outline(domain, world, &report.plan);
         answer.steps = report
             .plan
             .steps()
@@ -263,6 +274,7 @@ impl Answer {
         self.plan.task_cohesion = now.plan.task_cohesion;
         self.plan.environment_after = now.plan.environment_after;
         self.steps = now.steps;
+        self.outline = now.outline;
         let (count, before) = (self.steps.len(), compacted.before.units());
         self.notes.push(format!(
             "{count} steps, {} of time instead of {before}",
@@ -292,6 +304,11 @@ impl ViolationAnswer {
             action: violation.step().and_then(|step| calls.get(step).cloned()),
             missing: violation.missing(domain, world),
             undone_by: violation.undone_by(),
+            when: violation
+                .told()
+                .iter()
+                .map(|fact| Voice::Person.fact(domain, world, *fact, true))
+                .collect(),
             message: violation.message(domain, world, steps, goal),
         }
     }

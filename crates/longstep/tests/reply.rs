@@ -74,6 +74,7 @@ fn plan() -> impl Strategy<Value = PlanFile> {
                     },
                     environment_before: before,
                     environment_after: after,
+                    endings: Vec::new(),
                     instruction_summary: summary,
                     question,
                 }

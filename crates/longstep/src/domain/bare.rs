@@ -58,6 +58,8 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         event: false,
         unknown: Unknown::False,
         fluent,
+        cues: Vec::new(),
+        past: None,
     };
     // A fact about nothing has no entity in whose entry it could stand.
     let about_something = semantics.predicates.iter().enumerate();

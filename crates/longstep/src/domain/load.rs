@@ -9,8 +9,8 @@ use super::pddl::{Reader, Scope, Semantics, Written};
 use super::words::{self, DomainFile, ExamplesFile, FeedbackFile, TimeEntry, UnknownEntry};
 use super::{
     Action, ActionSchema, DefaultFact, Derivation, Domain, EnvironmentTypes, Files, FormPiece, GoalWord, Lexicon,
-    Literal, Parameter, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, Template,
-    TypeId, Unknown, pddl, sexpr,
+    Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord,
+    Template, TypeId, Unknown, pddl, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
@@ -322,6 +322,8 @@ impl Loader<'_> {
                     event: false,
                     unknown: Unknown::False,
                     fluent,
+                    cues: Vec::new(),
+                    past: None,
                 });
                 continue;
             };
@@ -347,9 +349,33 @@ impl Loader<'_> {
                     UnknownEntry::Assume => Unknown::Assume,
                 },
                 fluent,
+                cues: entry.cues.iter().map(|cue| cue.to_lowercase()).collect(),
+                past: entry.past.as_ref().and_then(|past| self.past(past, predicate, entries)),
             });
         }
         all
+    }
+
+    /// The event that tells that `of` held.
+    fn past(
+        &mut self,
+        past: &Spanned<String>,
+        of: &Predicate,
+        entries: &[words::PredicateEntry],
+    ) -> Option<PredicateId> {
+        let predicates = &self.semantics.predicates;
+        let Some(index) = predicates.iter().position(|p| p.name == *past.get_ref()) else {
+            let known = predicates.iter().map(|p| p.name.as_str());
+            self.report_unknown(past, "predicate", past.get_ref(), known);
+            return None;
+        };
+        let event = |entry: &words::PredicateEntry| entry.event && entry.name.get_ref() == past.get_ref();
+        let same = |(one, other): (&Parameter, &Parameter)| one.kind == other.kind;
+        let both = (&of.parameters, &predicates[index].parameters);
+        if !entries.iter().any(event) || both.0.len() != both.1.len() || !both.0.iter().zip(both.1).all(same) {
+            self.report(past, "`past` names an event about the same things");
+        }
+        Some(PredicateId::new(index))
     }
 
     fn actions(&mut self, entries: &[words::ActionEntry]) -> Vec<Action> {

@@ -226,6 +226,12 @@ pub struct PredicateWords {
     pub unknown: Unknown,
     /// Whether some action changes it, or tells it.
     pub fluent: bool,
+    /// Stems of the words with which people speak of an outcome of sensing, as in "gone bad": each is one word or
+    /// several in a row.
+    pub cues: Vec<String>,
+    /// The event that this held, made true by whatever takes it away: who wipes a dirty table no longer knows that it is
+    /// dirty, and still has wiped a dirty table. For goals that depend on it.
+    pub past: Option<PredicateId>,
 }
 
 /// A fact or its opposite, over `?self` (slot 0) and the word's own parameters.
@@ -520,6 +526,27 @@ impl Domain {
             .iter()
             .enumerate()
             .map(|(index, action)| (ActionId::new(index), action))
+    }
+
+    /// Whether some action tells whether this fact holds.
+    pub fn is_sensed(&self, predicate: PredicateId) -> bool {
+        self.sensing_of(predicate).is_some()
+    }
+
+    /// The outcomes of the sensing that tells whether the fact holds, itself among them, in the order in which the
+    /// action lists them: exactly one of them holds. Nothing for a fact that no action tells.
+    pub fn outcomes(&self, fact: Fact) -> Vec<Fact> {
+        let Some(action) = self.sensing_of(fact.predicate()) else {
+            return Vec::new();
+        };
+        let arguments: Vec<EntityId> = self.arguments(fact).collect();
+        let outcome = |atom: &Atom| Fact::new(atom.predicate, arguments.iter().copied());
+        action.senses.iter().map(outcome).collect()
+    }
+
+    fn sensing_of(&self, predicate: PredicateId) -> Option<&Action> {
+        let tells = |action: &&Action| action.senses.iter().any(|atom| atom.predicate == predicate);
+        self.actions.iter().find(tells)
     }
 
     /// The goal word with this id.

@@ -57,6 +57,9 @@ pub(super) struct PredicateEntry {
     pub(super) event: bool,
     #[serde(default)]
     pub(super) unknown: UnknownEntry,
+    #[serde(default)]
+    pub(super) cues: Vec<String>,
+    pub(super) past: Option<Text>,
 }
 
 #[derive(Debug, Deserialize, Default, Clone, Copy, PartialEq, Eq)]

@@ -64,7 +64,8 @@ impl GoalFact {
             Self::Plain(fact) => {
                 let arity = domain.predicate(fact.predicate()).parameters.len();
                 let word = domain.states.iter().find(|s| s.atom.predicate == fact.predicate());
-                let word = word.map_or("?", |word| &word.word);
+                // What no environment says is called by its own name.
+                let word = word.map_or_else(|| &domain.predicate(fact.predicate()).name, |word| &word.word);
                 let arguments: Vec<String> = (0..arity).map(|place| name(fact.argument(place))).collect();
                 format!("{word}({})", arguments.join(", "))
             }

@@ -1,15 +1,22 @@
 //! Plans: a model's reply, the paper's JSON, and the same resolved against a domain and a world.
 
 mod near;
+mod outline;
 mod paper;
 mod read;
 mod resolve;
+pub mod script;
 pub mod tree;
+mod written;
 
-pub use paper::{PlanFile, TaskCohesion};
+pub use outline::{OutlineLine, outline};
+pub(crate) use paper::endings;
+pub use paper::{EndingFile, PlanFile, TaskCohesion};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
+pub use script::ScriptError;
 pub use tree::{Lane, LaneItem, Node, Test};
+pub use written::{Written, WrittenNode, WrittenStep};
 
 use crate::call::Call;
 use crate::domain::{ActionId, Domain, id};
@@ -113,6 +120,14 @@ impl Plan {
     /// The outermost nodes, in the order in which they are carried out.
     pub fn body(&self) -> &[Node] {
         &self.body
+    }
+
+    /// The plan without a step; none if a condition needs it.
+    pub(crate) fn without(&self, step: StepId) -> Option<Self> {
+        let body = tree::without(&self.body, step)?;
+        let mut steps = self.steps.clone();
+        steps.remove(step.index());
+        Some(Self { steps, body })
     }
 
     /// Whether it is a plain list of steps.

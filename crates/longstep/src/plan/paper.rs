@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Step;
 use crate::domain::Domain;
-use crate::world::{Environment, World};
+use crate::goal::GoalFact;
+use crate::verify::Ending;
+use crate::world::{Environment, Fact, World};
 
 /// A plan file: what the paper's model answers, and what `longstep plan --save` writes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,12 +19,42 @@ pub struct PlanFile {
     /// The world after: a claim until it has been simulated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub environment_after: Option<Environment>,
+    /// The worlds after, where sensing decides which it is: then there is no single one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub endings: Vec<EndingFile>,
     /// What was asked for, in short.
     #[serde(default)]
     pub instruction_summary: String,
     /// What the planner asks back; empty when it understood.
     #[serde(default)]
     pub question: String,
+}
+
+/// A way in which a branching plan can end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EndingFile {
+    /// What sensing told on the way, for example `expired(<spam>)`.
+    pub when: Vec<String>,
+    /// The world after.
+    pub environment_after: Environment,
+}
+
+/// The environments that a plan leads to: the one after it, or each with what sensing tells on the way there.
+pub(crate) fn endings(
+    domain: &Domain,
+    world: &World,
+    endings: &[Ending],
+    environment: impl Fn(&Ending) -> Environment,
+) -> (Option<Environment>, Vec<EndingFile>) {
+    if let [only] = endings {
+        return (Some(environment(only)), Vec::new());
+    }
+    let when = |fact: &Fact| GoalFact::Plain(*fact).exact(domain, world);
+    let file = |ending: &Ending| EndingFile {
+        when: ending.when.iter().map(when).collect(),
+        environment_after: environment(ending),
+    };
+    (None, endings.iter().map(file).collect())
 }
 
 /// The steps of a plan file.

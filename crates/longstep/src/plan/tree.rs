@@ -98,12 +98,32 @@ impl<F> Test<F> {
         }
     }
 
-    fn depth(&self) -> usize {
+    pub(super) fn depth(&self) -> usize {
         match self {
             Self::Sense(_) | Self::Holds(_) => 0,
             Self::Not(inner) => 1 + inner.depth(),
             Self::All(parts) | Self::Any(parts) => 1 + parts.iter().map(Self::depth).max().unwrap_or(0),
         }
+    }
+}
+
+impl Test {
+    /// The same without a step, those behind it counted by `number`; none if it asks for that very step.
+    fn without(&self, gone: StepId, number: &dyn Fn(&StepId) -> StepId) -> Option<Self> {
+        let all = |parts: &[Self]| {
+            parts
+                .iter()
+                .map(|part| part.without(gone, number))
+                .collect::<Option<Vec<_>>>()
+        };
+        Some(match self {
+            Self::Sense(id) if *id == gone => return None,
+            Self::Sense(id) => Self::Sense(number(id)),
+            Self::Holds(fact) => Self::Holds(*fact),
+            Self::Not(inner) => Self::Not(Box::new(inner.without(gone, number)?)),
+            Self::All(parts) => Self::All(all(parts)?),
+            Self::Any(parts) => Self::Any(all(parts)?),
+        })
     }
 }
 
@@ -142,6 +162,51 @@ fn collect_steps<F, A>(nodes: &[Node<F, A>], found: &mut Vec<StepId>) {
             Node::Remark(_) => {}
         }
     }
+}
+
+/// The nodes without a step, those behind it counted anew; none if it stands in a condition.
+pub(super) fn without(nodes: &[Node], gone: StepId) -> Option<Vec<Node>> {
+    let number = |id: &StepId| StepId::new(id.index() - usize::from(*id > gone));
+    let test = |condition: &Test| condition.without(gone, &number);
+    let item = |item: &LaneItem| match item {
+        LaneItem::Step(id) if *id == gone => None,
+        LaneItem::Step(id) => Some(LaneItem::Step(number(id))),
+        other => Some(other.clone()),
+    };
+    let node = |node: &Node| {
+        Some(match node {
+            Node::Step(id) => Node::Step(number(id)),
+            Node::If {
+                condition,
+                then,
+                otherwise,
+            } => Node::If {
+                condition: test(condition)?,
+                then: without(then, gone)?,
+                otherwise: without(otherwise, gone)?,
+            },
+            Node::While { condition, body } => Node::While {
+                condition: test(condition)?,
+                body: without(body, gone)?,
+            },
+            Node::Repeat { times, body } => Node::Repeat {
+                times: *times,
+                body: without(body, gone)?,
+            },
+            Node::Parallel { lanes } => Node::Parallel {
+                lanes: lanes
+                    .iter()
+                    .map(|lane| Lane {
+                        actor: lane.actor,
+                        items: lane.items.iter().filter_map(item).collect(),
+                    })
+                    .collect(),
+            },
+            Node::Remark(text) => Node::Remark(text.clone()),
+        })
+    };
+    let stays = |node: &&Node| !matches!(node, Node::Step(id) if *id == gone);
+    nodes.iter().filter(stays).map(node).collect()
 }
 
 /// How deep branches, loops and conditions stand in each other.

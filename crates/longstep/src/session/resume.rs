@@ -67,13 +67,24 @@ impl Session {
                     ..
                 } => {
                     session.accept_again(instruction, goal, steps)?;
-                    if plan.environment_after.as_ref() != Some(&session.world.environment) {
+                    let ends = plan.environment_after.as_ref();
+                    if ends.is_some_and(|environment| *environment != session.world.environment) {
                         return Err(ResumeError::Plan {
                             number: session.accepted.len() - 1,
                             why: "it ends in another environment than it did".to_owned(),
                         });
                     }
                     session.settle(&mut tail);
+                }
+                Event::Ended { number, environment } => {
+                    let contradiction = |error: OutOfTurn| ResumeError::Contradiction(error.to_string());
+                    session.ended(*number).map_err(contradiction)?;
+                    if **environment != session.world.environment {
+                        return Err(ResumeError::Plan {
+                            number: session.accepted.len() - 1,
+                            why: "it ends in another environment than it did".to_owned(),
+                        });
+                    }
                 }
                 Event::Undo { .. } => {
                     session
@@ -135,12 +146,9 @@ impl Session {
             let told = told.map(|v| v.message(&self.domain, &self.world, report.plan.steps(), goal.as_ref()));
             invalid(told.collect::<Vec<_>>().join("; "))
         })?;
-        let before = self.world.clone();
-        self.world = before.after(&self.domain, plan.ending());
-        self.stage = Stage::Idle;
-        self.accepted.push(Accepted {
+        self.carry_on(Accepted {
             instruction: instruction.to_owned(),
-            before,
+            before: self.world.clone(),
             plan,
             goal,
         });
@@ -169,6 +177,7 @@ impl Session {
             Event::Failed { error } => self.failed(error),
             Event::Cancel => self.cancel(),
             Event::Undo { .. } => self.undo().map(|_| ()),
+            Event::Ended { number, .. } => self.ended(*number),
             Event::Accept { .. } => self.accept(),
             Event::Focus { kept: identifiers } => {
                 *kept = Some(identifiers.clone());
@@ -327,6 +336,7 @@ impl Event {
                 | Self::Answer { .. }
                 | Self::Feedback { .. }
                 | Self::Accept { .. }
+                | Self::Ended { .. }
                 | Self::Undo { .. }
                 | Self::Cancel
         )

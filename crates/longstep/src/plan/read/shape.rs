@@ -8,7 +8,7 @@ use super::literal::{Entry, Node, Value, shorten};
 use super::unreadable::Unreadable;
 use crate::diagnostic::Position;
 use crate::json::Path;
-use crate::plan::{PlanFile, TaskCohesion};
+use crate::plan::{EndingFile, PlanFile, TaskCohesion};
 use crate::world::{Environment, Words};
 
 type Shaped<T> = Result<T, Unreadable>;
@@ -68,10 +68,11 @@ pub(super) fn plan(text: &str, node: &Node, notes: &mut Notes) -> Shaped<PlanFil
     }
 }
 
-const PLAN_KEYS: [&str; 5] = [
+const PLAN_KEYS: [&str; 6] = [
     "task_cohesion",
     "environment_before",
     "environment_after",
+    "endings",
     "instruction_summary",
     "question",
 ];
@@ -132,11 +133,28 @@ impl Shape<'_, '_> {
             task_cohesion: self.required(cohesion, &fields, "task_cohesion", "an object with the steps", asks)?,
             environment_before: self.field(&fields, "environment_before", Self::environment)?,
             environment_after: self.field(&fields, "environment_after", Self::environment)?,
+            endings: self.field(&fields, "endings", Self::endings)?.unwrap_or_default(),
             instruction_summary: self
                 .field(&fields, "instruction_summary", Self::text)?
                 .unwrap_or_default(),
             question,
         })
+    }
+
+    fn endings(&mut self, node: &Node, path: &Path) -> Shaped<Vec<EndingFile>> {
+        let Value::List(items) = &node.value else {
+            return Err(self.wrong(node, path, "a list of endings"));
+        };
+        let ending = |(index, item): (usize, &Node)| {
+            let fields = self.fields(item, &path.index(index), &["when", "environment_after"])?;
+            let when = self.field(&fields, "when", Self::texts)?;
+            let after = self.field(&fields, "environment_after", Self::environment)?;
+            Ok(EndingFile {
+                when: self.required(when, &fields, "when", "a list of facts", false)?,
+                environment_after: self.required(after, &fields, "environment_after", "an environment", false)?,
+            })
+        };
+        items.iter().enumerate().map(ending).collect()
     }
 
     fn cohesion(&mut self, fields: &Fields, asks: bool) -> Shaped<TaskCohesion> {
