@@ -1,12 +1,18 @@
 //! Two arms and two robots: what is wrong with plans for them, how they are mended, and what they do side by side.
 //! With `LONGSTEP_CORPUS`, the folder of the recorded plans, the published two-arm plan is among them.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    missing_docs
+)]
 
 use longstep::arms;
 use longstep::attempt::Attempt;
 use longstep::domain::{self, Domain, Files};
-use longstep::goal;
+use longstep::goal::{self, GoalFact, Spoken};
 use longstep::json::Path;
 use longstep::plan::{self, Node};
 use longstep::repair::{Outcome, Pins};
@@ -135,6 +141,54 @@ fn another_hand_does_it_where_the_sentence_means_it() {
     let mut agreed = fetch("right");
     agreed[0].1 = "move the right hand to the cup";
     check_mended(&words(&agreed), on_sill, &["insert move_hand(left)"]);
+}
+
+/// The instructions that models are measured with, each with its world and what it means.
+fn instructions(domain: &Domain) -> Vec<(World, String, String)> {
+    let scenes: Vec<Value> =
+        serde_json::from_str(include_str!("../../longstep-llm/tests/two_arms/cases.json")).unwrap();
+    let mut all = Vec::new();
+    for scene in scenes {
+        let world = world_of(domain, &scene["environment"]);
+        for case in scene["cases"].as_array().unwrap() {
+            let text = |key: &str| case[key].as_str().unwrap().to_owned();
+            all.push((world.clone(), text("says"), text("goal")));
+        }
+    }
+    all
+}
+
+#[test]
+fn what_instructions_mean_is_offered_and_can_be_reached() {
+    let domain = dual();
+    let all = instructions(&domain);
+    assert_eq!(all.len(), 25);
+    for (world, says, meant) in all {
+        let goal = goal::parse(&domain, &world, &meant).unwrap();
+        let spoken = Spoken::of(&domain, &world, &says);
+        for said in 0..goal.facts.len() {
+            let mut offered = Vec::new();
+            for offer in goal::offers(&domain, &world, &goal.facts[..said], &spoken) {
+                let word = offer.word;
+                offered.extend(
+                    offer
+                        .arguments
+                        .into_iter()
+                        .map(|arguments| GoalFact::Word { word, arguments }),
+                );
+            }
+            let texts: Vec<String> = offered.iter().map(|fact| fact.everyday(&domain, &world)).collect();
+            println!("{says} -> {}", texts.join(" | "));
+            assert!(offered.contains(&goal.facts[said]), "{says}: {texts:?}");
+        }
+        let solution = solution::of_goal(&domain, &world, &goal, &says, || 0.0);
+        let plan = solution
+            .plan
+            .unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
+        let shared = arms::share(&domain, &world, &plan, &goal.purpose(&domain));
+        let time = shared.map_or_else(|| arms::makespan(plan.plan()), |shared| shared.after);
+        println!("    {} steps, {time}", plan.steps().len());
+    }
 }
 
 /// Two porters that carry boxes between rooms, one of which only one of them may enter.
