@@ -195,6 +195,9 @@ pub(crate) struct PlanArguments {
     /// Do not ask the model: show what it would be sent, and what each part costs in tokens
     #[arg(long, conflicts_with_all = ["save", "json"])]
     pub(crate) explain_prompt: bool,
+    /// Let hands, arms or robots work side by side where that saves time
+    #[arg(long)]
+    pub(crate) parallel: bool,
     /// Also write the plan to a file, in the paper's JSON
     #[arg(long, value_name = "PLAN.json")]
     pub(crate) save: Option<PathBuf>,
@@ -278,6 +281,9 @@ pub(crate) struct SolveArguments {
     /// Do not solve it: print it as a PDDL problem for the domain's domain.pddl
     #[arg(long, conflicts_with_all = ["problem", "json", "save"])]
     pub(crate) pddl: bool,
+    /// Let hands, arms or robots work side by side where that saves time
+    #[arg(long, conflicts_with_all = ["problem", "pddl"])]
+    pub(crate) parallel: bool,
     /// Also write the plan to a file, in the paper's JSON
     #[arg(long, value_name = "PLAN.json")]
     pub(crate) save: Option<PathBuf>,

@@ -12,6 +12,7 @@ mod explain;
 mod export;
 mod failure;
 mod inputs;
+mod lanes;
 mod model;
 mod plan;
 mod problem;

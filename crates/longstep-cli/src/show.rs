@@ -19,12 +19,20 @@ pub(crate) enum Changes {
 
 /// Prints an answer: the steps, what changed, what was assumed, and the verdict.
 pub(crate) fn answer(answer: &Answer, shown: Changes) {
+    answer_in_lanes(answer, shown, &[]);
+}
+
+/// The same for a plan that is shown in lanes, if there are lines that do so.
+pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[String]) {
     if answer.status == Status::Question {
         anstream::println!("{} {}", "Question:".yellow().bold(), answer.plan.question);
         return;
     }
     let bad = |index| answer.violations.iter().any(|violation| violation.step == Some(index));
-    steps(&answer.outline, bad);
+    match lanes {
+        [] => steps(&answer.outline, bad),
+        lanes => lanes.iter().for_each(|line| anstream::println!("{line}")),
+    }
     edits(answer);
     // Of a plan that cannot be carried out nobody knows what it would change.
     let possible = answer.status == Status::Verified && shown == Changes::Shown;

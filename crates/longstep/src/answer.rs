@@ -4,6 +4,7 @@
 
 use serde::Serialize;
 
+use crate::arms::Compacted;
 use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
 use crate::plan::{self, OutlineLine, PlanFile, Resolved, Step, TaskCohesion};
@@ -109,7 +110,7 @@ pub struct StepAnswer {
     pub arguments: Vec<String>,
     /// The arguments that it hides, by parameter.
     pub implicit: indexmap::IndexMap<String, String>,
-    /// Which arm; none for a robot with one.
+    /// Which hand, arm or robot does it; none if there is only one, or if it takes several.
     pub arm: Option<String>,
     /// What the step does.
     pub explanation: String,
@@ -269,6 +270,21 @@ impl Answer {
             .map(|v| ViolationAnswer::of(domain, world, v, calls, &[], None))
             .collect();
         answer
+    }
+
+    /// Puts a plan whose actors work side by side in place of the one that does the same step by step, and tells how
+    /// much time that saves.
+    pub fn side_by_side(&mut self, domain: &Domain, world: &World, compacted: &Compacted) {
+        let now = Self::of_report(domain, world, compacted.plan.report(), None, "");
+        self.plan.task_cohesion = now.plan.task_cohesion;
+        self.plan.environment_after = now.plan.environment_after;
+        self.steps = now.steps;
+        self.outline = now.outline;
+        let (count, before) = (self.steps.len(), compacted.before.units());
+        self.notes.push(format!(
+            "{count} steps, {} of time instead of {before}",
+            compacted.after
+        ));
     }
 
     /// Adds to the assumptions what was left out of the goal.

@@ -37,6 +37,7 @@
 //! ```
 
 pub mod answer;
+pub mod arms;
 pub mod attempt;
 pub mod call;
 pub mod diagnostic;

@@ -394,6 +394,9 @@ pub struct RepairCosts {
     pub insert: u32,
     /// Another verb for the same things, one that changes some of the same facts in the same way.
     pub replace: u32,
+    /// The same verb for the same things by another hand, arm or robot. Where the step's explanation speaks of that
+    /// one, `rebind` takes its place, since the explanation is kept; where it speaks of the one in the call, both.
+    pub other_actor: u32,
     /// A step later than the draft has it.
     pub postpone: u32,
     /// Another argument in an open place than the step's explanation speaks of.
@@ -418,6 +421,7 @@ impl Default for RepairCosts {
         Self {
             insert: 4,
             replace: 5,
+            other_actor: 3,
             postpone: 3,
             rebind: 2,
             drop_idle: 2,

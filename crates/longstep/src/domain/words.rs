@@ -142,6 +142,7 @@ pub(super) struct RuleEntry {
 pub(super) struct RepairEntry {
     pub(super) insert: Option<Spanned<u32>>,
     pub(super) replace: Option<Spanned<u32>>,
+    pub(super) other_actor: Option<Spanned<u32>>,
     pub(super) postpone: Option<Spanned<u32>>,
     pub(super) rebind: Option<Spanned<u32>>,
     pub(super) drop_idle: Option<Spanned<u32>>,

@@ -199,7 +199,7 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
 fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
     let word = |offer: &Offer| domain.goal_word(offer.word);
     // Two forms of one word are two readings of one wish. One that the instruction uses a phrase of wins for
-    // the same things, and so does one of which everything is spoken of.
+    // the same things, also if it says more of them, and so does one of which everything is spoken of.
     if !spoken.entities.is_empty() {
         let phrased: Vec<Offer> = offers
             .iter()
@@ -209,7 +209,8 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
         for offer in offers.iter_mut().filter(|offer| word(offer).phrases.is_empty()) {
             let rival = |bindings: &Vec<EntityId>| {
                 phrased.iter().any(|other| {
-                    word(other).word == domain.goal_word(offer.word).word && other.arguments.contains(bindings)
+                    word(other).word == domain.goal_word(offer.word).word
+                        && other.arguments.iter().any(|more| more.starts_with(bindings))
                 })
             };
             offer.arguments.retain(|bindings| !rival(bindings));

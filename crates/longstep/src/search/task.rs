@@ -61,16 +61,18 @@ pub(crate) fn ground_condition(
     let scope = Scope::whole(domain, world, &Asked::default());
     let mut grounder = Grounder::new(domain, world, &scope);
     let formula = grounder.formula(condition, &mut bindings.to_vec());
-    let mut facts: Vec<(u32, Fact)> = grounder
-        .numbers
-        .into_iter()
-        .map(|(fact, number)| (number, fact))
-        .collect();
-    facts.sort_unstable();
     GroundCondition {
         formula,
-        facts: facts.into_iter().map(|(_, fact)| fact).collect(),
+        facts: grounder.facts(),
     }
+}
+
+/// One step with the facts that its literals number.
+pub(crate) fn ground_step(domain: &Domain, world: &World, step: GroundAction) -> (Operator, Vec<Fact>) {
+    let scope = Scope::whole(domain, world, &Asked::default());
+    let mut grounder = Grounder::new(domain, world, &scope);
+    let operator = grounder.operator(step);
+    (operator, grounder.facts())
 }
 
 /// Grounds everything that the precondition's unchanging parts allow, without sensing.
@@ -267,6 +269,13 @@ impl<'a> Grounder<'a> {
             told: None,
             precondition,
         }
+    }
+
+    /// The facts by their numbers, if none of them is the task's own.
+    fn facts(self) -> Vec<Fact> {
+        let mut facts: Vec<(u32, Fact)> = self.numbers.into_iter().map(|(fact, number)| (number, fact)).collect();
+        facts.sort_unstable();
+        facts.into_iter().map(|(_, fact)| fact).collect()
     }
 
     /// A fact of the task's own, which nothing in the world means.

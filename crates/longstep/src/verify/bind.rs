@@ -152,8 +152,15 @@ pub(crate) fn candidates(
         let fitting: Vec<(EntityId, bool)> = match step.arguments[index] {
             Some(entity) => vec![(entity, false)],
             None if action.object == Some(index) && !objects.is_empty() => {
-                let handled = objects.iter().filter(|object| open.contains(object));
-                handled.map(|object| (*object, false)).collect()
+                let named = |object: &EntityId| world.entity(*object).words_in(&words);
+                let mut handled: Vec<EntityId> = objects.iter().copied().filter(|o| open.contains(o)).collect();
+                // Of several, the one that the sentence speaks of comes first; a place may be named after another.
+                handled.sort_by_key(|object| std::cmp::Reverse(named(object)));
+                let best = handled.first().map_or(0, named);
+                handled
+                    .into_iter()
+                    .map(|object| (object, named(&object) < best))
+                    .collect()
             }
             None => {
                 let mentioned = |entity: EntityId| match action.object.is_some() && objects.contains(&entity) {
