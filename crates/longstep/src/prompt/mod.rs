@@ -20,6 +20,7 @@ mod scene;
 #[cfg(test)]
 mod tests;
 mod told;
+mod tree_schema;
 mod worked;
 
 pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
@@ -27,6 +28,7 @@ pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, 
 pub use count::{Counting, EstimatedTokens, TokenCounter};
 pub use dialogue::{DialogueError, GoalDialogue, Turn};
 pub(crate) use dialogue::{object, one_line, whole};
+pub(crate) use query::plain_line;
 pub use direct::{Prepared, direct_request};
 pub use example::Example;
 pub(crate) use example::{check_example, render_goal_prompt};
@@ -39,3 +41,4 @@ pub use query::query;
 pub(crate) use reply::answered;
 pub use reply::direct_schema;
 pub use scene::scene;
+pub(crate) use tree_schema::{TreeForms, closed, tree_schema};

@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::query::contained_json;
+use super::tree_schema::closed;
 use crate::call::Call;
 use crate::domain::Domain;
 use crate::plan::{PlanFile, TaskCohesion};
@@ -171,16 +172,6 @@ pub fn direct_schema(domain: &Domain, world: &World) -> Value {
         ("instruction_summary", json!({"type": "string"})),
         ("question", json!({"type": "string"})),
     ])
-}
-
-/// An object with exactly these keys.
-fn closed(entries: &[(&str, Value)]) -> Value {
-    let required: Vec<&str> = entries.iter().map(|(key, _)| *key).collect();
-    let properties: serde_json::Map<String, Value> = entries
-        .iter()
-        .map(|(key, value)| ((*key).to_owned(), value.clone()))
-        .collect();
-    json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
 }
 
 /// Every call that a plan can have here, arguments of the right types; none if there are too many.
