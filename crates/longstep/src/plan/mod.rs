@@ -4,12 +4,16 @@ mod near;
 mod paper;
 mod read;
 mod resolve;
+pub mod script;
 pub mod tree;
+mod written;
 
 pub use paper::{PlanFile, TaskCohesion};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
+pub use script::ScriptError;
 pub use tree::{Lane, LaneItem, Node, Test};
+pub use written::{Written, WrittenNode, WrittenStep};
 
 use crate::call::Call;
 use crate::domain::{ActionId, Domain, id};

@@ -98,7 +98,7 @@ impl<F> Test<F> {
         }
     }
 
-    fn depth(&self) -> usize {
+    pub(super) fn depth(&self) -> usize {
         match self {
             Self::Sense(_) | Self::Holds(_) => 0,
             Self::Not(inner) => 1 + inner.depth(),
