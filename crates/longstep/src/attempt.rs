@@ -72,7 +72,7 @@ impl Attempt {
     }
 
     /// Simulates the plan, if its words mean something; with it, what its open arguments were taken to be.
-    fn simulate(&self, domain: &Domain, world: &World) -> Option<(Report, Vec<Assumption>)> {
+    pub(crate) fn simulate(&self, domain: &Domain, world: &World) -> Option<(Report, Vec<Assumption>)> {
         let steps = self.resolved.complete().ok()?;
         let claim = self.purpose.claim.as_ref();
         let (plan, open) = bind(domain, world, &steps, &self.resolved.objects, claim);

@@ -1,11 +1,12 @@
 //! A composition with every stored plan's steps in place of its name.
 
-use super::asked::spelled_out;
+use super::asked::{called, spelled_out};
 use super::{Misfit, Recalled, Stored};
 use crate::diagnostic::nearest;
 use crate::domain::Domain;
 use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Test};
 use crate::plan::{StepId, Written, WrittenNode, WrittenStep};
+use crate::prompt::actors;
 use crate::world::World;
 
 /// A composition as one plan.
@@ -173,7 +174,7 @@ impl<'a> Inliner<'a> {
     }
 
     fn renumbered(&mut self, node: &WrittenNode, before: usize, name: &str) -> WrittenNode {
-        let mut all = |inliner: &mut Self, nodes: &[WrittenNode]| -> Vec<WrittenNode> {
+        let all = |inliner: &mut Self, nodes: &[WrittenNode]| -> Vec<WrittenNode> {
             nodes
                 .iter()
                 .map(|node| inliner.renumbered(node, before, name))
@@ -268,7 +269,10 @@ impl<'a> Inliner<'a> {
     }
 
     fn lane(&mut self, lane: &Lane<String>) -> Lane<String> {
-        let actors = actors(self.domain, self.world);
+        let actors: Vec<(String, String)> = actors(self.domain, self.world)
+            .into_iter()
+            .map(|actor| (self.world.entity(actor).identifier.clone(), called(self.world.entity(actor))))
+            .collect();
         if actors.is_empty() {
             let domain = self.domain.name.clone();
             self.misfits.push(Misfit::NoLanes { domain });
@@ -338,17 +342,4 @@ impl<'a> Inliner<'a> {
             }),
         }
     }
-}
-
-/// The hands, arms or robots of a world: identifiers and everyday names, in the world's order.
-pub(super) fn actors(domain: &Domain, world: &World) -> Vec<(String, String)> {
-    let kinds = domain.actions.iter().filter_map(|action| {
-        let actor = action.actor?;
-        Some(action.parameters[actor].kind)
-    });
-    let kinds: Vec<_> = kinds.collect();
-    let is_actor = |id| kinds.iter().any(|kind| world.is_of_kind(id, *kind));
-    let all = world.entities().filter(|(id, _)| is_actor(*id));
-    all.map(|(_, entity)| (entity.identifier.clone(), entity.name.clone()))
-        .collect()
 }

@@ -1,9 +1,9 @@
 //! What a model may put together: the stored plans, what can be asked, and who can work side by side.
 
-use super::asked::{Check, checks};
-use super::inline::actors;
+use super::asked::{Check, called, checks};
 use super::{Recalled, Stored};
 use crate::domain::{Domain, plain_words, singular};
+use crate::prompt::actors;
 use crate::world::{EntityId, World};
 
 /// What a composition can be made of here.
@@ -34,8 +34,9 @@ impl Menu {
         let lane = |recalled: &Recalled| match &recalled.actors[..] {
             [only] if !recalled.joint && recalled.written.is_sequence() => actors
                 .iter()
-                .find(|(identifier, _)| identifier == only)
-                .map(|(_, name)| name.clone()),
+                .map(|actor| world.entity(*actor))
+                .find(|actor| actor.identifier == *only)
+                .map(called),
             _ => None,
         };
         let plans: Vec<Offered> = stored
@@ -47,7 +48,7 @@ impl Menu {
                 lane: recalled.as_ref().and_then(lane),
             })
             .collect();
-        let mut lanes: Vec<String> = actors.into_iter().map(|(_, name)| name).collect();
+        let mut lanes: Vec<String> = actors.iter().map(|actor| called(world.entity(*actor))).collect();
         lanes.retain(|lane| plans.iter().any(|plan| plan.lane.as_ref() == Some(lane)));
         if lanes.len() < 2 {
             lanes.clear();

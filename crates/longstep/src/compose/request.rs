@@ -4,7 +4,6 @@ use super::Stored;
 use super::examples::{EXAMPLES, Example};
 use super::grammar::{grammar, schema, script_call};
 use super::menu::Menu;
-use super::read::in_json;
 use crate::domain::Domain;
 use crate::goal::QUESTION;
 use crate::prompt::{ChatRequest, Constraint, ConstraintKind, Message, Role, Round, plain_line};
@@ -65,7 +64,7 @@ fn fixed(kind: ConstraintKind) -> Vec<Message> {
         messages.push(Message::new(Role::User, example_query(example)));
         let answer = match kind {
             ConstraintKind::Grammar => example.answer.to_owned(),
-            ConstraintKind::JsonSchema => in_json(example.answer),
+            ConstraintKind::JsonSchema => example.answer.to_owned(),
         };
         messages.push(Message::new(Role::Assistant, answer));
     }
