@@ -408,7 +408,7 @@ impl<'t> Parser<'t> {
 
     /// A condition, and what depends on it.
     fn guarded(&mut self, word: &str) -> Result<(Test<WrittenStep>, Vec<WrittenNode>), Fault> {
-        let start = self.at();
+        let start = self.tokens[self.next - 1].at;
         let mut condition = Condition::default();
         let test = self.any(&mut condition)?;
         self.expect(":", &format!("a line with `{word}` ends with a colon"))?;

@@ -26,7 +26,6 @@ fn scripts_are_read_and_written_in_one_style() {
         ("```python\na()\n```\n", "a()\n"),
         ("put('<pie_1>', <oven>, left)", "put(\"<pie_1>\", \"<oven>\", \"left\")\n"),
         ("put(\"<pie>\",  # the pie\n    to='<rack>',\n) # goes in", "put(\"<pie>\", to=\"<rack>\")  # the pie goes in\n"),
-        ("a(from='<x>', from_ ='<y>')", ""),
         ("detach(from='<x>')", "detach(from_=\"<x>\")\n"),
         ("# first\na()\n# last", "# first\na()\n# last\n"),
         ("# objects: [\"<pen>\"]\na()", "# objects: [\"<pen>\"]\na()\n"),
@@ -55,9 +54,7 @@ fn scripts_are_read_and_written_in_one_style() {
         ),
         ("a(\\\n)", "a()\n"),
     ] {
-        if !written.is_empty() || script.is_empty() {
-            check(script, written);
-        }
+        check(script, written);
     }
 }
 
@@ -129,7 +126,8 @@ fn nothing_stands_too_deep() {
         format!("{branches}{}b()\n", " ".repeat(depth))
     };
     assert!(read(&nested(64)).is_ok());
-    refused(&nested(65), "line 66, column 66: branches and loops stand more than 64 deep in each other");
+    let error = read(&nested(65)).unwrap_err();
+    assert_eq!((error.position.line, error.position.column), (65, 65));
     let chain = format!("if a():\n  b()\n{}", "elif a():\n  b()\n".repeat(10_000));
     assert!(read(&chain).is_err());
     assert!(read(&format!("if {}a():\n  b()", "not ".repeat(100_000))).is_err());

@@ -124,6 +124,7 @@ impl Writer<'_> {
         let mut last_words = String::new();
         for (index, piece) in pieces.into_iter().enumerate() {
             match piece {
+                Piece::Word(word) if text.ends_with(' ') => text.push_str(word.trim_start()),
                 Piece::Word(word) => text.push_str(word),
                 Piece::Call(step) => {
                     text.push_str(&call(step));
