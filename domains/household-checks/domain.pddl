@@ -25,6 +25,7 @@
     (rotates ?handle - thing)
     (slides ?handle - thing)
     (next-to ?thing - thing ?other - thing)
+    (cleans ?tool - item)                      ; wiping with it takes dirt away
     ; where things are
     (on ?thing - thing ?place - thing)
     (inside ?thing - thing ?place - thing)
@@ -141,8 +142,7 @@
     :precondition (and (holding ?tool) (not (lifted ?tool)) (not (fixed ?tool)) (on ?tool ?place))
     :effect (and (wiped ?place ?tool)
                  (when (dirty ?place) (was-dirty ?place))
-                 (not (clean ?place))
-                 (not (dirty ?place))))
+                 (when (cleans ?tool) (and (not (clean ?place)) (not (dirty ?place))))))
 
   ; A lifted thing can be turned to read its label, be weighed, and be seen from all sides.
   (:action check-best-by-date

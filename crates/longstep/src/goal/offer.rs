@@ -332,6 +332,7 @@ fn disturbs(domain: &Domain, fact: &GoalFact, entity: EntityId) -> bool {
             .iter()
             .any(|parameter| arguments[*parameter] == entity),
         GoalFact::Plain(_) => false,
+        GoalFact::If(_) => fact.parts().into_iter().any(|part| disturbs(domain, part, entity)),
     }
 }
 

@@ -97,6 +97,7 @@ impl Compiled<'_> {
             step: nothing(),
             cost,
             tag: self.moves.len() as u32,
+            told: None,
             precondition: self.arrived.clone(),
             effects: vec![effect(forgone, true)],
         });
@@ -305,6 +306,7 @@ impl Writer<'_, '_> {
             step: nothing(),
             cost: 0,
             tag: 0,
+            told: None,
             precondition: condition,
             effects: Vec::new(),
         };

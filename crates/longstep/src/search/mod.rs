@@ -5,6 +5,7 @@
 //! shortest one. When that takes too long it goes on greedily and says so.
 
 mod bits;
+pub mod contingent;
 mod dominance;
 mod formula;
 mod forward;
