@@ -6,6 +6,7 @@
 mod arguments;
 mod ask;
 mod chat;
+mod compose;
 mod domain;
 mod draft;
 mod explain;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Repair(arguments) => repair::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
+        Command::Compose(arguments) => compose::run(&arguments),
         Command::Domain(command) => domain::run(&command),
         Command::Model(command) => model::run(&command),
     };

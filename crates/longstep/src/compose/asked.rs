@@ -2,7 +2,7 @@
 
 use crate::domain::{Action, Domain, Term};
 use crate::plan::WrittenStep;
-use crate::world::{Entity, EntityId, World};
+use crate::world::{Entity, EntityId, Fact, World};
 
 /// The parameters that a sensing call names in a composition: those that its call shows anyway, and those that its
 /// outcomes are about.
@@ -59,32 +59,51 @@ pub(super) struct Check {
     pub(super) says: Vec<String>,
 }
 
-/// Every sensing call about things that are worth it, in the order of the domain and the world.
-pub(super) fn checks(domain: &Domain, world: &World, worth: impl Fn(EntityId) -> bool) -> Vec<Check> {
+/// Every sensing call that tells of a fact that is worth asking for, in the order of the domain and the world.
+pub(super) fn checks(domain: &Domain, world: &World, worth: impl Fn(Fact) -> bool) -> Vec<Check> {
     let mut all = Vec::new();
     for action in domain.actions.iter().filter(|action| !action.senses.is_empty()) {
         let mut choices: Vec<Vec<(usize, EntityId)>> = vec![Vec::new()];
         for parameter in asked_of(action) {
-            let kind = action.parameters[parameter].kind;
-            let fitting: Vec<EntityId> = world.of_kind(kind).iter().copied().filter(|id| worth(*id)).collect();
             let longer = |given: &Vec<(usize, EntityId)>| {
-                let with = |entity: &EntityId| [&given[..], &[(parameter, *entity)]].concat();
-                fitting.iter().map(with).collect::<Vec<_>>()
+                let fitting = world.of_kind(action.parameters[parameter].kind).iter();
+                fitting
+                    .map(|entity| [&given[..], &[(parameter, *entity)]].concat())
+                    .collect::<Vec<_>>()
             };
             choices = choices.iter().flat_map(longer).collect();
         }
+        choices.retain(|given| {
+            let mut outcomes = action.senses.iter();
+            outcomes.any(|outcome| {
+                let terms = outcome.terms.iter().map(|term| about(term, given));
+                let entities = terms.collect::<Option<Vec<EntityId>>>();
+                entities.is_some_and(|entities| worth(Fact::new(outcome.predicate, entities)))
+            })
+        });
         all.extend(choices.iter().map(|given| check(domain, world, action, given)));
     }
     all
 }
 
-fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, EntityId)]) -> Check {
-    let entity = |term: &Term| match term {
-        Term::Variable(slot) => given.iter().find(|(parameter, _)| parameter == slot).map(|(_, entity)| *entity),
+/// What a term of an outcome is, given what the call is about.
+fn about(term: &Term, given: &[(usize, EntityId)]) -> Option<EntityId> {
+    match term {
+        Term::Variable(slot) => given
+            .iter()
+            .find(|(parameter, _)| parameter == slot)
+            .map(|(_, entity)| *entity),
         Term::Constant(entity) => Some(*entity),
-    };
+    }
+}
+
+fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, EntityId)]) -> Check {
+    let entity = |term: &Term| about(term, given);
     let outcomes = action.senses.iter().map(|outcome| {
-        let word = domain.states.iter().find(|word| word.atom.predicate == outcome.predicate)?;
+        let word = domain
+            .states
+            .iter()
+            .find(|word| word.atom.predicate == outcome.predicate)?;
         // The entry of the environment in which the word stands comes first.
         let slots = 0..=word.parameters.len();
         let things = slots.map(|slot| {
@@ -94,7 +113,8 @@ fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, Entit
         Some((word.word.clone(), things.collect::<Option<Vec<_>>>()?))
     });
     let says = action.senses.iter().map(|outcome| {
-        let name = |place: usize| entity(&outcome.terms[place]).map_or(String::new(), |id| world.entity(id).with_article());
+        let name =
+            |place: usize| entity(&outcome.terms[place]).map_or(String::new(), |id| world.entity(id).with_article());
         domain.words(outcome.predicate).says.fill(name)
     });
     Check {

@@ -22,7 +22,7 @@ impl Composed {
     /// Resolves a composition; `instruction` is what was asked for.
     pub fn new(domain: &Domain, world: &World, inlined: Inlined, instruction: &str) -> Self {
         let file = PlanFile {
-            task_cohesion: TaskCohesion::from(inlined.written),
+            task_cohesion: TaskCohesion::from_written(inlined.written),
             environment_before: Some(world.environment.clone()),
             environment_after: None,
             instruction_summary: instruction.to_owned(),

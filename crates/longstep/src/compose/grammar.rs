@@ -3,53 +3,50 @@
 use serde_json::{Value, json};
 
 use super::asked::Check;
-use super::menu::Menu;
+use super::menu::{Menu, Offered};
 use crate::goal::{QUESTION, quoted};
 use crate::prompt::{TreeForms, closed, tree_schema};
 
-/// Plans, branches and the like in one block at most: what is longer is a model that cannot stop.
-const MOST: usize = 8;
+/// Parts of one block at most: what is longer is a model that cannot stop.
+const MOST: usize = 6;
 
 /// How deep branches may stand in each other.
-pub(super) const DEPTH: usize = 2;
+const DEPTH: usize = 2;
+
+/// Plans of one lane that are listed in every order at most, each once; of more, any can come at any time.
+const LISTED: usize = 4;
 
 /// A grammar in llguidance's Lark dialect for the script of a composition, or a question.
 ///
 /// Every line is written out with its indentation, so that nothing but the stored plans, the checks and the lanes that
-/// there are can be said. A check and the branch on what it told are one piece.
+/// there are can be said. A check and the branch on what it told are one piece, and nothing is checked again within it.
 pub(super) fn grammar(menu: &Menu) -> String {
     let question = format!("question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n", quoted(QUESTION));
     if menu.plans.is_empty() {
         return format!("start: question\n{question}");
     }
-    let mut text = format!("start: question | block0\n{question}");
-    for depth in 0..=DEPTH {
-        let branches = depth < DEPTH && !menu.checks.is_empty();
-        let lanes = depth == 0 && !menu.lanes.is_empty();
-        let mut items = vec![format!("plan{depth}")];
-        items.extend(branches.then(|| format!("branch{depth}")));
-        items.extend(lanes.then(|| "sides".to_owned()));
-        text.push_str(&format!(
-            "block{depth}: item{depth} (\"\\n\" item{depth}){{0,{}}}\nitem{depth}: {}\n",
-            MOST - 1,
-            items.join(" | ")
-        ));
-        let margin = "    ".repeat(depth);
-        let calls = menu.plans.iter().map(|plan| quoted(&format!("{margin}{}()", plan.name)));
-        text.push_str(&format!("plan{depth}: {}\n", any(calls)));
-        if branches {
-            let heads = menu.checks.iter().map(|check| head(check, &margin));
-            let otherwise = quoted(&format!("\n{margin}else:\n"));
-            text.push_str(&format!(
-                "branch{depth}: head{depth} \":\\n\" block{inner} ({otherwise} block{inner})?\nhead{depth}: {}\n",
-                any(heads),
-                inner = depth + 1,
-            ));
-        }
+    let mut text = format!("start: question | whole\n{question}");
+    let mut forks = Vec::new();
+    if !menu.checks.is_empty() {
+        forks.push("branch0");
+        text.push_str(&branches(menu));
     }
     if !menu.lanes.is_empty() {
+        forks.push("sides");
         text.push_str(&sides(menu));
     }
+    let plan = menu.plans.iter().map(|plan| quoted(&format!("{}()", plan.name)));
+    text.push_str(&format!("plan0: {}\n", any(plan)));
+    let forks = forks.join(" | ");
+    text.push_str(&match (forks.is_empty(), menu.fork_wanted) {
+        (true, _) => format!("whole: plan0 (\"\\n\" plan0){{0,{}}}\n", MOST - 1),
+        (false, false) => format!("whole: part (\"\\n\" part){{0,{}}}\npart: plan0 | {forks}\n", MOST - 1),
+        // What the person says asks for it, so it is there.
+        (false, true) => format!(
+            "whole: (plan0 \"\\n\"){{0,{n}}} ({forks}) (\"\\n\" part){{0,{n}}}\npart: plan0 | {forks}\n",
+            n = MOST - 2
+        ),
+    });
     text
 }
 
@@ -57,52 +54,108 @@ fn any(alternatives: impl Iterator<Item = String>) -> String {
     alternatives.collect::<Vec<_>>().join("\n  | ")
 }
 
-/// The check in one line, and the beginning of the branch on it in the next.
-fn head(check: &Check, margin: &str) -> String {
-    let lines = conditions(check).into_iter().map(|(before, condition)| {
-        let before = before.map_or(String::new(), |call| format!("{margin}{call}\n"));
-        (before, format!("{margin}if {condition}"))
-    });
-    let (before, conditions): (Vec<String>, Vec<String>) = lines.unzip();
-    let conditions = conditions.iter().map(|condition| quoted(condition));
-    match before[0].is_empty() {
-        true => format!("({})", any(conditions)),
-        false => format!("{} ({})", quoted(&before[0]), any(conditions)),
+/// Branches on every check, and within each those on the others.
+fn branches(menu: &Menu) -> String {
+    let mut text = String::new();
+    let all = 0..menu.checks.len();
+    let rules = all.clone().map(|index| format!("branch0_{index}"));
+    text.push_str(&format!("branch0: {}\n", any(rules)));
+    for index in all.clone() {
+        text.push_str(&branch(menu, index, 0, &format!("block1_{index}")));
+        let others = all.clone().filter(|other| *other != index);
+        let inner = std::iter::once("plan1".to_owned()).chain(others.map(|other| format!("branch1_{other}")));
+        let inner = any(inner);
+        text.push_str(&format!(
+            "block1_{index}: part1_{index} (\"\\n\" part1_{index}){{0,{}}}\npart1_{index}: {inner}\n",
+            MOST - 1
+        ));
+        if menu.checks.len() > 1 {
+            text.push_str(&branch(menu, index, 1, "block2"));
+        }
     }
-}
-
-/// The conditions that a check can decide, each with the call that comes before it.
-fn conditions(check: &Check) -> Vec<(Option<String>, String)> {
-    let call = script_call(&check.call, &check.things);
-    if check.outcomes.is_empty() {
-        return vec![(None, call.clone()), (None, format!("not {call}"))];
+    let levels = if menu.checks.len() > 1 { 1..=DEPTH } else { 1..=1 };
+    for depth in levels {
+        let margin = "    ".repeat(depth);
+        let calls = menu
+            .plans
+            .iter()
+            .map(|plan| quoted(&format!("{margin}{}()", plan.name)));
+        text.push_str(&format!("plan{depth}: {}\n", any(calls)));
     }
-    let asked = check.outcomes.iter().map(|(word, things)| script_call(word, things));
-    asked.map(|condition| (Some(call.clone()), condition)).collect()
+    if menu.checks.len() > 1 {
+        text.push_str(&format!("block2: plan2 (\"\\n\" plan2){{0,{}}}\n", MOST - 1));
+    }
+    text
 }
 
-/// `check_date("spam")`
-pub(super) fn script_call(word: &str, things: &[String]) -> String {
-    let things: Vec<String> = things.iter().map(|thing| quoted(thing)).collect();
-    format!("{word}({})", things.join(", "))
+/// The check in one line, and in the lines after it the branch on what it told.
+fn branch(menu: &Menu, index: usize, depth: usize, block: &str) -> String {
+    let check = &menu.checks[index];
+    let margin = "    ".repeat(depth);
+    let call = check.script();
+    let asked = match check.outcomes.is_empty() {
+        true => String::new(),
+        false => quoted(&format!("{margin}{call}\n")),
+    };
+    let conditions = check.conditions();
+    let one_of = |word: &str| {
+        let lines = conditions
+            .iter()
+            .map(|condition| quoted(&format!("{margin}{word} {condition}:\n")));
+        format!("({}) {block}", any(lines))
+    };
+    // With two outcomes, whatever is not the one is the other.
+    let elif = match conditions.len() {
+        0..=2 => String::new(),
+        _ => format!(" (\"\\n\" {})?", one_of("elif")),
+    };
+    let otherwise = quoted(&format!("\n{margin}else:\n"));
+    format!(
+        "branch{depth}_{index}: {asked} {}{elif} ({otherwise} {block})?\n",
+        one_of("if")
+    )
 }
 
+/// Lanes side by side: two that have plans, the one or the other first.
 fn sides(menu: &Menu) -> String {
     let lane = |lane: &String| {
         let fitting = menu.plans.iter().filter(|plan| plan.lane.as_ref() == Some(lane));
-        let calls: Vec<String> = fitting.map(|plan| quoted(&format!("        {}()", plan.name))).collect();
-        let line = calls.join(" | ");
         format!(
-            "{} ({line}) (\"\\n\" ({line})){{0,{}}}",
+            "{} ({})",
             quoted(&format!("\n    with lane({}):\n", quoted(lane))),
-            MOST - 1
+            any(orders(&fitting.collect::<Vec<_>>()).into_iter())
         )
     };
     let lanes: Vec<String> = menu.lanes.iter().map(lane).collect();
-    // Any two of them, in the order of the world.
-    let pairs = (0..lanes.len()).flat_map(|one| (one + 1..lanes.len()).map(move |other| (one, other)));
+    let all = 0..lanes.len();
+    let pairs = all.clone().flat_map(|one| all.clone().map(move |other| (one, other)));
+    let pairs = pairs.filter(|(one, other)| one != other);
     let pairs = pairs.map(|(one, other)| format!("\"with parallel():\" {} {}", lanes[one], lanes[other]));
     format!("sides: {}\n", any(pairs))
+}
+
+/// What can stand in a lane: some of the plans, each once, in any order.
+fn orders<'a>(plans: &[&'a Offered]) -> Vec<String> {
+    let line = |plan: &Offered| format!("        {}()", plan.name);
+    if plans.len() > LISTED {
+        let lines = plans.iter().map(|plan| quoted(&line(plan)));
+        let one = any(lines);
+        return vec![format!("({one}) (\"\\n\" ({one})){{0,{}}}", MOST - 1)];
+    }
+    let mut all = Vec::new();
+    let mut longest: Vec<Vec<&'a Offered>> = vec![Vec::new()];
+    for _ in plans {
+        let longer = |row: &Vec<&'a Offered>| {
+            let left = plans.iter().copied().filter(|plan| !row.contains(plan));
+            left.map(|plan| [&row[..], &[plan]].concat()).collect::<Vec<_>>()
+        };
+        longest = longest.iter().flat_map(longer).collect();
+        all.extend(longest.iter().map(|row| {
+            let lines: Vec<String> = row.iter().map(|plan| line(plan)).collect();
+            quoted(&lines.join("\n"))
+        }));
+    }
+    all
 }
 
 /// A JSON schema for a whole answer of a server: the tree of the composition, or a question.
@@ -113,7 +166,11 @@ pub(super) fn schema(menu: &Menu) -> Value {
     let calls: Vec<String> = plans.chain(looks).collect();
     let asked = menu.checks.iter().flat_map(|check| match check.outcomes.is_empty() {
         true => vec![plain(&check.call, &check.things)],
-        false => check.outcomes.iter().map(|(word, things)| plain(word, things)).collect(),
+        false => check
+            .outcomes
+            .iter()
+            .map(|(word, things)| plain(word, things))
+            .collect(),
     });
     let asked: Vec<String> = asked.collect();
     let tree = tree_schema(TreeForms {
@@ -127,4 +184,26 @@ pub(super) fn schema(menu: &Menu) -> Value {
     let mut schema = closed(&[("task_tree", tree.nodes), ("question", json!({"type": "string"}))]);
     schema["$defs"] = tree.definitions;
     schema
+}
+
+impl Check {
+    /// The call as a script has it: `check_date("spam")`.
+    pub(super) fn script(&self) -> String {
+        script_call(&self.call, &self.things)
+    }
+
+    /// What can be asked after it, for each outcome. Where the environment has no words for the outcomes, the call is
+    /// asked itself: the first outcome makes it hold, and each other one makes it not.
+    pub(super) fn conditions(&self) -> Vec<String> {
+        if self.outcomes.is_empty() {
+            return vec![self.script(), format!("not {}", self.script())];
+        }
+        let asked = self.outcomes.iter().map(|(word, things)| script_call(word, things));
+        asked.collect()
+    }
+}
+
+fn script_call(word: &str, things: &[String]) -> String {
+    let things: Vec<String> = things.iter().map(|thing| quoted(thing)).collect();
+    format!("{word}({})", things.join(", "))
 }

@@ -21,7 +21,7 @@ pub struct Inlined {
 
 /// Puts the steps of stored plans in place of their names.
 ///
-/// A remark before them says which plan they come from. Each stored plan was bound in the world that it was made for,
+/// A remark before them says which plan they come from, or, in a plain list of steps, each of them does. Each stored plan was bound in the world that it was made for,
 /// so all of its arguments are given, by identifier; whether those things are here is for resolving to find out.
 ///
 /// # Errors
@@ -46,11 +46,14 @@ pub fn inline(
         misfits: Vec::new(),
     };
     let body = inliner.nodes(&composition.body);
-    let written = Written {
+    let mut written = Written {
         steps: inliner.steps,
         body,
         objects: Vec::new(),
     };
+    if written.is_sequence() {
+        tell_in_steps(&mut written, &inliner.origins);
+    }
     let mut misfits = inliner.misfits;
     if misfits.is_empty() && !written.is_sound() {
         misfits.push(Misfit::TooDeep { limit: DEEPEST });
@@ -69,6 +72,17 @@ pub fn inline(
                 }
             });
             Err(told)
+        }
+    }
+}
+
+/// A plain list of steps is the common case and stays one: where its steps come from is told in their explanations, not
+/// in remarks between them.
+fn tell_in_steps(written: &mut Written, origins: &[Option<String>]) {
+    written.body.retain(|node| matches!(node, Node::Step(_)));
+    for (step, origin) in written.steps.iter_mut().zip(origins) {
+        if let Some(name) = origin {
+            step.explanation = format!("{name}: {}", step.explanation);
         }
     }
 }
@@ -257,7 +271,8 @@ impl<'a> Inliner<'a> {
     fn note_sensing(&mut self, condition: &Test<WrittenStep>, origin: Option<&str>) {
         match condition {
             Test::Holds(step) => {
-                let senses = |action: &&crate::domain::Action| action.call == step.call.name && !action.senses.is_empty();
+                let senses =
+                    |action: &&crate::domain::Action| action.call == step.call.name && !action.senses.is_empty();
                 if self.domain.actions.iter().find(senses).is_some() {
                     self.origins.push(origin.map(str::to_owned));
                 }
@@ -271,7 +286,12 @@ impl<'a> Inliner<'a> {
     fn lane(&mut self, lane: &Lane<String>) -> Lane<String> {
         let actors: Vec<(String, String)> = actors(self.domain, self.world)
             .into_iter()
-            .map(|actor| (self.world.entity(actor).identifier.clone(), called(self.world.entity(actor))))
+            .map(|actor| {
+                (
+                    self.world.entity(actor).identifier.clone(),
+                    called(self.world.entity(actor)),
+                )
+            })
             .collect();
         if actors.is_empty() {
             let domain = self.domain.name.clone();

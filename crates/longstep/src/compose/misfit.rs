@@ -15,13 +15,17 @@ pub enum Misfit {
         near: Option<String>,
     },
     /// A stored plan is called with something in its parentheses.
-    #[error("`{name}` is a stored plan, which takes nothing in its parentheses: what it handles was settled when it was made")]
+    #[error(
+        "`{name}` is a stored plan, which takes nothing in its parentheses: what it handles was settled when it was made"
+    )]
     Arguments {
         /// The plan.
         name: String,
     },
     /// A stored plan stands in a condition.
-    #[error("`{name}` is a stored plan, which tells nothing that could be asked: a condition asks a sensing action or a state")]
+    #[error(
+        "`{name}` is a stored plan, which tells nothing that could be asked: a condition asks a sensing action or a state"
+    )]
     Asked {
         /// The plan.
         name: String,

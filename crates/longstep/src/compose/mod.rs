@@ -6,6 +6,7 @@
 //! from the world as it is now ([`Composed`]): nothing is taken over from the verdicts on its parts.
 
 mod asked;
+mod composed;
 mod examples;
 mod grammar;
 mod inline;
@@ -15,7 +16,10 @@ mod read;
 mod recalled;
 mod request;
 mod stored;
+#[cfg(test)]
+mod tests;
 
+pub use composed::Composed;
 pub use inline::{Inlined, inline};
 pub use misfit::{Misfit, refused};
 pub use read::{Said, read};

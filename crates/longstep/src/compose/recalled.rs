@@ -4,8 +4,7 @@ use super::{Misfit, Stored};
 use crate::attempt::Attempt;
 use crate::domain::Domain;
 use crate::json::Path;
-use crate::call::Call;
-use crate::plan::{Draft, Lane, LaneItem, Node, Plan, Step, StepId, Test, Written, WrittenNode, WrittenStep};
+use crate::plan::{Draft, Plan, Step, Written};
 use crate::world::{self, World};
 
 /// A stored plan, bound in the world that it was made for.
@@ -61,7 +60,7 @@ impl Recalled {
 
     fn of_plan(domain: &Domain, own: &World, plan: &Plan, summary: &str) -> Self {
         let mut recalled = Self {
-            written: written(domain, own, plan),
+            written: Written::of_plan(domain, own, plan),
             summary: summary.to_owned(),
             ..Self::default()
         };
@@ -87,105 +86,12 @@ impl Recalled {
     }
 }
 
-/// A plan as it would be written with every argument: what calls hide is given by name.
-fn written(domain: &Domain, world: &World, plan: &Plan) -> Written {
-    let steps: Vec<WrittenStep> = plan.steps().iter().map(|step| written_step(domain, world, step)).collect();
-    let mut written = Written::default();
-    written.body = nodes(domain, world, &steps, plan.body(), &mut written.steps);
-    written
-}
-
-fn written_step(domain: &Domain, world: &World, step: &Step) -> WrittenStep {
-    let action = domain.action(step.action);
-    let hidden = action.implicit().map(|parameter| {
-        let identifier = &world.entity(step.arguments[parameter]).identifier;
-        (action.parameters[parameter].name.clone(), identifier.clone())
-    });
-    WrittenStep {
-        call: step.call(domain, world),
-        implicit: hidden.collect(),
-        explanation: step.explanation.clone(),
-    }
-}
-
-/// The nodes over steps; what is sensed in conditions is left out of `kept`, the list of steps.
-fn nodes(
-    domain: &Domain,
-    world: &World,
-    all: &[WrittenStep],
-    nodes_: &[Node],
-    kept: &mut Vec<WrittenStep>,
-) -> Vec<WrittenNode> {
-    let keep = |step: StepId, kept: &mut Vec<WrittenStep>| {
-        kept.push(all[step.index()].clone());
-        StepId::new(kept.len() - 1)
-    };
-    let asked = |condition: &Test| asked(domain, world, all, condition);
-    let mut written = Vec::with_capacity(nodes_.len());
-    for node in nodes_ {
-        written.push(match node {
-            Node::Step(step) => Node::Step(keep(*step, kept)),
-            Node::If {
-                condition,
-                then,
-                otherwise,
-            } => Node::If {
-                condition: asked(condition),
-                then: nodes(domain, world, all, then, kept),
-                otherwise: nodes(domain, world, all, otherwise, kept),
-            },
-            Node::While { condition, body } => Node::While {
-                condition: asked(condition),
-                body: nodes(domain, world, all, body, kept),
-            },
-            Node::Repeat { times, body } => Node::Repeat {
-                times: *times,
-                body: nodes(domain, world, all, body, kept),
-            },
-            Node::Parallel { lanes } => Node::Parallel {
-                lanes: lanes
-                    .iter()
-                    .map(|lane| Lane {
-                        actor: world.entity(lane.actor).identifier.clone(),
-                        items: lane
-                            .items
-                            .iter()
-                            .map(|item| match item {
-                                LaneItem::Step(step) => LaneItem::Step(keep(*step, kept)),
-                                other => other.clone(),
-                            })
-                            .collect(),
-                    })
-                    .collect(),
-            },
-            Node::Remark(text) => Node::Remark(text.clone()),
-        });
-    }
-    written
-}
-
-fn asked(domain: &Domain, world: &World, all: &[WrittenStep], condition: &Test) -> Test<WrittenStep> {
-    let parts = |parts: &[Test]| parts.iter().map(|part| asked(domain, world, all, part)).collect();
-    match condition {
-        Test::Sense(step) => Test::Holds(all[step.index()].clone()),
-        Test::Holds(fact) => Test::Holds(WrittenStep {
-            call: Call {
-                name: String::new(),
-                arguments: domain.arguments(*fact).map(|e| world.entity(e).identifier.clone()).collect(),
-            },
-            implicit: Vec::new(),
-            explanation: String::new(),
-        }),
-        Test::Not(inner) => Test::Not(Box::new(asked(domain, world, all, inner))),
-        Test::All(inner) => Test::All(parts(inner)),
-        Test::Any(inner) => Test::Any(parts(inner)),
-    }
-}
-
 fn things<'a>(domain: &'a Domain, step: &'a Step) -> impl Iterator<Item = crate::world::EntityId> + 'a {
     let actor = domain.action(step.action).actor;
     let arguments = step.arguments.iter().enumerate();
-    arguments.filter(move |(place, _)| Some(*place) != actor).map(|(_, entity)| *entity)
+    arguments
+        .filter(move |(place, _)| Some(*place) != actor)
+        .map(|(_, entity)| *entity)
 }
 
 fn add(list: &mut Vec<String>, identifier: &str) {

@@ -2,8 +2,9 @@
 
 use super::Stored;
 use super::examples::{EXAMPLES, Example};
-use super::grammar::{grammar, schema, script_call};
+use super::grammar::{grammar, schema};
 use super::menu::Menu;
+use super::read::in_json;
 use crate::domain::Domain;
 use crate::goal::QUESTION;
 use crate::prompt::{ChatRequest, Constraint, ConstraintKind, Message, Role, Round, plain_line};
@@ -64,7 +65,7 @@ fn fixed(kind: ConstraintKind) -> Vec<Message> {
         messages.push(Message::new(Role::User, example_query(example)));
         let answer = match kind {
             ConstraintKind::Grammar => example.answer.to_owned(),
-            ConstraintKind::JsonSchema => example.answer.to_owned(),
+            ConstraintKind::JsonSchema => in_json(example.answer),
         };
         messages.push(Message::new(Role::Assistant, answer));
     }
@@ -77,22 +78,26 @@ fn query(menu: &Menu, instruction: &str) -> String {
         plan_line(&plan.name, &plain_line(&plan.summary), lane.unwrap_or(""))
     });
     let checks = menu.checks.iter().map(|check| {
-        let call = script_call(&check.call, &check.things);
-        let outcomes = check.outcomes.iter().map(|(word, things)| script_call(word, things));
-        let mut conditions: Vec<String> = outcomes.collect();
-        if conditions.is_empty() {
-            // The first outcome makes the call true; each other one makes it not.
-            conditions.push(call.clone());
-            conditions.resize(check.says.len(), format!("not {call}"));
-        }
-        check_line(&call, conditions.iter().map(String::as_str).zip(check.says.iter().map(String::as_str)))
+        let conditions = check.conditions();
+        // Where only the call can be asked, it holds or it does not.
+        let told = conditions
+            .iter()
+            .map(String::as_str)
+            .chain(conditions.last().map(String::as_str).into_iter().cycle());
+        check_line(&check.script(), told.zip(check.says.iter().map(String::as_str)))
     });
     whole_query(plans.collect(), checks.collect(), &plain_line(instruction))
 }
 
 fn example_query(example: &Example) -> String {
-    let plans = example.plans.iter().map(|(name, summary, lane)| plan_line(name, summary, lane));
-    let checks = example.checks.iter().map(|(call, outcomes)| check_line(call, outcomes.iter().copied()));
+    let plans = example
+        .plans
+        .iter()
+        .map(|(name, summary, lane)| plan_line(name, summary, lane));
+    let checks = example
+        .checks
+        .iter()
+        .map(|(call, outcomes)| check_line(call, outcomes.iter().copied()));
     whole_query(plans.collect(), checks.collect(), example.wish)
 }
 
@@ -108,7 +113,9 @@ fn plan_line(name: &str, summary: &str, lane: &str) -> String {
 }
 
 fn check_line<'a>(call: &str, outcomes: impl Iterator<Item = (&'a str, &'a str)>) -> String {
-    let told: Vec<String> = outcomes.map(|(condition, says)| format!("{condition} if {says}")).collect();
+    let told: Vec<String> = outcomes
+        .map(|(condition, says)| format!("{condition} if {says}"))
+        .collect();
     format!("- {call}: {}", told.join(", "))
 }
 

@@ -45,7 +45,11 @@ impl Stored {
     pub fn new(stem: &str, file: PlanFile) -> Self {
         Self {
             name: plan_name(stem),
-            summary: file.instruction_summary.split_whitespace().collect::<Vec<_>>().join(" "),
+            summary: file
+                .instruction_summary
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" "),
             file,
         }
     }

@@ -29,7 +29,6 @@ pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, 
 pub use count::{Counting, EstimatedTokens, TokenCounter};
 pub use dialogue::{DialogueError, GoalDialogue, Turn};
 pub(crate) use dialogue::{object, one_line, whole};
-pub(crate) use query::plain_line;
 pub use direct::{Prepared, direct_request};
 pub use example::Example;
 pub(crate) use example::{check_example, render_goal_prompt};
@@ -39,8 +38,9 @@ pub use focus::{Focus, focus};
 pub(crate) use forms::actors;
 pub(crate) use parts::broken_parts;
 pub use parts::{Part, PartName, PartTexts, PromptError, fixed_parts};
+pub(crate) use query::plain_line;
 pub use query::query;
 pub(crate) use reply::answered;
 pub use reply::direct_schema;
 pub use scene::scene;
-pub(crate) use tree_schema::{TreeForms, closed, tree_schema};
+pub(crate) use tree_schema::{TreeForms, closed, in_schema, tree_schema};

@@ -100,3 +100,43 @@ pub(crate) fn closed(entries: &[(&str, Value)]) -> Value {
         .collect();
     json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
 }
+
+/// A tree of a plan file as the schema has it: every key there, and nothing besides.
+pub(crate) fn in_schema(tree: &Value, explained: bool) -> Value {
+    let nodes = tree.as_array().map_or(&[][..], Vec::as_slice);
+    let nodes = nodes.iter().filter(|node| node.get("remark").is_none());
+    nodes.map(|node| node_in_schema(node, explained)).collect()
+}
+
+fn node_in_schema(node: &Value, explained: bool) -> Value {
+    let part = |key: &str| in_schema(node.get(key).unwrap_or(&Value::Null), explained);
+    if let Some(call) = node.get("call") {
+        let explanation = node.get("explanation").cloned().unwrap_or_else(|| json!(""));
+        return match explained {
+            true => json!({"call": call, "explanation": explanation}),
+            false => json!({"call": call}),
+        };
+    }
+    if let Some(condition) = node.get("if") {
+        return json!({"if": asked_in_schema(condition), "then": part("then"), "else": part("else")});
+    }
+    if let Some(condition) = node.get("while") {
+        return json!({"while": asked_in_schema(condition), "do": part("do")});
+    }
+    let Some(lanes) = node.get("parallel").and_then(Value::as_array) else {
+        return node.clone();
+    };
+    let lane = |lane: &Value| {
+        let items = in_schema(lane.get("do").unwrap_or(&Value::Null), explained);
+        json!({"lane": lane.get("lane"), "do": items})
+    };
+    json!({"parallel": lanes.iter().map(lane).collect::<Value>()})
+}
+
+fn asked_in_schema(condition: &Value) -> Value {
+    match (condition.get("call"), condition.get("not")) {
+        (Some(call), _) => json!({"call": call}),
+        (_, Some(inner)) => json!({"not": asked_in_schema(inner)}),
+        _ => condition.clone(),
+    }
+}
