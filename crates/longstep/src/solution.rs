@@ -73,9 +73,7 @@ pub fn of_wanted(
         contingent::Outcome::ProvenUnsolvable { when, .. } => {
             let mut answer = Answer::without_plan(Status::Unsolvable, world, summary, "");
             let told = when.map(|fact| Voice::Person.fact(domain, world, fact, true));
-            answer
-                .notes
-                .extend(told.map(|told| format!("there is no way if it turns out that {told}")));
+            answer.notes.extend(told.map(|told| format!("there is no way if it turns out that {told}")));
             answer
         }
         contingent::Outcome::GaveUp { why, .. } => {

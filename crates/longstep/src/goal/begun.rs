@@ -49,9 +49,7 @@ impl Begun {
                 next: Next::Goal,
             });
         }
-        let cut = [THEN, AND, ELSE]
-            .iter()
-            .find_map(|word| Some((*word, answer.strip_suffix(word)?)));
+        let cut = [THEN, AND, ELSE].iter().find_map(|word| Some((*word, answer.strip_suffix(word)?)));
         let (before, last) = answer.rsplit_once('&').unwrap_or(("", answer));
         let Some((word, _)) = cut.filter(|_| last.trim_start().starts_with(IF)) else {
             return Ok(Self {
@@ -95,10 +93,7 @@ impl Begun {
 /// The goals of an answer that ends, perhaps with a word after which nothing is left to say.
 pub(crate) fn ended(domain: &Domain, world: &World, answer: &str) -> Result<Goal, GoalError> {
     let mut text = answer.trim();
-    while let Some(less) = [JOINT.trim(), AND, ELSE]
-        .iter()
-        .find_map(|word| text.strip_suffix(word))
-    {
+    while let Some(less) = [JOINT.trim(), AND, ELSE].iter().find_map(|word| text.strip_suffix(word)) {
         text = less.trim_end();
     }
     // A condition after which nothing can be said wants nothing.

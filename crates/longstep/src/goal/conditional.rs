@@ -219,9 +219,7 @@ impl<'a> Joined<'a> {
 
     /// That the outcome is known to hold, or to have held until something was done about it.
     fn known(&self, outcome: Fact) -> Condition {
-        let terms: Vec<Term> = (0..self.domain.arguments(outcome).count())
-            .map(Term::Variable)
-            .collect();
+        let terms: Vec<Term> = (0..self.domain.arguments(outcome).count()).map(Term::Variable).collect();
         let atom = |predicate| Condition::Atom {
             atom: Atom {
                 predicate,

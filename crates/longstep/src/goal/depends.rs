@@ -62,12 +62,7 @@ impl Clauses {
 /// Whether the words have a row of words that begin like those of the cue.
 fn has_cue(words: &[String], cue: &str) -> bool {
     let stems = plain_words(cue);
-    let begins = |window: &[String]| {
-        window
-            .iter()
-            .zip(&stems)
-            .all(|(word, stem)| word.starts_with(stem.as_str()))
-    };
+    let begins = |window: &[String]| window.iter().zip(&stems).all(|(word, stem)| word.starts_with(stem.as_str()));
     !stems.is_empty() && words.windows(stems.len()).any(begins)
 }
 
@@ -112,8 +107,7 @@ pub(crate) fn cannot_be_told(domain: &Domain, world: &World, spoken: &Spoken) ->
 /// Whether a word belongs to the ways in which people speak of what sensing tells: "the best-by date" is no thing.
 pub(super) fn is_word_of_outcomes(domain: &Domain, word: &str) -> bool {
     let cues = domain.predicate_words.iter().flat_map(|words| &words.cues);
-    cues.flat_map(|cue| plain_words(cue))
-        .any(|stem| stem.len() > 2 && word.starts_with(&stem))
+    cues.flat_map(|cue| plain_words(cue)).any(|stem| stem.len() > 2 && word.starts_with(&stem))
 }
 
 #[cfg(test)]
@@ -144,14 +138,8 @@ mod tests {
     fn what_an_instruction_depends_on() {
         let checks = |instruction, expected| check("household-checks", instruction, expected);
         checks("If the milk is out of date, throw it away", "fresh(milk) expired(milk)");
-        checks(
-            "Put the milk in the fridge unless it has gone bad",
-            "fresh(milk) fresh(fridge) expired(milk)",
-        );
-        checks(
-            "Check the milk: if it is empty, get rid of it",
-            "full(milk) half_full(milk) empty(milk)",
-        );
+        checks("Put the milk in the fridge unless it has gone bad", "fresh(milk) fresh(fridge) expired(milk)");
+        checks("Check the milk: if it is empty, get rid of it", "full(milk) half_full(milk) empty(milk)");
         checks("Put the milk into the fridge", "");
         checks("Put the fresh milk into the fridge", "");
         checks("Put the milk into the fridge, if you can", "");

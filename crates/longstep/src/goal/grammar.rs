@@ -66,11 +66,7 @@ pub(crate) fn written(domain: &Domain, world: &World, ways: &Ways<'_>, place: Pl
     if alternatives.is_empty() {
         return format!("start: question\n{question}");
     }
-    let goal = if ways.conditions.is_empty() {
-        "goal more"
-    } else {
-        "goal more | condition"
-    };
+    let goal = if ways.conditions.is_empty() { "goal more" } else { "goal more | condition" };
     let mut text = match place {
         Place::First { question: true } => format!("start: question | {goal}\n"),
         Place::First { question: false } => format!("start: {goal}\n"),
@@ -182,10 +178,8 @@ pub(crate) fn schema_of(domain: &Domain, world: &World, offers: &[Offer], depend
         .flat_map(|offer| offer.arguments.iter().map(|arguments| (offer.word, arguments.clone())))
         .map(|(word, arguments)| GoalFact::Word { word, arguments }.everyday(domain, world))
         .collect();
-    let listed = !depends
-        && !texts.is_empty()
-        && texts.len() <= ENUM_LIMIT
-        && texts.iter().map(String::len).sum::<usize>() <= ENUM_BYTES;
+    let listed =
+        !depends && !texts.is_empty() && texts.len() <= ENUM_LIMIT && texts.iter().map(String::len).sum::<usize>() <= ENUM_BYTES;
     let goal = if listed {
         json!({"type": "string", "enum": texts})
     } else {

@@ -84,10 +84,7 @@ fn conditional(domain: &Domain, world: &World, written: &Written<'_>) -> Result<
     let condition = match state(domain, world, written.condition)? {
         Some(fact) if domain.is_sensed(fact.predicate()) => fact,
         _ => {
-            let sensed = domain
-                .states
-                .iter()
-                .filter(|word| domain.is_sensed(word.atom.predicate));
+            let sensed = domain.states.iter().filter(|word| domain.is_sensed(word.atom.predicate));
             let forms: Vec<String> = sensed.map(|word| format!("`{}(...)`", word.word)).collect();
             return Err(GoalError::NotSensed {
                 condition: written.condition.to_owned(),
@@ -109,11 +106,7 @@ fn conditional(domain: &Domain, world: &World, written: &Written<'_>) -> Result<
         Ok(facts)
     };
     let (then, otherwise) = (side(&written.then)?, side(&written.otherwise)?);
-    let others: Vec<Fact> = domain
-        .outcomes(condition)
-        .into_iter()
-        .filter(|o| *o != condition)
-        .collect();
+    let others: Vec<Fact> = domain.outcomes(condition).into_iter().filter(|o| *o != condition).collect();
     Ok(match (written.negated, &others[..]) {
         (false, _) => Conditional {
             condition,

@@ -259,11 +259,7 @@ pub(crate) fn understand_spoken(
     }
     let in_part = |fact: &GoalFact| fact.parts().into_iter().any(about_it);
     if goal.facts.iter().any(in_part) {
-        let (kept, dropped): (Vec<_>, Vec<_>) = goal
-            .facts
-            .into_iter()
-            .flat_map(|fact| sorted_out(fact, &about))
-            .partition(about);
+        let (kept, dropped): (Vec<_>, Vec<_>) = goal.facts.into_iter().flat_map(|fact| sorted_out(fact, &about)).partition(about);
         let left_out = dropped
             .into_iter()
             .map(|fact| LeftOut {

@@ -32,10 +32,10 @@ pub(crate) use offer::{already, is_plain};
 pub use pronoun::{SpelledOut, spelled_out};
 
 use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, PredicateId, RuleTime, StateWord, Term};
+use conditional::written_fact;
 use crate::search::Wanted;
 use crate::verify::{Purpose, Waiver, wanted_at_end};
 use crate::world::{EntityId, Fact, Voice, World};
-use conditional::written_fact;
 
 /// One thing that is wanted.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

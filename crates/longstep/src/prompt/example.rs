@@ -81,10 +81,7 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
         .iter()
         .map(|action| context! { call => &action.call, means => &action.means })
         .collect();
-    let told = domain
-        .states
-        .iter()
-        .filter(|word| domain.is_sensed(word.atom.predicate));
+    let told = domain.states.iter().filter(|word| domain.is_sensed(word.atom.predicate));
     let conditions: Vec<_> = told
         .map(|word| context! { form => format!("{}(THING)", word.word), means => &word.means })
         .collect();

@@ -13,8 +13,8 @@ use std::collections::VecDeque;
 
 use rustc_hash::FxHashMap;
 
-use super::GroundAction;
 use super::formula::{Formula, Literal};
+use super::GroundAction;
 use super::task::{Operator, Task};
 
 /// The task without what no plan can need.

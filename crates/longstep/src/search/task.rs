@@ -216,41 +216,28 @@ impl<'a> Grounder<'a> {
         for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && !action.senses.is_empty()) {
             let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
             let mut arguments = Vec::with_capacity(action.parameters.len());
-            self.bind(
-                action,
-                &conjuncts,
-                &mut arguments,
-                &mut |grounder, arguments, precondition| {
-                    let outcomes: Vec<Fact> = action.senses.iter().map(|atom| ground_atom(atom, arguments)).collect();
-                    let numbers: Vec<u32> = outcomes.iter().map(|fact| grounder.number(*fact)).collect();
-                    let unknown = |fact: &u32| {
-                        Formula::Literal(Literal {
-                            fact: *fact,
-                            holds: false,
-                        })
-                    };
-                    let precondition = Formula::and(std::iter::once(precondition).chain(numbers.iter().map(unknown)));
-                    for (outcome, fact) in outcomes.iter().zip(&numbers) {
-                        operators.push(Operator {
-                            step: GroundAction {
-                                action: id,
-                                arguments: arguments.to_vec(),
-                            },
-                            cost: 1,
-                            tag: 0,
-                            told: Some(*outcome),
-                            precondition: precondition.clone(),
-                            effects: vec![GroundEffect {
-                                condition: Formula::TRUE,
-                                literal: Literal {
-                                    fact: *fact,
-                                    holds: true,
-                                },
-                            }],
-                        });
-                    }
-                },
-            );
+            self.bind(action, &conjuncts, &mut arguments, &mut |grounder, arguments, precondition| {
+                let outcomes: Vec<Fact> = action.senses.iter().map(|atom| ground_atom(atom, arguments)).collect();
+                let numbers: Vec<u32> = outcomes.iter().map(|fact| grounder.number(*fact)).collect();
+                let unknown = |fact: &u32| Formula::Literal(Literal { fact: *fact, holds: false });
+                let precondition = Formula::and(std::iter::once(precondition).chain(numbers.iter().map(unknown)));
+                for (outcome, fact) in outcomes.iter().zip(&numbers) {
+                    operators.push(Operator {
+                        step: GroundAction {
+                            action: id,
+                            arguments: arguments.to_vec(),
+                        },
+                        cost: 1,
+                        tag: 0,
+                        told: Some(*outcome),
+                        precondition: precondition.clone(),
+                        effects: vec![GroundEffect {
+                            condition: Formula::TRUE,
+                            literal: Literal { fact: *fact, holds: true },
+                        }],
+                    });
+                }
+            });
         }
         operators
     }

@@ -244,9 +244,7 @@ impl<'t> Parser<'t> {
                 self.next += 1;
                 nodes.extend(self.line_end()?.into_iter().map(Node::Remark));
             }
-            Some("elif" | "else") => {
-                return self.fail("no `if` stands before this", "write the `if` that it belongs to");
-            }
+            Some("elif" | "else") => return self.fail("no `if` stands before this", "write the `if` that it belongs to"),
             _ => {
                 let step = self.step()?;
                 nodes.push(Node::Step(step));
@@ -311,16 +309,12 @@ impl<'t> Parser<'t> {
             explanation: String::new(),
         };
         loop {
-            self.comments()
-                .iter()
-                .for_each(|words| join(&mut step.explanation, words));
+            self.comments().iter().for_each(|words| join(&mut step.explanation, words));
             if self.take(&Kind::Sign(")")) {
                 return Ok(step);
             }
             self.argument(&mut step)?;
-            self.comments()
-                .iter()
-                .for_each(|words| join(&mut step.explanation, words));
+            self.comments().iter().for_each(|words| join(&mut step.explanation, words));
             if !self.take(&Kind::Sign(",")) && !matches!(self.peek(), Kind::Sign(")")) {
                 return match self.peek() {
                     Kind::Sign("(") => self.fail("this is a call in a call", "name things, as in `grasp(\"<cup>\")`"),
@@ -342,11 +336,7 @@ impl<'t> Parser<'t> {
                 _ => name,
             };
             if name.starts_with('<') || step.implicit.iter().any(|(before, _)| before == name) {
-                return fault(
-                    at,
-                    "this parameter cannot be given here",
-                    "give each parameter once, by its name",
-                );
+                return fault(at, "this parameter cannot be given here", "give each parameter once, by its name");
             }
             let value = self.value(HINT)?;
             step.implicit.push((name.to_owned(), value));
@@ -357,11 +347,7 @@ impl<'t> Parser<'t> {
             return fault(at, "this names nothing", HINT);
         }
         if !step.implicit.is_empty() {
-            return fault(
-                at,
-                "this stands behind a parameter that is given by name",
-                "put it first",
-            );
+            return fault(at, "this stands behind a parameter that is given by name", "put it first");
         }
         step.call.arguments.push(argument);
         Ok(())
@@ -374,10 +360,7 @@ impl<'t> Parser<'t> {
             Kind::Name(name) if !is_reserved(name) => {
                 let following = self.tokens.get(self.next + 1).map(|token| &token.kind);
                 if let (1, Some(Kind::Text(_))) = (name.chars().count(), following) {
-                    return self.fail(
-                        format!("this is a text with the prefix `{name}`, which no plan has"),
-                        hint,
-                    );
+                    return self.fail(format!("this is a text with the prefix `{name}`, which no plan has"), hint);
                 }
                 (*name).to_owned()
             }
@@ -535,8 +518,7 @@ impl<'t> Parser<'t> {
             self.expect(")", "close the parenthesis")?;
             inside
         } else {
-            const HINT: &str =
-                "a condition asks with calls, as in `if check_date():` or `if not on(\"<cup>\", \"<table>\"):`";
+            const HINT: &str = "a condition asks with calls, as in `if check_date():` or `if not on(\"<cup>\", \"<table>\"):`";
             match self.peek() {
                 Kind::Name("True" | "False" | "None") => return self.fail("this is decided already", HINT),
                 Kind::Name(word) if !is_reserved(word) => {}
@@ -563,11 +545,7 @@ impl<'t> Parser<'t> {
         let Kind::Number(digits) = self.peek() else {
             return self.fail("a number is missing here", HINT);
         };
-        let Some(times) = digits
-            .parse()
-            .ok()
-            .filter(|_| digits.bytes().all(|byte| byte.is_ascii_digit()))
-        else {
+        let Some(times) = digits.parse().ok().filter(|_| digits.bytes().all(|byte| byte.is_ascii_digit())) else {
             return self.fail("this is no number of times", HINT);
         };
         self.next += 1;
@@ -591,11 +569,7 @@ impl<'t> Parser<'t> {
         nodes.extend(self.line_end()?.into_iter().map(Node::Remark));
         self.indent()?;
         if self.depth == DEEPEST {
-            return fault(
-                start,
-                format!("blocks stand more than {DEEPEST} deep in each other"),
-                HINT,
-            );
+            return fault(start, format!("blocks stand more than {DEEPEST} deep in each other"), HINT);
         }
         let mut lanes: Vec<Lane<String>> = Vec::new();
         loop {

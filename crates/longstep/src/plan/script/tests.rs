@@ -24,14 +24,8 @@ fn scripts_are_read_and_written_in_one_style() {
         ("a()", "a()\n"),
         ("  a ( )  #  take it \n\n  b()\n", "a()  # take it\nb()\n"),
         ("```python\na()\n```\n", "a()\n"),
-        (
-            "put('<pie_1>', <oven>, left)",
-            "put(\"<pie_1>\", \"<oven>\", \"left\")\n",
-        ),
-        (
-            "put(\"<pie>\",  # the pie\n    to='<rack>',\n) # goes in",
-            "put(\"<pie>\", to=\"<rack>\")  # the pie goes in\n",
-        ),
+        ("put('<pie_1>', <oven>, left)", "put(\"<pie_1>\", \"<oven>\", \"left\")\n"),
+        ("put(\"<pie>\",  # the pie\n    to='<rack>',\n) # goes in", "put(\"<pie>\", to=\"<rack>\")  # the pie goes in\n"),
         ("detach(from='<x>')", "detach(from_=\"<x>\")\n"),
         ("# first\na()\n# last", "# first\na()\n# last\n"),
         ("# objects: [\"<pen>\"]\na()", "# objects: [\"<pen>\"]\na()\n"),
@@ -42,35 +36,17 @@ fn scripts_are_read_and_written_in_one_style() {
             "if a():\n    b()\nelif not b() and (c() or d(\"<x>\")):\n    pass\nelse:\n    c()\nd()\n",
         ),
         ("if a(): b() # do\nelse: pass", "if a():\n    b()  # do\n"),
-        (
-            "if ((a() and b()) and c()):\n\tpass",
-            "if (a() and b()) and c():\n    pass\n",
-        ),
+        ("if ((a() and b()) and c()):\n\tpass", "if (a() and b()) and c():\n    pass\n"),
         ("if not (not a()):\n pass", "if not not a():\n    pass\n"),
         (
             "if (a() # one\n  and b()): # two\n  # only words\n  pass",
             "if (a()  # one\n    and b()):  # two\n    # only words\n    pass\n",
         ),
-        (
-            "if a():\n  b()\n# otherwise\nelse:\n  c()",
-            "if a():\n    b()\nelse:\n    # otherwise\n    c()\n",
-        ),
-        (
-            "if a():\n  b()\n  # then\nelse:\n  c()",
-            "if a():\n    b()\n    # then\nelse:\n    c()\n",
-        ),
-        (
-            "if a():\n  b()\n# otherwise\nelif c():\n  d()",
-            "if a():\n    b()\nelse:\n    # otherwise\n    if c():\n        d()\n",
-        ),
-        (
-            "while not a():  # look\n  b()\n# after\n",
-            "while not a():  # look\n    b()\n# after\n",
-        ),
-        (
-            "for i in range(3):  # thrice\n  a()\n  # end",
-            "for _ in range(3):\n    # thrice\n    a()\n    # end\n",
-        ),
+        ("if a():\n  b()\n# otherwise\nelse:\n  c()", "if a():\n    b()\nelse:\n    # otherwise\n    c()\n"),
+        ("if a():\n  b()\n  # then\nelse:\n  c()", "if a():\n    b()\n    # then\nelse:\n    c()\n"),
+        ("if a():\n  b()\n# otherwise\nelif c():\n  d()", "if a():\n    b()\nelse:\n    # otherwise\n    if c():\n        d()\n"),
+        ("while not a():  # look\n  b()\n# after\n", "while not a():  # look\n    b()\n# after\n"),
+        ("for i in range(3):  # thrice\n  a()\n  # end", "for _ in range(3):\n    # thrice\n    a()\n    # end\n"),
         (
             "with parallel(): # both\n  # one\n  with lane('left'): # l\n    a() # A\n    sync('x')\n  with lane(right):\n    pass\n  # done\n",
             "# both\nwith parallel():\n    with lane(\"left\"):\n        # one\n        # l\n        a()  # A\n        sync(\"x\")\n    \
@@ -86,70 +62,28 @@ fn scripts_are_read_and_written_in_one_style() {
 fn what_no_plan_has_is_refused_with_its_place() {
     for (script, told) in [
         ("x = a()", "line 1, column 3: this is an assignment, which no plan has"),
-        (
-            "a()\nimport os",
-            "line 2, column 1: this is an import, which no plan has",
-        ),
-        (
-            "def f():\n  a()",
-            "line 1, column 1: this is a function, which no plan has",
-        ),
-        (
-            "if a() == True:\n  b()",
-            "line 1, column 8: this is a comparison, which no plan has",
-        ),
+        ("a()\nimport os", "line 2, column 1: this is an import, which no plan has"),
+        ("def f():\n  a()", "line 1, column 1: this is a function, which no plan has"),
+        ("if a() == True:\n  b()", "line 1, column 8: this is a comparison, which no plan has"),
         ("if x in y():\n  b()", "line 1, column 4: `x` is no call"),
-        (
-            "if a() is b():\n  b()",
-            "line 1, column 8: this is a comparison, which no plan has",
-        ),
+        ("if a() is b():\n  b()", "line 1, column 8: this is a comparison, which no plan has"),
         ("while True:\n  a()", "line 1, column 7: this is decided already"),
-        (
-            "while a():\n  break",
-            "line 2, column 3: this is a jump, which no plan has",
-        ),
-        (
-            "return",
-            "line 1, column 1: this is the end of a function, which no plan has",
-        ),
-        (
-            "a(f'{x}')",
-            "line 1, column 3: this is a text with the prefix `f`, which no plan has",
-        ),
+        ("while a():\n  break", "line 2, column 3: this is a jump, which no plan has"),
+        ("return", "line 1, column 1: this is the end of a function, which no plan has"),
+        ("a(f'{x}')", "line 1, column 3: this is a text with the prefix `f`, which no plan has"),
         ("a(b())", "line 1, column 4: this is a call in a call"),
-        (
-            "a([1])",
-            "line 1, column 3: this is a list or an index, which no plan has",
-        ),
-        (
-            "a({})",
-            "line 1, column 3: this is a set or a dictionary, which no plan has",
-        ),
-        (
-            "a(lambda: 1)",
-            "line 1, column 3: this is a function, which no plan has",
-        ),
+        ("a([1])", "line 1, column 3: this is a list or an index, which no plan has"),
+        ("a({})", "line 1, column 3: this is a set or a dictionary, which no plan has"),
+        ("a(lambda: 1)", "line 1, column 3: this is a function, which no plan has"),
         ("a('x' 'y')", "line 1, column 7: this is a second text"),
-        (
-            "a('x', to='y', 'z')",
-            "line 1, column 16: this stands behind a parameter that is given by name",
-        ),
-        (
-            "a(to='x', to='y')",
-            "line 1, column 11: this parameter cannot be given here",
-        ),
+        ("a('x', to='y', 'z')", "line 1, column 16: this stands behind a parameter that is given by name"),
+        ("a(to='x', to='y')", "line 1, column 11: this parameter cannot be given here"),
         ("a('x, y')", "line 1, column 3: this names nothing"),
         ("robot.a()", "line 1, column 6: this is an attribute, which no plan has"),
         ("a", "line 1, column 1: `a` is no call"),
         ("a() b()", "line 1, column 5: the line should end here"),
-        (
-            "a(); b()",
-            "line 1, column 4: this is a second statement on a line, which no plan has",
-        ),
-        (
-            "try:\n  a()",
-            "line 1, column 1: this is error handling, which no plan has",
-        ),
+        ("a(); b()", "line 1, column 4: this is a second statement on a line, which no plan has"),
+        ("try:\n  a()", "line 1, column 1: this is error handling, which no plan has"),
         ("print('x')", "line 1, column 1: this is output, which no plan has"),
         ("'''doc'''", "line 1, column 1: this is a text in three quotes"),
         ("a('x", "line 1, column 3: this text does not end on its line"),
@@ -159,39 +93,15 @@ fn what_no_plan_has_is_refused_with_its_place() {
         ("if a():\nb()", "line 2, column 1: a block is missing before this"),
         ("if a()\n  b()", "line 1, column 7: `:` is missing before this"),
         ("a()\n  b()", "line 2, column 3: nothing opens a block here"),
-        (
-            "if a():\n    b()\n  c()",
-            "line 3, column 3: this line is indented like none before it",
-        ),
-        (
-            "if a():\n    b()\n\tc()",
-            "line 3, column 1: blanks and tabs are mixed here",
-        ),
+        ("if a():\n    b()\n  c()", "line 3, column 3: this line is indented like none before it"),
+        ("if a():\n    b()\n\tc()", "line 3, column 1: blanks and tabs are mixed here"),
         ("else:\n  a()", "line 1, column 1: no `if` stands before this"),
-        (
-            "a() if b() else c()",
-            "line 1, column 5: this is a conditional expression, which no plan has",
-        ),
-        (
-            "for x in things:\n  a()",
-            "line 1, column 10: no plan has a loop like this",
-        ),
-        (
-            "for x in range(n):\n  a()",
-            "line 1, column 16: a number is missing here",
-        ),
-        (
-            "for x in range(1, 3):\n  a()",
-            "line 1, column 17: no plan has a loop like this",
-        ),
-        (
-            "for x in range(99999999999):\n  a()",
-            "line 1, column 16: this is no number of times",
-        ),
-        (
-            "with open('x'):\n  a()",
-            "line 1, column 6: no plan has a `with` like this",
-        ),
+        ("a() if b() else c()", "line 1, column 5: this is a conditional expression, which no plan has"),
+        ("for x in things:\n  a()", "line 1, column 10: no plan has a loop like this"),
+        ("for x in range(n):\n  a()", "line 1, column 16: a number is missing here"),
+        ("for x in range(1, 3):\n  a()", "line 1, column 17: no plan has a loop like this"),
+        ("for x in range(99999999999):\n  a()", "line 1, column 16: this is no number of times"),
+        ("with open('x'):\n  a()", "line 1, column 6: no plan has a `with` like this"),
         ("with parallel():\n  a()", "line 2, column 3: a lane is missing here"),
         (
             "with parallel():\n  with lane('l'):\n    if a():\n      b()",
@@ -201,15 +111,9 @@ fn what_no_plan_has_is_refused_with_its_place() {
             "with parallel():\n  with lane('l'):\n    a()\n  with lane('l'):\n    a()",
             "line 4, column 3: `l` has a lane already",
         ),
-        (
-            "with lane('l'):\n  a()",
-            "line 1, column 1: this is a lane outside of `with parallel():`",
-        ),
+        ("with lane('l'):\n  a()", "line 1, column 1: this is a lane outside of `with parallel():`"),
         ("sync('x')", "line 1, column 1: only lanes wait for each other"),
-        (
-            "# objects: pen\na()",
-            "line 1, column 1: the list of objects cannot be read",
-        ),
+        ("# objects: pen\na()", "line 1, column 1: the list of objects cannot be read"),
     ] {
         refused(script, told);
     }

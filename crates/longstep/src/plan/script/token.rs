@@ -227,9 +227,7 @@ impl<'t> Lexer<'t> {
                 false => Kind::Name(word),
             });
         }
-        if next == '<'
-            && let Some(bracketed) = bracketed(rest)
-        {
+        if next == '<' && let Some(bracketed) = bracketed(rest) {
             self.at += bracketed.len();
             return Ok(Kind::Name(bracketed));
         }
@@ -273,7 +271,11 @@ impl<'t> Lexer<'t> {
                 '\\' => match self.escaped() {
                     Some(character) => text.push(character),
                     None => {
-                        return fault(at, "this escape means nothing in a plan", "write the character itself");
+                        return fault(
+                            at,
+                            "this escape means nothing in a plan",
+                            "write the character itself",
+                        );
                     }
                 },
                 _ => text.push(next),

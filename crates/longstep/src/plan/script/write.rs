@@ -72,9 +72,7 @@ impl Writer<'_> {
                 for lane in lanes {
                     let idle = lane.items.iter().all(|item| matches!(item, LaneItem::Remark(_)));
                     let head = format!("with lane({}):", quoted(&lane.actor));
-                    writer.block(&head, idle, |writer| {
-                        lane.items.iter().for_each(|item| writer.item(item))
-                    });
+                    writer.block(&head, idle, |writer| lane.items.iter().for_each(|item| writer.item(item)));
                 }
             }),
         }
@@ -187,10 +185,7 @@ fn enclosed<'p>(part: &'p Test<WrittenStep>, pieces: &mut Vec<Piece<'p>>) {
 
 fn call(step: &WrittenStep) -> String {
     let shown = step.call.arguments.iter().map(|argument| quoted(argument));
-    let named = step
-        .implicit
-        .iter()
-        .map(|(name, value)| format!("{}={}", keyword(name), quoted(value)));
+    let named = step.implicit.iter().map(|(name, value)| format!("{}={}", keyword(name), quoted(value)));
     let arguments: Vec<String> = shown.chain(named).collect();
     format!("{}({})", step.call.name, arguments.join(", "))
 }

@@ -215,9 +215,7 @@ impl<'a> Search<'a> {
                     if total > in_all || (total == in_all && !earlier) {
                         continue;
                     }
-                    let below = best
-                        .as_ref()
-                        .map_or(below, |best| below.min(best.worst.saturating_add(1)));
+                    let below = best.as_ref().map_or(below, |best| below.min(best.worst.saturating_add(1)));
                     if let Some(course) = self.solved(&nodes, number, look, below)? {
                         open.push(course.worst, 0, true, Choice::Solved(Rc::new(course)));
                     }
@@ -296,24 +294,13 @@ impl<'a> Search<'a> {
             }
             let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));
             let is_preferred = preferred.binary_search(&(index as u32)).is_ok();
-            self.discover(
-                nodes,
-                open,
-                next,
-                Some((number, index as u32)),
-                (depth, estimate, is_preferred),
-            );
+            self.discover(nodes, open, next, Some((number, index as u32)), (depth, estimate, is_preferred));
         }
         for look in 0..self.looks.len() {
             let node = &nodes.all[number as usize];
             let operator = &task.operators[self.looks[look][0] as usize];
             if operator.precondition.holds(&|literal| node.state.is(literal)) {
-                open.push(
-                    self.promise(node),
-                    node.estimate,
-                    true,
-                    Choice::Look(number, look as u32),
-                );
+                open.push(self.promise(node), node.estimate, true, Choice::Look(number, look as u32));
             }
         }
     }
@@ -438,10 +425,9 @@ fn after(task: &Task, state: &Bits, operator: u32) -> Bits {
     debug_assert!(operator.told.is_none() || outcome(operator).is_some());
     let mut next = state.clone();
     let fires = |holds: bool| {
-        operator
-            .effects
-            .iter()
-            .filter(move |effect| effect.literal.holds == holds && effect.condition.holds(&|literal| state.is(literal)))
+        operator.effects.iter().filter(move |effect| {
+            effect.literal.holds == holds && effect.condition.holds(&|literal| state.is(literal))
+        })
     };
     // What is both taken away and given stays, as PDDL has it.
     for effect in fires(false).chain(fires(true)) {

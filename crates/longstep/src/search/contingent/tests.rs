@@ -21,14 +21,9 @@ fn scene(states: &str) -> (crate::domain::Domain, World) {
             true => &mut environment.asset_states,
             false => &mut environment.object_states,
         };
-        let mut words: Vec<String> = list
-            .get(entity)
-            .map_or_else(Vec::new, |words| words.as_slice().to_vec());
+        let mut words: Vec<String> = list.get(entity).map_or_else(Vec::new, |words| words.as_slice().to_vec());
         words.push(word.to_owned());
-        list.insert(
-            entity.to_owned(),
-            serde_json::from_value(serde_json::json!(words)).unwrap(),
-        );
+        list.insert(entity.to_owned(), serde_json::from_value(serde_json::json!(words)).unwrap());
     }
     let text = serde_json::to_string(&environment).unwrap();
     let world = world::read(&checks, &environment, "", &text, &Path::default()).unwrap();
@@ -42,12 +37,7 @@ fn shown(domain: &crate::domain::Domain, world: &World, plan: &Plan, nodes: &[No
         let names: Vec<&str> = step.arguments.iter().map(|e| world.entity(*e).name.as_str()).collect();
         format!("{} {}", domain.action(step.action).name, names.join(" "))
     };
-    fn test(
-        domain: &crate::domain::Domain,
-        world: &World,
-        t: &Test,
-        step: &dyn Fn(&crate::plan::StepId) -> String,
-    ) -> String {
+    fn test(domain: &crate::domain::Domain, world: &World, t: &Test, step: &dyn Fn(&crate::plan::StepId) -> String) -> String {
         match t {
             Test::Sense(id) => step(id),
             Test::Holds(fact) => crate::world::Voice::Person.fact(domain, world, *fact, true),
@@ -107,11 +97,7 @@ fn check(states: &str, text: &str, expected: &str) {
 
 #[test]
 fn it_looks_before_it_decides() {
-    check(
-        "",
-        "if expired(spam) then put(spam, trash bin) else put(spam, shelf)",
-        "",
-    );
+    check("", "if expired(spam) then put(spam, trash bin) else put(spam, shelf)", "");
 }
 #[test]
 fn b() {
@@ -131,11 +117,7 @@ fn e() {
 }
 #[test]
 fn f() {
-    check(
-        "<spam>:expired()",
-        "if expired(spam) then put(spam, trash bin) else put(spam, shelf)",
-        "",
-    );
+    check("<spam>:expired()", "if expired(spam) then put(spam, trash bin) else put(spam, shelf)", "");
 }
 #[test]
 fn g() {
@@ -143,9 +125,5 @@ fn g() {
 }
 #[test]
 fn h() {
-    check(
-        "",
-        "if expired(spam) then put(spam, trash bin) else put(spam, shelf) & if expired(milk) then put(milk, trash bin) else put(milk, shelf)",
-        "",
-    );
+    check("", "if expired(spam) then put(spam, trash bin) else put(spam, shelf) & if expired(milk) then put(milk, trash bin) else put(milk, shelf)", "");
 }
