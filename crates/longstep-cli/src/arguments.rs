@@ -30,6 +30,8 @@ pub(crate) enum Command {
     Verify(VerifyArguments),
     /// Make a plan valid with the least change
     Repair(RepairArguments),
+    /// Write a verified plan in another notation
+    Export(ExportArguments),
     /// Find a shortest plan for a goal, without a language model
     Solve(SolveArguments),
     /// Put stored plans together: one after the other, in branches, side by side
@@ -233,7 +235,7 @@ pub(crate) struct ComposeArguments {
 /// A plan and the world that it is for.
 #[derive(Debug, Args)]
 pub(crate) struct DraftArguments {
-    /// The plan, in the paper's JSON, or a model's reply that holds one
+    /// The plan, in the paper's JSON or as a script (.py), or a model's reply that holds one
     #[arg(value_name = "PLAN.json")]
     pub(crate) plan: PathBuf,
     /// The world before the plan [default: the plan's own `environment_before`]
@@ -266,6 +268,24 @@ pub(crate) struct RepairArguments {
     /// Write one JSON object for programs
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExportArguments {
+    #[command(flatten)]
+    pub(crate) draft: DraftArguments,
+    /// How the plan is written
+    #[arg(long, value_enum)]
+    pub(crate) format: PlanFormat,
+}
+
+/// A notation of plans.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlanFormat {
+    /// The paper's script: calls, if, while, and comments
+    Python,
+    /// The paper's JSON, with the environments before and after
+    Json,
 }
 
 /// Either a goal and an environment, or a PDDL problem.

@@ -10,6 +10,7 @@ mod compose;
 mod domain;
 mod draft;
 mod explain;
+mod export;
 mod failure;
 mod inputs;
 mod model;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         Command::Session(command) => session::run(&command),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Repair(arguments) => repair::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Compose(arguments) => compose::run(&arguments),
         Command::Domain(command) => domain::run(&command),

@@ -1,6 +1,7 @@
 //! Answers for a person.
 
 use longstep::answer::{self, Answer, Status};
+use longstep::plan::script;
 use longstep::world::Environment;
 use owo_colors::OwoColorize;
 
@@ -25,7 +26,10 @@ pub(crate) fn answer(answer: &Answer, shown: Changes) {
     let cohesion = &answer.plan.task_cohesion;
     let explanations: Vec<String> = answer.steps.iter().map(|step| step.explanation.clone()).collect();
     let bad = |index| answer.violations.iter().any(|violation| violation.step == Some(index));
-    steps(&cohesion.task_sequence, &explanations, bad);
+    match &cohesion.task_tree {
+        Some(tree) => numbered(&script::write(tree), answer),
+        None => steps(&cohesion.task_sequence, &explanations, bad),
+    }
     edits(answer);
     // Of a plan that cannot be carried out nobody knows what it would change.
     let possible = answer.status == Status::Verified && shown == Changes::Shown;
@@ -63,6 +67,34 @@ pub(crate) fn answer(answer: &Answer, shown: Changes) {
     list("What is wrong", &violations);
     anstream::println!();
     verdict(answer);
+}
+
+/// Prints the script of an answer, with the numbers of its steps before the lines in which they stand.
+fn numbered(script: &str, answer: &Answer) {
+    let digits = answer.steps.len().to_string().len();
+    let mut steps = answer.steps.iter().peekable();
+    for line in script.lines() {
+        let (code, comment) = line.split_once("  # ").unwrap_or((line, ""));
+        let code = if code.trim_start().starts_with('#') { "" } else { code };
+        let stands = |step: &&answer::StepAnswer| code.contains(&format!("{}(", step.action));
+        let first = steps.next_if(stands);
+        // A condition may sense more than once.
+        while first.is_some() && steps.next_if(|step| code.trim_start().starts_with("if ") && stands(step)).is_some() {}
+        let number = first.map_or(String::new(), |step| format!("{}.", step.index + 1));
+        let number = format!("{number:>width$}", width = digits + 1);
+        let wrong = |step: &answer::StepAnswer| answer.violations.iter().any(|found| found.step == Some(step.index));
+        let comment = match comment {
+            "" => String::new(),
+            words => format!("  # {words}"),
+        };
+        if code.is_empty() {
+            anstream::println!("  {number} {}", line.dimmed());
+        } else if first.is_some_and(wrong) {
+            anstream::println!("  {} {}{}", number.red(), code.red(), comment.dimmed());
+        } else {
+            anstream::println!("  {} {code}{}", number.dimmed(), comment.dimmed());
+        }
+    }
 }
 
 /// Prints what differs between two environments.

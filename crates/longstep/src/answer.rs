@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
-use crate::plan::{PlanFile, Step, TaskCohesion};
+use crate::plan::{PlanFile, Resolved, Step, TaskCohesion};
 use crate::prompt::Usage;
 use crate::repair::Edit;
 use crate::verify::{Report, Violation};
@@ -218,7 +218,7 @@ impl Answer {
         let good = report.violations.is_empty();
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
-        answer.plan.task_cohesion = TaskCohesion::new(domain, world, report.plan.steps());
+        answer.plan.task_cohesion = TaskCohesion::new(domain, world, &report.plan);
         answer.plan.environment_after = Some(world::write(domain, world, &report.ending().after));
         answer.steps = report
             .plan
@@ -227,10 +227,15 @@ impl Answer {
             .enumerate()
             .map(|(i, s)| StepAnswer::of(domain, world, i, s))
             .collect();
-        let calls = &answer.plan.task_cohesion.task_sequence;
+        let calls: Vec<String> = report
+            .plan
+            .steps()
+            .iter()
+            .map(|step| step.call(domain, world).to_string())
+            .collect();
         let told = report.violations.iter();
         answer.violations = told
-            .map(|v| ViolationAnswer::of(domain, world, v, calls, report.plan.steps(), goal))
+            .map(|v| ViolationAnswer::of(domain, world, v, &calls, report.plan.steps(), goal))
             .collect();
         answer.assumptions = report.assumptions.iter().map(|a| a.message(domain, world)).collect();
         let odd = report.warnings.iter();
@@ -244,11 +249,11 @@ impl Answer {
     }
 
     /// The answer to a plan whose steps name what there is not: it was not simulated.
-    pub fn of_unresolved(domain: &Domain, world: &World, written: &PlanFile, violations: &[Violation]) -> Self {
+    pub fn of_unresolved(domain: &Domain, world: &World, written: &PlanFile, resolved: &Resolved) -> Self {
         let mut answer = Self::without_plan(Status::Invalid, world, &written.instruction_summary, "");
         answer.plan.task_cohesion.clone_from(&written.task_cohesion);
-        let calls = &written.task_cohesion.task_sequence;
-        let told = violations.iter();
+        let calls = &resolved.written;
+        let told = resolved.issues.iter();
         answer.violations = told
             .map(|v| ViolationAnswer::of(domain, world, v, calls, &[], None))
             .collect();

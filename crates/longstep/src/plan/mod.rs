@@ -1,10 +1,13 @@
 //! Plans: a model's reply, the paper's JSON, and the same resolved against a domain and a world.
 
+mod ask;
+pub(crate) mod claims;
 mod near;
 mod paper;
 mod read;
 mod resolve;
 pub mod script;
+mod task_tree;
 pub mod tree;
 mod written;
 
@@ -12,17 +15,30 @@ pub use paper::{PlanFile, TaskCohesion};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
 pub use script::ScriptError;
+pub use task_tree::{TreeError, read_tree, write_tree};
 pub use tree::{Lane, LaneItem, Node, Test};
 pub use written::{Written, WrittenNode, WrittenStep};
 
 use crate::call::Call;
-use crate::domain::{ActionId, Domain, id};
+use crate::domain::{ActionId, Domain};
 use crate::world::{EntityId, World};
 
-id!(
-    /// A step of a plan, in reading order.
-    StepId
-);
+/// A step of a plan, in reading order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct StepId(u32);
+
+impl StepId {
+    /// The id of the step at `index` in its plan.
+    pub fn new(index: usize) -> Self {
+        debug_assert!(u32::try_from(index).is_ok());
+        Self(index as u32)
+    }
+
+    /// The index in its plan.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
 
 /// One action with all its arguments, and what it is for.
 #[derive(Debug, Clone, PartialEq, Eq)]

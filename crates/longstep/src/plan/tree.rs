@@ -6,8 +6,9 @@
 use super::StepId;
 use crate::world::{EntityId, Fact};
 
-/// How deep branches and loops may stand in each other.
-pub const DEEPEST: usize = 64;
+/// How deep branches and loops may stand in each other. Each level is two brackets in JSON, of which common readers
+/// follow 128.
+pub const DEEPEST: usize = 48;
 
 /// A part of a plan.
 #[derive(Debug, Clone, PartialEq, Eq)]

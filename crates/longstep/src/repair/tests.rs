@@ -500,7 +500,7 @@ proptest! {
             claim: Some(Claim::read(&domain, &world, &world::write(&domain, &world, &after))),
             ..Purpose::default()
         };
-        let draft = resolve(&domain, &world, &TaskCohesion::new(&domain, &world, plan.steps()));
+        let draft = resolve(&domain, &world, &TaskCohesion::new(&domain, &world, &plan));
         let outcome = repair(&domain, &world, &draft, &purpose);
         let Outcome::Valid(valid) = outcome else { panic!("{outcome:?}") };
         prop_assert_eq!(&valid.ending().after, &after);

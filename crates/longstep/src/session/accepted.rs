@@ -24,7 +24,7 @@ impl Accepted {
     /// The plan as it is saved; `after` is the world that it leads to.
     pub(super) fn file(&self, domain: &Domain, after: &World) -> PlanFile {
         PlanFile {
-            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.steps()),
+            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.plan()),
             environment_before: Some(self.before.environment.clone()),
             environment_after: Some(after.environment.clone()),
             instruction_summary: self.instruction.clone(),

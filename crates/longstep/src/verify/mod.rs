@@ -4,6 +4,8 @@
 //! turns into a [`VerifiedPlan`], and there is no other way to make one.
 
 mod bind;
+mod bind_tree;
+mod claims;
 mod explain;
 mod history;
 mod lanes;
@@ -17,6 +19,8 @@ mod violation;
 mod walk;
 
 pub use bind::bind;
+pub use bind_tree::bind_tree;
+pub use claims::StepClaim;
 pub(crate) use bind::{Candidate, candidates, claimed_places};
 pub use explain::feedback;
 pub(crate) use possible::{can_apply, can_be_brought_about};
@@ -45,6 +49,8 @@ pub struct Purpose {
     pub from_goal: bool,
     /// What the plan claims the world to be afterwards.
     pub claim: Option<Claim>,
+    /// What its steps claim to hold after them, in the order of the steps.
+    pub step_claims: Vec<StepClaim>,
     /// What was asked for, in a person's words.
     pub instruction: Option<String>,
 }
@@ -142,7 +148,7 @@ impl Report {
 /// Every way through the plan is followed: both sides of a branch, each outcome of sensing, a loop until no new state
 /// comes up, lanes in every order. What is so only on some of them is told with what sensing told there.
 pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
-    let mut walk = Walk::new(domain, world, &plan);
+    let mut walk = Walk::new(domain, world, &plan, &purpose.step_claims);
     let ends = walk.run();
     let mut endings = walk.each(ends, |walk, way| {
         end(walk, &way, purpose);

@@ -39,6 +39,47 @@ pub enum Violation {
         /// A listed name like it.
         near: Option<String>,
     },
+    /// A condition calls an action that tells nothing.
+    NotSensing {
+        /// The step.
+        step: usize,
+        /// What it calls.
+        call: String,
+        /// What can be asked: calls that sense.
+        senses: Vec<String>,
+    },
+    /// A condition asks something that is neither a sensing action nor a state.
+    UnknownCondition {
+        /// The place that it would have as a step.
+        step: usize,
+        /// What it asks.
+        name: String,
+        /// A sensing action or a state of a similar name.
+        near: Option<String>,
+    },
+    /// A call gives a parameter that its action does not have, or that stands in its parentheses already.
+    UnknownParameter {
+        /// The step.
+        step: usize,
+        /// The parameter.
+        name: String,
+        /// A hidden parameter of a similar name.
+        near: Option<String>,
+    },
+    /// A lane of somebody whom the environment does not list.
+    UnknownActor {
+        /// The name.
+        name: String,
+        /// A listed name like it.
+        near: Option<String>,
+    },
+    /// What a step says that holds after it, and does not.
+    StepClaim {
+        /// The step.
+        step: usize,
+        /// What it says.
+        fact: Fact,
+    },
     /// A call with too few or too many arguments.
     WrongArguments {
         /// The step.
@@ -221,6 +262,11 @@ impl Violation {
         match self {
             Self::UnknownAction { .. } => "unknown_action",
             Self::UnknownEntity { .. } => "unknown_entity",
+            Self::NotSensing { .. } => "not_sensing",
+            Self::UnknownCondition { .. } => "unknown_condition",
+            Self::UnknownParameter { .. } => "unknown_parameter",
+            Self::UnknownActor { .. } => "unknown_actor",
+            Self::StepClaim { .. } => "step_claim",
             Self::WrongArguments { .. } => "wrong_arguments",
             Self::WrongType { .. } => "wrong_type",
             Self::LengthMismatch { .. } => "length_mismatch",
@@ -256,6 +302,10 @@ impl Violation {
             | Self::Race { step, .. }
             | Self::WrongActor { step, .. }
             | Self::SensesInLane { step }
+            | Self::NotSensing { step, .. }
+            | Self::UnknownCondition { step, .. }
+            | Self::UnknownParameter { step, .. }
+            | Self::StepClaim { step, .. }
             | Self::Precondition { step, .. } => Some(*step),
             Self::UnknownEntity { step, .. }
             | Self::Rule { step, .. }
@@ -266,6 +316,7 @@ impl Violation {
             Self::LengthMismatch { .. }
             | Self::Goal { .. }
             | Self::Claim { .. }
+            | Self::UnknownActor { .. }
             | Self::Unasked { .. }
             | Self::LaneTwice { .. }
             | Self::Deadlock { .. } => None,
@@ -281,7 +332,11 @@ impl Violation {
             | Self::NoEffect { step }
             | Self::Unreached { step }
             | Self::WrongActor { step, .. }
-            | Self::SensesInLane { step } => *step = number(*step),
+            | Self::SensesInLane { step }
+            | Self::NotSensing { step, .. }
+            | Self::UnknownCondition { step, .. }
+            | Self::UnknownParameter { step, .. }
+            | Self::StepClaim { step, .. } => *step = number(*step),
             Self::SharedObject { step, other, .. } | Self::Race { step, other, .. } => {
                 *step = number(*step);
                 *other = number(*other);
@@ -301,6 +356,7 @@ impl Violation {
             Self::LengthMismatch { .. }
             | Self::Goal { .. }
             | Self::Claim { .. }
+            | Self::UnknownActor { .. }
             | Self::Unasked { .. }
             | Self::LaneTwice { .. }
             | Self::Deadlock { .. } => {}
@@ -380,6 +436,28 @@ impl Violation {
             Self::UnknownEntity { step, name, near: n } => {
                 let place = step.map_or("`object_name`".to_owned(), |step| format!("step {}", step + 1));
                 format!("{place}: the environment lists no `{name}`{}", near(n))
+            }
+            Self::NotSensing { step, call, senses } => {
+                let mut message = format!("step {}: `{call}` tells nothing, so no condition can ask it", step + 1);
+                if !senses.is_empty() {
+                    message.push_str(&format!("; what can be asked is {}", senses.join(", ")));
+                }
+                message
+            }
+            Self::UnknownCondition { step, name, near: n } => {
+                let near = near(n);
+                format!("step {}: `{name}` is neither a sensing action nor a state{near}", step + 1)
+            }
+            Self::UnknownParameter { step, name, near: n } => {
+                let near = near(n);
+                format!("step {}: the call hides no parameter `{name}`{near}", step + 1)
+            }
+            Self::UnknownActor { name, near: n } => {
+                format!("a lane: the environment lists no `{name}`{}", near(n))
+            }
+            Self::StepClaim { step, fact } => {
+                let text = voice.fact(domain, world, *fact, true);
+                format!("step {} claims that {text}, which is not so after it", step + 1)
             }
             Self::WrongArguments { step, call, expected } => {
                 format!("step {}: `{call}` should have {expected} argument(s)", step + 1)

@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 
 use super::history::{Here, History};
-use super::{Violation, simulate, unmet, violation};
+use super::{StepClaim, Violation, claims, simulate, unmet, violation};
 use crate::domain::{Action, Atom, Domain, PredicateId, RuleTime};
 use crate::plan::{Node, Plan, StepId, Test, tree};
 use crate::verify::broken_bindings;
@@ -43,6 +43,8 @@ pub(super) struct Walk<'a> {
     pub(super) plan: &'a Plan,
     pub(super) history: History,
     pub(super) rested: Vec<Fact>,
+    /// What the steps claim, in their order.
+    claims: &'a [StepClaim],
     found: Vec<Found>,
     sensed: Vec<PredicateId>,
     reached: Vec<bool>,
@@ -54,7 +56,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub(super) fn new(domain: &'a Domain, world: &'a World, plan: &'a Plan) -> Self {
+    pub(super) fn new(domain: &'a Domain, world: &'a World, plan: &'a Plan, claims: &'a [StepClaim]) -> Self {
         let sensed = domain.actions.iter().flat_map(|action| &action.senses);
         let mut sensed: Vec<PredicateId> = sensed.map(|atom| atom.predicate).collect();
         sensed.sort_unstable();
@@ -65,6 +67,7 @@ impl<'a> Walk<'a> {
             plan,
             history: History::default(),
             rested: Vec::new(),
+            claims,
             found: Vec::new(),
             sensed,
             reached: vec![false; plan.steps().len()],
@@ -239,6 +242,9 @@ impl<'a> Walk<'a> {
             .is_some_and(|(_, changes)| !changes.is_empty());
         if !changed && !action.effects.is_empty() {
             self.odd(Violation::NoEffect { step: id.index() }, self.when(way));
+        }
+        for violation in claims::broken(self.claims, id.index(), &way.state) {
+            self.odd(violation, self.when(way));
         }
         self.always(id, way);
     }
@@ -484,7 +490,7 @@ fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
 }
 
 /// The other outcomes of the sensing that tells a fact, if there is one.
-fn others(domain: &Domain, fact: Fact) -> Option<Vec<Fact>> {
+pub(super) fn others(domain: &Domain, fact: Fact) -> Option<Vec<Fact>> {
     let tells = |action: &&Action| action.senses.iter().any(|atom| atom.predicate == fact.predicate());
     let action = domain.actions.iter().find(tells)?;
     let arguments: Vec<EntityId> = domain.arguments(fact).collect();

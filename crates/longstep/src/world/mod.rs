@@ -23,7 +23,7 @@ pub use fact::{EntityId, Fact, FactSet, State};
 pub use naming::{Voice, fact_text};
 pub(crate) use read::ENTITY_LIMIT;
 pub use read::read;
-pub(crate) use write::word_for;
+pub(crate) use write::{fact_of, word_for};
 pub use write::write;
 
 use std::sync::Arc;

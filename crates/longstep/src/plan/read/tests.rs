@@ -326,7 +326,7 @@ fn hostile_texts_are_refused_in_time() {
         "the reply has 1048577 bytes; at most 1048576 are read",
     );
     let nested = format!(r#"{{"task_cohesion": {}"#, "[".repeat(100));
-    check(&nested, "line 1, column 82: brackets are nested more than 64 deep");
+    check(&nested, "line 1, column 138: brackets are nested more than 120 deep");
     for part in [
         "{",
         "'",

@@ -1,3 +1,4 @@
+use super::super::tree::DEEPEST;
 use super::{read, write};
 
 /// A script, and how it is written again; none where that is the same.
@@ -125,11 +126,181 @@ fn nothing_stands_too_deep() {
         let branches: String = (0..depth).map(|at| format!("{}if a():\n", " ".repeat(at))).collect();
         format!("{branches}{}b()\n", " ".repeat(depth))
     };
-    assert!(read(&nested(64)).is_ok());
-    let error = read(&nested(65)).unwrap_err();
-    assert_eq!((error.position.line, error.position.column), (65, 65));
+    assert!(read(&nested(DEEPEST)).is_ok());
+    let error = read(&nested(DEEPEST + 1)).unwrap_err();
+    assert_eq!((error.position.line, error.position.column), (DEEPEST as u32 + 1, DEEPEST as u32 + 1));
     let chain = format!("if a():\n  b()\n{}", "elif a():\n  b()\n".repeat(10_000));
     assert!(read(&chain).is_err());
     assert!(read(&format!("if {}a():\n  b()", "not ".repeat(100_000))).is_err());
     assert!(read(&format!("if {}a()", "(".repeat(100_000))).is_err());
+}
+
+mod random {
+    use proptest::prelude::*;
+
+    use super::super::{read, write};
+    use crate::call::Call;
+    use crate::json::Path;
+    use crate::plan::tree::Lane;
+    use crate::plan::{self, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep};
+    use crate::plan::{read_tree, write_tree};
+
+    const TEXTS: [&str; 12] = [
+        "",
+        "take it",
+        " blank before",
+        "two\nlines",
+        "# sign",
+        "\"quoted\"",
+        "objects: [\"<a>\"]",
+        "Tür öffnen; <door>: open()",
+        "tab\there\u{7}",
+        "if a(): b()",
+        "back\\slash 'and \"quotes",
+        "ends with \u{a0}",
+    ];
+    const NAMES: [&str; 5] = ["a", "put_in", "PutIn2", "wait-here", "ö"];
+    const ARGUMENTS: [&str; 5] = ["<pie_320>", "left", "3", "two words", "\"odd\" \\ <"];
+    const PARAMETERS: [&str; 5] = ["to", "from", "in_", "from__", "by-hand"];
+
+    /// Draws a plan from a seed.
+    struct Draw {
+        seed: u64,
+        steps: Vec<WrittenStep>,
+    }
+
+    impl Draw {
+        fn below(&mut self, limit: usize) -> usize {
+            self.seed = self.seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.seed >> 33) as usize % limit
+        }
+
+        fn one(&mut self, of: &[&str]) -> String {
+            of[self.below(of.len())].to_owned()
+        }
+
+        fn call(&mut self) -> WrittenStep {
+            let arguments = (0..self.below(3)).map(|_| self.one(&ARGUMENTS)).collect();
+            let first = self.below(2 * PARAMETERS.len());
+            let named = PARAMETERS.iter().skip(first).take(2);
+            WrittenStep {
+                call: Call {
+                    name: self.one(&NAMES),
+                    arguments,
+                },
+                implicit: named.map(|name| ((*name).to_owned(), self.one(&TEXTS))).collect(),
+                explanation: self.one(&TEXTS),
+            }
+        }
+
+        fn step(&mut self) -> StepId {
+            let step = self.call();
+            self.steps.push(step);
+            StepId::new(self.steps.len() - 1)
+        }
+
+        fn test(&mut self, depth: usize) -> Test<WrittenStep> {
+            let parts = |draw: &mut Self| (0..2 + draw.below(2)).map(|_| draw.test(depth + 1)).collect();
+            match self.below(if depth < 3 { 6 } else { 2 }) {
+                0..=2 => Test::Holds(self.call()),
+                3 => Test::Not(Box::new(self.test(depth + 1))),
+                4 => Test::All(parts(self)),
+                _ => Test::Any(parts(self)),
+            }
+        }
+
+        fn nodes(&mut self, depth: usize) -> Vec<WrittenNode> {
+            (0..self.below(4)).map(|_| self.node(depth)).collect()
+        }
+
+        fn node(&mut self, depth: usize) -> WrittenNode {
+            match self.below(if depth < 4 { 9 } else { 4 }) {
+                0..=2 => Node::Step(self.step()),
+                3 => Node::Remark(self.one(&TEXTS)),
+                4 | 5 => Node::If {
+                    condition: self.test(0),
+                    then: self.nodes(depth + 1),
+                    otherwise: self.nodes(depth + 1),
+                },
+                6 => Node::While {
+                    condition: self.test(0),
+                    body: self.nodes(depth + 1),
+                },
+                7 => Node::Repeat {
+                    times: self.below(9) as u32,
+                    body: self.nodes(depth + 1),
+                },
+                _ => Node::Parallel {
+                    lanes: (0..1 + self.below(2)).map(|number| self.lane(number)).collect(),
+                },
+            }
+        }
+
+        fn lane(&mut self, number: usize) -> Lane<String> {
+            let item = |draw: &mut Self| match draw.below(4) {
+                0 => LaneItem::Sync(draw.one(&TEXTS)),
+                1 => LaneItem::Remark(draw.one(&TEXTS)),
+                _ => LaneItem::Step(draw.step()),
+            };
+            Lane {
+                actor: format!("{number}{}", self.one(&TEXTS)),
+                items: (0..self.below(4)).map(|_| item(self)).collect(),
+            }
+        }
+    }
+
+    fn draw(seed: u64) -> Written {
+        let mut draw = Draw {
+            seed,
+            steps: Vec::new(),
+        };
+        let body = draw.nodes(0);
+        let objects = (0..draw.below(3)).map(|_| draw.one(&TEXTS)).collect();
+        Written {
+            steps: draw.steps,
+            body,
+            objects,
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn both_notations_keep_everything(seed in any::<u64>()) {
+            let written = draw(seed);
+            prop_assert!(written.is_sound());
+            let script = write(&written);
+            prop_assert_eq!(&read(&script).unwrap(), &written, "{}", script);
+            let text = write_tree(&written).to_string();
+            let tree = read_tree(&serde_json::from_str(&text).unwrap(), written.objects.clone(), &Path::default());
+            prop_assert_eq!(tree.as_ref(), Ok(&written), "{}", text);
+            prop_assert_eq!(write(&tree.unwrap()), script);
+        }
+
+        #[test]
+        fn a_plan_file_keeps_a_tree(seed in any::<u64>()) {
+            let file = PlanFile::from(TaskCohesion::from_written(draw(seed)));
+            let text = serde_json::to_string(&file).unwrap();
+            prop_assert_eq!(&serde_json::from_str::<PlanFile>(&text).unwrap(), &file);
+            let draft = plan::read(&text).unwrap();
+            prop_assert_eq!(draft.file, file);
+        }
+
+        #[test]
+        fn no_text_panics(parts in prop::collection::vec(prop::sample::select(vec![
+            "if ", "elif ", "else:", "while ", "for _ in range(2):", "with parallel():", "with lane('l'):", "sync('a')",
+            "pass", "a()", "b('<x>')", "not ", " and ", " or ", "(", ")", ":", "\n", "\n  ", "\n    ", "\n\t", "# c",
+            "'", "\"", "\\", "\\u12", "=", ",", "<y>", "<", "é", "\u{feff}", "\u{a0}", "\r\n", "```", "{", "3", "-", "objects: [",
+        ]), 0..60)) {
+            let text: String = parts.concat();
+            if let Ok(written) = read(&text) {
+                prop_assert_eq!(read(&write(&written)), Ok(written));
+            }
+            let _ = plan::read(&text);
+        }
+
+        #[test]
+        fn any_text_is_read_or_refused(text in "\\PC*") {
+            let _ = read(&text);
+        }
+    }
 }
