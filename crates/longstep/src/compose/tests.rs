@@ -176,6 +176,8 @@ fn what_does_not_fit_together_names_the_stored_plan() {
         &scene,
         "shelve_cream()",
         "step 1: move_object() needs that the hand holds the cream, and that the cream is lifted (step 1 is of \
+         `shelve_cream`)\nstep 2: attach_to_plane() needs that the hand holds the cream, and that the cream is lifted \
+         (step 2 is of `shelve_cream`)\nstep 3: release_object() needs that the hand holds the cream (step 3 is of \
          `shelve_cream`)",
     );
     let told = composed(&scene, "take_cream()\ndrop_cream()\nshelve_cream()\n").unwrap();
