@@ -7,12 +7,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-use std::path::Path;
-
-use longstep::compose::{self, Said, Stored};
+use longstep::compose::{self, Composed, Said, Stored};
 use longstep::domain::{self, Domain};
 use longstep::json;
-use longstep::plan::{Node, PlanFile, script};
+use longstep::plan::{Node, PlanFile, Written, script};
 use longstep::world::{self, Environment, World};
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open};
 use serde_json::{Value, json};
@@ -51,7 +49,7 @@ fn scene(scene: &Value) -> (Domain, World, Vec<Stored>) {
 
 /// Whether two compositions are the same but for the order in which their lanes are written.
 fn same(right: &Said, said: Option<&Said>) -> bool {
-    let lines = |said: &Said| {
+    let text = |said: &Said| {
         let Said::Composition(written) = said else {
             return Vec::new();
         };
@@ -61,22 +59,17 @@ fn same(right: &Said, said: Option<&Said>) -> bool {
                 lanes.sort_by(|one, other| one.actor.cmp(&other.actor));
             }
         }
-        let mut lines = Vec::new();
-        for line in script::write(&written).lines() {
-            lines.push(line.to_owned());
-        }
-        lines
+        script::write(&written)
     };
-    said.is_some_and(|said| lines(said) == lines(right))
+    said.is_some_and(|said| text(said) == text(right))
 }
 
 #[test]
 #[ignore = "asks a real model"]
 fn own_cases() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/compositions/cases.json");
-    let file: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let file: Value = serde_json::from_str(include_str!("compositions/cases.json")).unwrap();
     let mut model = model();
-    let (mut right, mut all) = (0, 0);
+    let (mut verified, mut right, mut all) = (0, 0, 0);
     for case in file["cases"].as_array().unwrap() {
         let (domain, world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
         let instruction = case["instruction"].as_str().unwrap();
@@ -90,16 +83,49 @@ fn own_cases() {
         let said = compose::read(&reply.text);
         let is = |script: &Value| same(&compose::read(script.as_str().unwrap()).unwrap(), said.as_ref().ok());
         let good = case["right"].as_array().unwrap().iter().any(is);
+        let came = match &said {
+            Ok(Said::Composition(written)) => verdict(&domain, &world, written, &stored, instruction),
+            Ok(Said::Question(question)) => Err(question.clone()),
+            Err(error) => Err(error.to_string()),
+        };
         all += 1;
         right += usize::from(good);
-        println!(
-            "{} {seconds:5.1} s  {instruction}\n{}\n",
-            if good { "ok   " } else { "WRONG" },
-            reply.text
-        );
-        if let Err(error) = said {
-            println!("{error}");
+        verified += usize::from(came.is_ok());
+        let came = came.map_or_else(|wrong| format!("not verified: {wrong}"), |_| "verified".to_owned());
+        println!("{} {seconds:5.1} s  {instruction}\n{}\n  {came}\n", mark(good), reply.text);
+    }
+    println!("== {verified} of {all} verified, {right} of {all} right");
+    assert!(all >= 8 && verified >= right);
+}
+
+fn mark(right: bool) -> &'static str {
+    if right { "ok   " } else { "WRONG" }
+}
+
+/// What verification says of a composition.
+fn verdict(domain: &Domain, world: &World, written: &Written, stored: &[Stored], wish: &str) -> Result<(), String> {
+    let inlined = compose::inline(domain, world, written, stored);
+    let inlined = inlined.map_err(|misfits| misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
+    let composed = Composed::new(domain, world, inlined, wish);
+    if composed.verified(domain, world).is_some() {
+        return Ok(());
+    }
+    let wrong = composed.verdict(domain, world).violations;
+    Err(wrong.iter().map(|violation| violation.message.clone()).collect::<Vec<_>>().join("; "))
+}
+
+/// The right compositions are plans: a case whose own answer is not valid would count nothing.
+#[test]
+fn every_right_composition_is_valid() {
+    let file: Value = serde_json::from_str(include_str!("compositions/cases.json")).unwrap();
+    for case in file["cases"].as_array().unwrap() {
+        let (domain, world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
+        for right in case["right"].as_array().unwrap() {
+            let Ok(Said::Composition(written)) = compose::read(right.as_str().unwrap()) else {
+                panic!("{right}")
+            };
+            let verdict = verdict(&domain, &world, &written, &stored, case["instruction"].as_str().unwrap());
+            assert_eq!(verdict, Ok(()), "{right}");
         }
     }
-    println!("== {right} of {all} right");
 }
