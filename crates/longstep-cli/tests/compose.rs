@@ -22,14 +22,22 @@ fn check(script: &str, expected: (i32, &str, &str)) {
     let home = tempfile::tempdir().unwrap();
     let path = home.path().join("composition.py");
     std::fs::write(&path, script).unwrap();
-    let ran = compose(home.path(), &["--script", path.to_str().unwrap(), "--no-repair", "--json"]);
+    let ran = compose(
+        home.path(),
+        &["--script", path.to_str().unwrap(), "--no-repair", "--json"],
+    );
     let answer: Value = serde_json::from_str(&ran.stdout).unwrap_or_default();
     let wrong = match answer["violations"][0]["message"].as_str() {
         Some(message) => message,
         None => ran.stderr.lines().next().unwrap_or_default(),
     };
     let status = answer["status"].as_str().unwrap_or_default();
-    assert_eq!((ran.code, status, &wrong[..wrong.len().min(expected.2.len())]), expected, "{}", ran.stderr);
+    assert_eq!(
+        (ran.code, status, &wrong[..wrong.len().min(expected.2.len())]),
+        expected,
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]
@@ -38,7 +46,14 @@ fn a_script_is_a_plan_or_is_told_why_not() {
     check(&cream, (0, "verified", ""));
     check("take_cream()\nshelve_cream()", (0, "verified", ""));
     check("shelve_cream()", (10, "invalid", "step 1: move_object() needs that"));
-    check("take_cram()", (10, "invalid", "there is no stored plan `take_cram`; did you mean `take_cream`?"));
+    check(
+        "take_cram()",
+        (
+            10,
+            "invalid",
+            "there is no stored plan `take_cram`; did you mean `take_cream`?",
+        ),
+    );
     check("question: Which cream?", (13, "question", ""));
     check("import robot", (30, "", "error: "));
 }
@@ -62,7 +77,10 @@ fn a_model_s_composition_is_verified_saved_and_can_be_checked_again() {
     assert!(ran.stdout.starts_with("Composition\n"), "{}", ran.stdout);
     let asked = &server.bodies()[0];
     let schema = asked["response_format"]["json_schema"]["schema"].to_string();
-    assert!(schema.contains("drop_cream()") && schema.contains("expired(cream)"), "{asked}");
+    assert!(
+        schema.contains("drop_cream()") && schema.contains("expired(cream)"),
+        "{asked}"
+    );
     let mut verify = longstep(home.path());
     verify.arg("verify").arg(&saved).args(["--domain", "household-checks"]);
     let again = run(&mut verify, "");
@@ -77,7 +95,10 @@ fn names_that_mean_two_things_and_folders_without_plans_are_refused() {
     let plan = std::fs::read_to_string(root().join(STORED).join("take_cream.json")).unwrap();
     for (name, told) in [
         ("take cream.json", "error: two stored plans are called `take_cream`"),
-        ("move_hand.json", "error: a stored plan is called `move_hand`, and so is an action of the domain"),
+        (
+            "move_hand.json",
+            "error: a stored plan is called `move_hand`, and so is an action of the domain",
+        ),
     ] {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(name), &plan).unwrap();
@@ -87,7 +108,13 @@ fn names_that_mean_two_things_and_folders_without_plans_are_refused() {
     }
     let empty = tempfile::tempdir().unwrap();
     let mut command = longstep(home.path());
-    command.args(["compose", "--script", script, "--env", LARDER, "--plans"]).arg(empty.path());
+    command
+        .args(["compose", "--script", script, "--env", LARDER, "--plans"])
+        .arg(empty.path());
     let ran = run(&mut command, "");
-    assert!(ran.code == 30 && ran.stderr.contains("there is no stored plan to put together"), "{}", ran.stderr);
+    assert!(
+        ran.code == 30 && ran.stderr.contains("there is no stored plan to put together"),
+        "{}",
+        ran.stderr
+    );
 }

@@ -92,7 +92,11 @@ fn own_cases() {
         right += usize::from(good);
         verified += usize::from(came.is_ok());
         let came = came.map_or_else(|wrong| format!("not verified: {wrong}"), |_| "verified".to_owned());
-        println!("{} {seconds:5.1} s  {instruction}\n{}\n  {came}\n", mark(good), reply.text);
+        println!(
+            "{} {seconds:5.1} s  {instruction}\n{}\n  {came}\n",
+            mark(good),
+            reply.text
+        );
     }
     println!("== {verified} of {all} verified, {right} of {all} right");
     assert!(all >= 8 && verified >= right);
@@ -111,7 +115,11 @@ fn verdict(domain: &Domain, world: &World, written: &Written, stored: &[Stored],
         return Ok(());
     }
     let wrong = composed.verdict(domain, world).violations;
-    Err(wrong.iter().map(|violation| violation.message.clone()).collect::<Vec<_>>().join("; "))
+    Err(wrong
+        .iter()
+        .map(|violation| violation.message.clone())
+        .collect::<Vec<_>>()
+        .join("; "))
 }
 
 /// The right compositions are plans: a case whose own answer is not valid would count nothing.
@@ -124,7 +132,13 @@ fn every_right_composition_is_valid() {
             let Ok(Said::Composition(written)) = compose::read(right.as_str().unwrap()) else {
                 panic!("{right}")
             };
-            let verdict = verdict(&domain, &world, &written, &stored, case["instruction"].as_str().unwrap());
+            let verdict = verdict(
+                &domain,
+                &world,
+                &written,
+                &stored,
+                case["instruction"].as_str().unwrap(),
+            );
             assert_eq!(verdict, Ok(()), "{right}");
         }
     }

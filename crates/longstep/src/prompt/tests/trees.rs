@@ -28,7 +28,15 @@ fn all_told(domain: &Domain) -> String {
 #[track_caller]
 fn check(domain: &str, expected: &[&str]) {
     let told = all_told(&shipped(domain).unwrap().unwrap());
-    let words = ["task_tree", "task_sequence", "\"if\"", "\"while\"", "\"parallel\"", "Tells which is so", "Every call names"];
+    let words = [
+        "task_tree",
+        "task_sequence",
+        "\"if\"",
+        "\"while\"",
+        "\"parallel\"",
+        "Tells which is so",
+        "Every call names",
+    ];
     let found: Vec<&str> = words.into_iter().filter(|word| told.contains(word)).collect();
     assert_eq!(found, expected, "{domain}");
 }
@@ -60,7 +68,10 @@ fn the_schema_of_a_tree_is_strict_and_refers_to_nothing_above_it() {
     let schema = direct_schema(&domain, &larder(&domain));
     let asked = &schema["$defs"]["asked"]["properties"]["call"]["enum"];
     for expected in ["check_best_by_date()", "expired(<cream>)", "dirty(<bench>)"] {
-        assert!(asked.as_array().unwrap().contains(&Value::from(expected)), "{expected}: {asked}");
+        assert!(
+            asked.as_array().unwrap().contains(&Value::from(expected)),
+            "{expected}: {asked}"
+        );
     }
 }
 
@@ -68,7 +79,10 @@ fn the_schema_of_a_tree_is_strict_and_refers_to_nothing_above_it() {
 fn an_example_branches_and_its_answer_fits_the_schema() {
     let domain = shipped("household-checks").unwrap().unwrap();
     let parts = fixed_parts(&domain).unwrap();
-    let answers = parts[4].messages.iter().filter(|message| message.role == Role::Assistant);
+    let answers = parts[4]
+        .messages
+        .iter()
+        .filter(|message| message.role == Role::Assistant);
     let mut branching = 0;
     for answer in answers {
         let value: Value = serde_json::from_str(&answer.text).unwrap();
@@ -91,7 +105,10 @@ fn check_script(script: &str, expected: &str) {
     );
     let mut files = shipped_files("household-checks").unwrap();
     files.overlay("mine/", [("plans.toml".to_owned(), text)]).unwrap();
-    let found: Vec<String> = broken_parts(&load(&files).unwrap()).iter().map(ToString::to_string).collect();
+    let found: Vec<String> = broken_parts(&load(&files).unwrap())
+        .iter()
+        .map(ToString::to_string)
+        .collect();
     assert_eq!(found.join("\n"), expected);
 }
 
