@@ -34,6 +34,8 @@ pub(crate) enum Command {
     Export(ExportArguments),
     /// Find a shortest plan for a goal, without a language model
     Solve(SolveArguments),
+    /// Put stored plans together: one after the other, in branches, side by side
+    Compose(ComposeArguments),
     /// Look at domains, check one, begin a new one
     #[command(subcommand)]
     Domain(DomainCommand),
@@ -198,6 +200,33 @@ pub(crate) struct PlanArguments {
     /// Let hands, arms or robots work side by side where that saves time
     #[arg(long)]
     pub(crate) parallel: bool,
+    /// Also write the plan to a file, in the paper's JSON
+    #[arg(long, value_name = "PLAN.json")]
+    pub(crate) save: Option<PathBuf>,
+    /// Write one JSON object for programs
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Stored plans, and what is wanted of them: in words for a model, or as a script.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("wish").required(true).multiple(true).args(["instruction", "script"])))]
+pub(crate) struct ComposeArguments {
+    /// What you want, in your own words
+    pub(crate) instruction: Option<String>,
+    /// The composition itself, with the plans' names as calls: then no model is asked
+    #[arg(long, value_name = "COMPOSITION.py")]
+    pub(crate) script: Option<PathBuf>,
+    /// Stored plans: plan files, or folders of them such as a session's. A plan is called like its file
+    #[arg(long, value_name = "PLAN.json|FOLDER", required = true, num_args = 1..)]
+    pub(crate) plans: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) world: WorldArguments,
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    /// Never repair what the composition comes to
+    #[arg(long)]
+    pub(crate) no_repair: bool,
     /// Also write the plan to a file, in the paper's JSON
     #[arg(long, value_name = "PLAN.json")]
     pub(crate) save: Option<PathBuf>,

@@ -6,6 +6,7 @@
 mod arguments;
 mod ask;
 mod chat;
+mod compose;
 mod domain;
 mod draft;
 mod explain;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         Command::Repair(arguments) => repair::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
+        Command::Compose(arguments) => compose::run(&arguments),
         Command::Domain(command) => domain::run(&command),
         Command::Model(command) => model::run(&command),
     };

@@ -75,7 +75,7 @@ impl Attempt {
     }
 
     /// Simulates the plan, if its words mean something; with it, what its open arguments were taken to be.
-    fn simulate(&self, domain: &Domain, world: &World) -> Option<(Report, Vec<Assumption>)> {
+    pub(crate) fn simulate(&self, domain: &Domain, world: &World) -> Option<(Report, Vec<Assumption>)> {
         let (plan, open) = bind_tree(domain, world, &self.resolved, self.purpose.claim.as_ref())?;
         Some((check(domain, world, plan, &self.purpose), open))
     }

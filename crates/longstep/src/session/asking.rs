@@ -60,7 +60,7 @@ impl Session {
                 Asking::new(What::Wish(Box::new(dialogue), words.to_owned()))
             }
             Strategy::Goal | Strategy::Direct => {
-                let round = direct::round(proposal, words);
+                let round = direct::round(&self.domain, proposal, words);
                 turn.rounds.push(round);
                 Asking::new(What::Plan)
             }
