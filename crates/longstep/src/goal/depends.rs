@@ -149,7 +149,10 @@ pub(crate) fn conditions(domain: &Domain, world: &World, spoken: &Spoken) -> Vec
     if clauses.unless > 0 && clauses.unless == clauses.words.len() {
         let fits = |depends: &Dependence| {
             let own = spoken_of(depends.fact.predicate(), &in_clauses);
-            own == depends.negated
+            match domain.outcomes(depends.fact).len() {
+                ..=2 => !own,
+                _ => own && depends.negated,
+            }
         };
         if found.iter().any(fits) {
             found.retain(fits);
@@ -234,10 +237,9 @@ mod tests {
     fn what_an_instruction_depends_on() {
         let checks = |instruction, expected| check("household-checks", instruction, expected);
         checks("If the milk is out of date, throw it away", "fresh(milk) expired(milk)");
-        checks(
-            "Put the milk in the fridge unless it has gone bad",
-            "fresh(milk) expired(milk)",
-        );
+        checks("Put the milk in the fridge unless it has gone bad", "fresh(milk)");
+        checks("Put the milk in the fridge unless it is empty", "not empty(milk)");
+        checks("Wipe the table unless it is clean", "dirty(table)");
         checks(
             "Check the milk: if it is empty, get rid of it",
             "full(milk) not full(milk) half_full(milk) not half_full(milk) empty(milk) not empty(milk)",
