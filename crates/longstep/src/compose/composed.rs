@@ -25,6 +25,7 @@ impl Composed {
             task_cohesion: TaskCohesion::from_written(inlined.written),
             environment_before: Some(world.environment.clone()),
             environment_after: None,
+            endings: Vec::new(),
             instruction_summary: instruction.to_owned(),
             question: String::new(),
         };

@@ -111,6 +111,7 @@ pub fn refused(world: &World, instruction: &str, misfits: &[Misfit]) -> Answer {
         action: None,
         missing: Vec::new(),
         undone_by: None,
+        when: Vec::new(),
         message: misfit.to_string(),
     });
     answer.violations = told.collect();

@@ -133,6 +133,7 @@ fn scripted(domain: &Domain, world: &World, text: &str, summary: &str) -> Result
         task_cohesion: TaskCohesion::from_written(written),
         environment_before: None,
         environment_after: None,
+        endings: Vec::new(),
         instruction_summary: String::new(),
         question: String::new(),
     };
