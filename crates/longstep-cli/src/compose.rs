@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
         }
         anstream::println!();
     }
-    finish(&answer, &[], arguments.save.as_deref(), arguments.json)
+    finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
 }
 
 /// What was written, and what was read in it.
