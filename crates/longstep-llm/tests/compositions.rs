@@ -51,7 +51,7 @@ fn scene(scene: &Value) -> (Domain, World, Vec<Stored>) {
 fn same(right: &Said, said: Option<&Said>) -> bool {
     let text = |said: &Said| {
         let Said::Composition(written) = said else {
-            return Vec::new();
+            return String::new();
         };
         let mut written = written.clone();
         for node in &mut written.body {

@@ -94,7 +94,9 @@ impl Menu {
         let asked = conditions(domain, world, &spoken);
         // Of what nothing here tells, perhaps something does that goes by other words.
         let checks = if !asked.is_empty() {
-            checks(domain, world, |fact| asked.iter().any(|dependence| dependence.fact == fact))
+            checks(domain, world, |fact| {
+                asked.iter().any(|dependence| dependence.fact == fact)
+            })
         } else if cannot_be_told(domain, world, &spoken) {
             checks(domain, world, |fact| {
                 domain.arguments(fact).all(|entity| spoken.entities.contains(&entity))

@@ -66,11 +66,19 @@ struct Way {
     last: usize,
     /// What sensing tells on it.
     told: Vec<(usize, Fact)>,
+    /// What is told at the head of a loop.
+    looped: Vec<Fact>,
     /// Which of its sides each branch took, and how many there were.
     decisions: Vec<(usize, usize)>,
 }
 
-pub(super) fn repair_branches(limit: usize, domain: &Domain, world: &World, resolved: &Resolved, purpose: &Purpose) -> Outcome {
+pub(super) fn repair_branches(
+    limit: usize,
+    domain: &Domain,
+    world: &World,
+    resolved: &Resolved,
+    purpose: &Purpose,
+) -> Outcome {
     let gave_up = |why: &str| Outcome::GaveUp {
         why: why.to_owned(),
         expanded: 0,
@@ -90,7 +98,15 @@ pub(super) fn repair_branches(limit: usize, domain: &Domain, world: &World, reso
         return gave_up("the plan has too many branches one after the other");
     }
     // What the first way settles, the others have to live with: if they cannot, another one goes first.
-    let first = way_by_way(limit, domain, world, resolved, purpose, draft.clone(), Order::FirstOutcome);
+    let first = way_by_way(
+        limit,
+        domain,
+        world,
+        resolved,
+        purpose,
+        draft.clone(),
+        Order::FirstOutcome,
+    );
     match first {
         Outcome::Repaired(_) => first,
         _ => match way_by_way(limit, domain, world, resolved, purpose, draft, Order::LastOutcome) {
@@ -126,7 +142,7 @@ fn way_by_way(
             Outcome::Repaired(repaired) => {
                 expanded += repaired.expanded;
                 cost += repaired.cost;
-                let (steps, edits) = behind_sensing(domain, &told, world, *repaired, &each);
+                let (steps, edits) = behind_sensing(domain, &told, world, *repaired, &each, &way.looped);
                 draft.settle(&way, &steps, &edits);
             }
             other => return other,
@@ -180,18 +196,34 @@ fn behind_sensing(
     world: &World,
     repaired: Repaired,
     purpose: &Purpose,
+    looped: &[Fact],
 ) -> (Vec<Step>, Vec<Edit>) {
     let mut steps = repaired.plan.steps().to_vec();
     let mut edits = repaired.edits;
-    let senses = |step: &Step| !domain.action(step.action).senses.is_empty();
+    // Behind the head of a loop it would be done again and again.
+    let senses = |step: &Step| {
+        let mut outcomes = domain
+            .action(step.action)
+            .senses
+            .iter()
+            .map(|atom| crate::world::ground(atom, &step.arguments));
+        !domain.action(step.action).senses.is_empty() && !outcomes.any(|fact| looped.contains(&fact))
+    };
     for at in (0..steps.len().saturating_sub(1)).rev() {
         let mut place = at;
         while place + 1 < steps.len() {
-            let inserted = edits.iter().position(|edit| edit.at == place && edit.kind == EditKind::Insert);
-            let Some(edit) = inserted.filter(|_| senses(&steps[place + 1])) else { break };
+            let inserted = edits
+                .iter()
+                .position(|edit| edit.at == place && edit.kind == EditKind::Insert);
+            let Some(edit) = inserted.filter(|_| senses(&steps[place + 1])) else {
+                break;
+            };
             let mut swapped = steps.clone();
             swapped.swap(place, place + 1);
-            if !check(told, world, Plan::sequence(swapped.clone()), purpose).violations.is_empty() {
+            if !check(told, world, Plan::sequence(swapped.clone()), purpose)
+                .violations
+                .is_empty()
+            {
                 break;
             }
             steps = swapped;
@@ -270,7 +302,9 @@ impl Draft {
                 Violation::When { violation, .. } => violation,
                 plain => plain,
             };
-            let Violation::Unsensed { fact, .. } = plain else { continue };
+            let Violation::Unsensed { fact, .. } = plain else {
+                continue;
+            };
             let tells = |atom: &Atom| atom.predicate == fact.predicate();
             let sensing = domain.action_ids().find(|(_, action)| action.senses.iter().any(tells));
             let Some((action, declared)) = sensing else { continue };
@@ -286,15 +320,21 @@ impl Draft {
             let step = Step::explained(domain, world, action, complete);
             let asked = Voice::Person.fact(domain, world, *fact, true);
             for block in 0..self.blocks.len() {
-                let asks = |part: &Part| matches!(part, Part::If(test, ..) | Part::While(test, _) if holds_in(test, *fact));
-                let Some(place) = self.blocks[block].iter().position(asks) else { continue };
-                let from = self.from_of(block, place);
+                let asks =
+                    |part: &Part| matches!(part, Part::If(test, ..) | Part::While(test, _) if holds_in(test, *fact));
+                let Some(place) = self.blocks[block].iter().position(asks) else {
+                    continue;
+                };
+                let from = self.number_from(block, place);
                 self.items.push(Item {
                     step: draft_step(&step),
                     bound: step.arguments.clone(),
                     written: step.call(domain, world).to_string(),
                     from,
-                    edit: Some((EditKind::Insert, format!("a condition asks whether {asked}, and nothing had sensed that"))),
+                    edit: Some((
+                        EditKind::Insert,
+                        format!("a condition asks whether {asked}, and nothing had sensed that"),
+                    )),
                     settled: false,
                 });
                 let new = self.items.len() - 1;
@@ -305,7 +345,7 @@ impl Draft {
     }
 
     /// The number in the draft of the first step from a place on.
-    fn from_of(&self, block: usize, place: usize) -> usize {
+    fn number_from(&self, block: usize, place: usize) -> usize {
         let mut numbers = Vec::new();
         for part in &self.blocks[block][place..] {
             self.collect(part, &mut numbers);
@@ -413,7 +453,9 @@ impl Draft {
     /// The way as a draft of its own, and what of it may not be changed: what other ways go through, and sensing.
     fn linear(&self, resolved: &Resolved, way: &Way) -> (Resolved, Pins) {
         let items = || way.steps.iter().map(|(number, _)| &self.items[*number]);
-        let body = (0..way.steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
+        let body = (0..way.steps.len())
+            .map(|index| Node::Step(StepId::new(index)))
+            .collect();
         let linear = Resolved {
             steps: items().map(|item| Some(item.step.clone())).collect(),
             written: items().map(|item| item.written.clone()).collect(),
@@ -434,9 +476,16 @@ impl Draft {
     /// Takes over what a way has become.
     fn settle(&mut self, way: &Way, steps: &[Step], edits: &[Edit]) {
         let place_of = |edit: &Edit| edit.step;
-        let gone: Vec<usize> = edits.iter().filter(|edit| edit.kind != EditKind::Insert).map(place_of).collect();
+        let gone: Vec<usize> = edits
+            .iter()
+            .filter(|edit| edit.kind != EditKind::Insert)
+            .map(place_of)
+            .collect();
         let mut kept = (0..way.steps.len()).filter(|place| !gone.contains(place));
-        for edit in edits.iter().filter(|edit| matches!(edit.kind, EditKind::Drop | EditKind::Move)) {
+        for edit in edits
+            .iter()
+            .filter(|edit| matches!(edit.kind, EditKind::Drop | EditKind::Move))
+        {
             let (number, block) = way.steps[edit.step];
             if let Some(block) = block {
                 self.blocks[block].retain(|part| !matches!(part, Part::Step(other) if *other == number));
@@ -445,7 +494,8 @@ impl Draft {
                 let item = &self.items[number];
                 let next = way.steps[edit.step + 1..].iter().map(|(number, _)| *number);
                 let next = next.into_iter().next();
-                self.dropped.push((item.from, item.written.clone(), edit.why.clone(), next));
+                self.dropped
+                    .push((item.from, item.written.clone(), edit.why.clone(), next));
             }
         }
         for (at, step) in steps.iter().enumerate() {
@@ -488,7 +538,10 @@ impl Draft {
 
     /// One past the last number of the draft.
     fn end(&self) -> usize {
-        let own = self.items.iter().filter(|item| !matches!(item.edit, Some((EditKind::Insert, _))));
+        let own = self
+            .items
+            .iter()
+            .filter(|item| !matches!(item.edit, Some((EditKind::Insert, _))));
         own.map(|item| item.from + 1).max().unwrap_or(0)
     }
 
@@ -583,7 +636,11 @@ impl Draft {
                 step: item.from,
                 before: (*kind != EditKind::Insert).then(|| resolved.written[item.from].clone()),
                 after: Some(step.call(domain, world).to_string()),
-                about: domain.action(step.action).implicit().next().map(|_| step.explanation.clone()),
+                about: domain
+                    .action(step.action)
+                    .implicit()
+                    .next()
+                    .map(|_| step.explanation.clone()),
                 why: why.clone(),
             });
         }
@@ -599,7 +656,10 @@ impl Draft {
                 why: why.clone(),
             };
             // A step behind a branch was left out of both of its sides.
-            if !edits.iter().any(|known| known.kind == EditKind::Drop && known.step == *from) {
+            if !edits
+                .iter()
+                .any(|known| known.kind == EditKind::Drop && known.step == *from)
+            {
                 edits.push(edit);
             }
         }
@@ -727,7 +787,11 @@ impl Follower<'_> {
                 }
                 // Once round is enough to see what is wrong with it.
                 Part::While(test, body) => {
-                    if self.test(test) {
+                    let before = self.way.told.len();
+                    let goes_on = self.test(test);
+                    let told = self.way.told[before..].iter().map(|(_, fact)| *fact);
+                    self.way.looped.extend(told);
+                    if goes_on {
                         self.block(*body);
                         self.way.last = block;
                     }

@@ -3,8 +3,6 @@
 //! The walk carries all states in which a way can be at a node. Sensing splits a state, and ways that come to the same
 //! state are one from there on. Loops are followed until no new state comes up.
 
-use std::sync::Arc;
-
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::history::{Here, History};
@@ -12,7 +10,7 @@ use super::{StepClaim, Violation, claims, simulate, unmet, violation};
 use crate::domain::{Action, Atom, Domain, PredicateId, RuleTime};
 use crate::plan::{Node, Plan, StepId, Test, tree};
 use crate::verify::broken_bindings;
-use crate::world::{Bindings, EntityId, Fact, Moment, State, World, ground, holds};
+use crate::world::{Bindings, ChangedLists, EntityId, Fact, Moment, State, World, ground, holds};
 
 /// States that a plan may be in at one node; a plan that can be in more is refused rather than followed.
 pub const STATES: usize = 4_096;
@@ -417,7 +415,7 @@ impl<'a> Walk<'a> {
 /// The states at the head of a loop.
 #[derive(Default)]
 struct Heads {
-    numbers: FxHashMap<Vec<(usize, Arc<Vec<Fact>>)>, usize>,
+    numbers: FxHashMap<ChangedLists, usize>,
     ways: Vec<Way>,
     /// How many of them have been followed.
     followed: usize,

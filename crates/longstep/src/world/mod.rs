@@ -19,6 +19,7 @@ pub use diff::{Difference, differences};
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};
 pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term};
+pub(crate) use fact::ChangedLists;
 pub use fact::{EntityId, Fact, FactSet, State};
 pub use naming::{Voice, fact_text};
 pub(crate) use read::ENTITY_LIMIT;

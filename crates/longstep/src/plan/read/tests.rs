@@ -393,7 +393,7 @@ fn trees_and_scripts_are_found_in_replies() {
     for (reply, told) in [
         (
             "```python\na()\n",
-            "line 2, column 5: the reply breaks off; the object that begins at line 1, column 1 does not end",
+            "line 3, column 1: the reply breaks off; the object that begins at line 1, column 1 does not end",
         ),
         (
             "```\na()\n```\nor\n```\nb()\n```",

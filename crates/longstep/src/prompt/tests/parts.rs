@@ -150,7 +150,7 @@ fn examples_that_are_none_are_told_with_file_and_line() {
     check(
         "plans.toml",
         &example("gaol = \"put(pear, sill)\""),
-        "mine/plans.toml:3:1: unknown field `gaol`, expected one of `instruction`, `environment`, `goal`, `reply`, \
+        "mine/plans.toml:3:1: unknown field `gaol`, expected one of `instruction`, `environment`, `goal`, `script`, `reply`, \
          `question`, `summary`",
     );
     let pear = "move_hand(), grasp_object(), detach_from_plane(), move_object(), attach_to_plane()";
