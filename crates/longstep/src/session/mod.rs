@@ -36,6 +36,8 @@
 
 mod accepted;
 mod asking;
+#[cfg(test)]
+mod branching_tests;
 mod direct;
 mod ended;
 mod event;

@@ -10,7 +10,7 @@ use crate::diagnostic::Diagnostics;
 use crate::domain::Domain;
 use crate::goal::{self, Goal};
 use crate::json::Path;
-use crate::plan::{Plan, Step};
+use crate::plan::{Plan, PlanFile, Step, resolve};
 use crate::prompt::{ConstraintKind, Message, Role};
 use crate::solution::Stopwatch;
 use crate::verify::{Purpose, check};
@@ -66,7 +66,7 @@ impl Session {
                     plan,
                     ..
                 } => {
-                    session.accept_again(instruction, goal, steps)?;
+                    session.accept_again(instruction, goal, steps, plan)?;
                     let ends = plan.environment_after.as_ref();
                     if ends.is_some_and(|environment| *environment != session.world.environment) {
                         return Err(ResumeError::Plan {
@@ -125,7 +125,13 @@ impl Session {
     }
 
     /// An accepted plan of the log, verified again.
-    fn accept_again(&mut self, instruction: &str, goal: &[String], steps: &[StepRecord]) -> Result<(), ResumeError> {
+    fn accept_again(
+        &mut self,
+        instruction: &str,
+        goal: &[String],
+        steps: &[StepRecord],
+        file: &PlanFile,
+    ) -> Result<(), ResumeError> {
         let number = self.accepted.len();
         let invalid = |why: String| ResumeError::Plan { number, why };
         let goal: Option<Goal> = match goal {
@@ -140,7 +146,13 @@ impl Session {
             .map_or_else(Purpose::default, |goal| goal.purpose(&self.domain));
         let steps: Option<Vec<Step>> = steps.iter().map(|step| self.step(step)).collect();
         let steps = steps.ok_or_else(|| invalid("it has steps that the domain does not know".to_owned()))?;
-        let report = check(&self.domain, &self.world, Plan::sequence(steps), &purpose);
+        // The steps are told with every argument, and the file tells how they branch.
+        let plan = match file.task_cohesion.task_tree {
+            None => Some(Plan::sequence(steps)),
+            Some(_) => Plan::tree(steps, resolve(&self.domain, &self.world, &file.task_cohesion).body),
+        };
+        let plan = plan.ok_or_else(|| invalid("its tree does not go with its steps".to_owned()))?;
+        let report = check(&self.domain, &self.world, plan, &purpose);
         let plan = report.into_verified().map_err(|report| {
             let told = report.violations.iter();
             let told = told.map(|v| v.message(&self.domain, &self.world, report.plan.steps(), goal.as_ref()));
