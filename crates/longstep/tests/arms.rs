@@ -12,7 +12,7 @@
 use longstep::arms;
 use longstep::attempt::Attempt;
 use longstep::domain::{self, Domain, Files};
-use longstep::goal::{self, GoalFact, Spoken};
+use longstep::goal;
 use longstep::json::Path;
 use longstep::plan::{self, Node};
 use longstep::repair::{Outcome, Pins};
@@ -159,28 +159,12 @@ fn instructions(domain: &Domain) -> Vec<(World, String, String)> {
 }
 
 #[test]
-fn what_instructions_mean_is_offered_and_can_be_reached() {
+fn what_instructions_mean_can_be_reached() {
     let domain = dual();
     let all = instructions(&domain);
     assert_eq!(all.len(), 25);
     for (world, says, meant) in all {
         let goal = goal::parse(&domain, &world, &meant).unwrap();
-        let spoken = Spoken::of(&domain, &world, &says);
-        for said in 0..goal.facts.len() {
-            let mut offered = Vec::new();
-            for offer in goal::offers(&domain, &world, &goal.facts[..said], &spoken) {
-                let word = offer.word;
-                offered.extend(
-                    offer
-                        .arguments
-                        .into_iter()
-                        .map(|arguments| GoalFact::Word { word, arguments }),
-                );
-            }
-            let texts: Vec<String> = offered.iter().map(|fact| fact.everyday(&domain, &world)).collect();
-            println!("{says} -> {}", texts.join(" | "));
-            assert!(offered.contains(&goal.facts[said]), "{says}: {texts:?}");
-        }
         let solution = solution::of_goal(&domain, &world, &goal, &says, || 0.0);
         let plan = solution
             .plan
