@@ -108,7 +108,7 @@ impl Session {
         };
         turn.price(&mut answer);
         answer.plan.instruction_summary.clone_from(&turn.instruction);
-        answer.timings_ms.search = searched - started;
+        answer.timings_ms.search = if mend { searched - started } else { 0.0 };
         answer.timings_ms.verify = (self.now)() - searched;
         match plan {
             // The person asked for something else than they have.
