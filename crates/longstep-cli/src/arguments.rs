@@ -30,8 +30,12 @@ pub(crate) enum Command {
     Verify(VerifyArguments),
     /// Make a plan valid with the least change
     Repair(RepairArguments),
+    /// Write a verified plan in another notation
+    Export(ExportArguments),
     /// Find a shortest plan for a goal, without a language model
     Solve(SolveArguments),
+    /// Put stored plans together: one after the other, in branches, side by side
+    Compose(ComposeArguments),
     /// Look at domains, check one, begin a new one
     #[command(subcommand)]
     Domain(DomainCommand),
@@ -193,6 +197,36 @@ pub(crate) struct PlanArguments {
     /// Do not ask the model: show what it would be sent, and what each part costs in tokens
     #[arg(long, conflicts_with_all = ["save", "json"])]
     pub(crate) explain_prompt: bool,
+    /// Let hands, arms or robots work side by side where that saves time
+    #[arg(long)]
+    pub(crate) parallel: bool,
+    /// Also write the plan to a file, in the paper's JSON
+    #[arg(long, value_name = "PLAN.json")]
+    pub(crate) save: Option<PathBuf>,
+    /// Write one JSON object for programs
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Stored plans, and what is wanted of them: in words for a model, or as a script.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("wish").required(true).multiple(true).args(["instruction", "script"])))]
+pub(crate) struct ComposeArguments {
+    /// What you want, in your own words
+    pub(crate) instruction: Option<String>,
+    /// The composition itself, with the plans' names as calls: then no model is asked
+    #[arg(long, value_name = "COMPOSITION.py")]
+    pub(crate) script: Option<PathBuf>,
+    /// Stored plans: plan files, or folders of them such as a session's. A plan is called like its file
+    #[arg(long, value_name = "PLAN.json|FOLDER", required = true, num_args = 1..)]
+    pub(crate) plans: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) world: WorldArguments,
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    /// Never repair what the composition comes to
+    #[arg(long)]
+    pub(crate) no_repair: bool,
     /// Also write the plan to a file, in the paper's JSON
     #[arg(long, value_name = "PLAN.json")]
     pub(crate) save: Option<PathBuf>,
@@ -204,7 +238,7 @@ pub(crate) struct PlanArguments {
 /// A plan and the world that it is for.
 #[derive(Debug, Args)]
 pub(crate) struct DraftArguments {
-    /// The plan, in the paper's JSON, or a model's reply that holds one
+    /// The plan, in the paper's JSON or as a script (.py), or a model's reply that holds one
     #[arg(value_name = "PLAN.json")]
     pub(crate) plan: PathBuf,
     /// The world before the plan [default: the plan's own `environment_before`]
@@ -239,6 +273,24 @@ pub(crate) struct RepairArguments {
     pub(crate) json: bool,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct ExportArguments {
+    #[command(flatten)]
+    pub(crate) draft: DraftArguments,
+    /// How the plan is written
+    #[arg(long, value_enum)]
+    pub(crate) format: PlanFormat,
+}
+
+/// A notation of plans.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlanFormat {
+    /// The paper's script: calls, if, while, and comments
+    Python,
+    /// The paper's JSON, with the environments before and after
+    Json,
+}
+
 /// Either a goal and an environment, or a PDDL problem.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("task").required(true).args(["goal", "problem"])))]
@@ -258,6 +310,9 @@ pub(crate) struct SolveArguments {
     /// Do not solve it: print it as a PDDL problem for the domain's domain.pddl
     #[arg(long, conflicts_with_all = ["problem", "json", "save"])]
     pub(crate) pddl: bool,
+    /// Let hands, arms or robots work side by side where that saves time
+    #[arg(long, conflicts_with_all = ["problem", "pddl"])]
+    pub(crate) parallel: bool,
     /// Also write the plan to a file, in the paper's JSON
     #[arg(long, value_name = "PLAN.json")]
     pub(crate) save: Option<PathBuf>,

@@ -17,7 +17,7 @@ use crate::arguments::{ChatArguments, ModelArguments};
 use crate::ask::{self, Waiting};
 use crate::failure::{self, Failure};
 use crate::solve::stopwatch;
-use crate::{inputs, plan};
+use crate::{inputs, plan, show};
 
 /// Lines of history that are kept.
 const HISTORY: usize = 1000;
@@ -173,6 +173,7 @@ impl Chat<'_> {
         loop {
             let asks = match self.session.proposal() {
                 Some(_) => "accept? [Enter, or say what is to be different] ",
+                None if !self.session.endings().is_empty() => "which? [its number] ",
                 None => "> ",
             };
             let line = match editor.readline(asks) {
@@ -220,12 +221,33 @@ impl Chat<'_> {
             }
         } else if line.is_empty() {
             return Ok(Next::GoOn);
+        } else if !self.session.endings().is_empty() {
+            self.ended(&plain)?;
         } else if self.session.question().is_some() {
             self.session.answer(plan::said(line)?)?;
         } else {
             self.session.instruct(plan::said(line)?)?;
         }
         Ok(Next::GoOn)
+    }
+
+    /// Takes the number of the way in which the last plan ended.
+    fn ended(&mut self, line: &str) -> Result<()> {
+        let count = self.session.endings().len();
+        let number: Option<usize> = line.parse().ok().filter(|number| (1..=count).contains(number));
+        let Some(number) = number else {
+            let failure = Failure::unreadable(format!("`{line}` is none of the ways in which the plan can end"));
+            return Err(failure
+                .hint(format!(
+                    "say a number from 1 to {count}, or /undo to take the plan back"
+                ))
+                .into());
+        };
+        let before = self.session.world().environment.clone();
+        self.session.ended(number - 1)?;
+        show::changes(&before, &self.session.world().environment);
+        anstream::println!();
+        Ok(())
     }
 
     /// Has the session go on until it needs the person, and shows what came of it.

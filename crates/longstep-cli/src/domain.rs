@@ -15,7 +15,7 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
         DomainCommand::List => {
             for name in domain::shipped_names() {
                 let domain = inputs::domain(name)?;
-                anstream::println!("{:14}  {}", name.bold(), domain.about);
+                anstream::println!("{:16}  {}", name.bold(), domain.about);
             }
         }
         DomainCommand::Show { domain } => describe(&inputs::domain(domain)?),

@@ -7,7 +7,7 @@ use anyhow::Result;
 use longstep::diagnostic::nearest;
 use longstep::domain::{self, Domain, Files};
 use longstep::json;
-use longstep::plan::{self, PlanFile};
+use longstep::plan::{self, PlanFile, TaskCohesion};
 use longstep::world::{self, Environment, World};
 use longstep_llm::write_whole;
 
@@ -162,9 +162,18 @@ pub(crate) fn read_world(
     })
 }
 
-/// Reads a plan, or the reply of a model that holds one; also returns the text, for places in errors.
+/// Reads a plan, a script, or the reply of a model that holds one; also returns the text, for places in errors.
 pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
     let text = text(path)?;
+    if path.extension().is_some_and(|extension| extension == "py") {
+        let written = plan::script::read(&text)
+            .map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint))?;
+        let draft = plan::Draft {
+            file: PlanFile::from(TaskCohesion::from_written(written)),
+            leniencies: Vec::new(),
+        };
+        return Ok((draft, text));
+    }
     let draft = plan::read(&text)
         .map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint()))?;
     Ok((draft, text))

@@ -6,11 +6,14 @@
 mod arguments;
 mod ask;
 mod chat;
+mod compose;
 mod domain;
 mod draft;
 mod explain;
+mod export;
 mod failure;
 mod inputs;
+mod lanes;
 mod model;
 mod plan;
 mod problem;
@@ -35,7 +38,9 @@ fn main() -> ExitCode {
         Command::Session(command) => session::run(&command),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Repair(arguments) => repair::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
+        Command::Compose(arguments) => compose::run(&arguments),
         Command::Domain(command) => domain::run(&command),
         Command::Model(command) => model::run(&command),
     };

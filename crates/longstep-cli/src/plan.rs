@@ -10,7 +10,7 @@ use crate::arguments::PlanArguments;
 use crate::ask::{self, Waiting};
 use crate::failure::{Failure, LIMIT, MODEL};
 use crate::solve::{self, stopwatch};
-use crate::{explain, inputs};
+use crate::{explain, inputs, lanes};
 
 /// More than anybody says to a robot in one go.
 const INSTRUCTION_LIMIT: usize = 2000;
@@ -42,11 +42,17 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
         return Ok(Status::Verified.exit_code());
     }
     let need = advance(&mut session, model.as_mut(), None, &mut Waiting::new())?;
+    let mut shown = Vec::new();
     let (mut answer, goal) = match (&need, session.proposal(), session.stuck()) {
         (_, Some(proposal), _) => {
             let goal = proposal.goal.as_ref();
             let lines = goal.map(|goal| solve::goal_lines(session.domain(), session.world(), goal));
-            (proposal.answer.clone(), lines.unwrap_or_default())
+            let mut answer = proposal.answer.clone();
+            if arguments.parallel {
+                let (domain, world) = (session.domain(), session.world());
+                shown = lanes::side_by_side(domain, world, &proposal.plan, &proposal.purpose, &mut answer);
+            }
+            (answer, lines.unwrap_or_default())
         }
         (_, _, Some(stuck)) => (unhappy(stuck)?, Vec::new()),
         (Need::Answer(question), ..) => {
@@ -61,7 +67,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     };
     answer.timings_ms.model += opened;
     answer.timings_ms.total = stopwatch() - started;
-    solve::finish(&answer, &goal, arguments.save.as_deref(), arguments.json)
+    solve::finish(&answer, &goal, &shown, arguments.save.as_deref(), arguments.json)
 }
 
 /// An instruction, if it is one.

@@ -26,5 +26,5 @@ pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
         }
     };
     answer.timings_ms.total = milliseconds(started);
-    finish(&answer, &[], arguments.save.as_deref(), arguments.json)
+    finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
 }

@@ -1,6 +1,7 @@
 //! Answers for a person.
 
 use longstep::answer::{self, Answer, Status};
+use longstep::plan::OutlineLine;
 use longstep::world::Environment;
 use owo_colors::OwoColorize;
 
@@ -18,26 +19,34 @@ pub(crate) enum Changes {
 
 /// Prints an answer: the steps, what changed, what was assumed, and the verdict.
 pub(crate) fn answer(answer: &Answer, shown: Changes) {
+    answer_in_lanes(answer, shown, &[]);
+}
+
+/// The same for a plan that is shown in lanes, if there are lines that do so.
+pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[String]) {
     if answer.status == Status::Question {
         anstream::println!("{} {}", "Question:".yellow().bold(), answer.plan.question);
         return;
     }
-    let cohesion = &answer.plan.task_cohesion;
-    let explanations: Vec<String> = answer.steps.iter().map(|step| step.explanation.clone()).collect();
     let bad = |index| answer.violations.iter().any(|violation| violation.step == Some(index));
-    steps(&cohesion.task_sequence, &explanations, bad);
+    match lanes {
+        [] => steps(&answer.outline, bad),
+        lanes => lanes.iter().for_each(|line| anstream::println!("{line}")),
+    }
     edits(answer);
     // Of a plan that cannot be carried out nobody knows what it would change.
     let possible = answer.status == Status::Verified && shown == Changes::Shown;
-    if let (true, Some(before), Some(after)) = (
-        possible,
-        &answer.plan.environment_before,
-        &answer.plan.environment_after,
-    ) && before != after
-    {
-        anstream::println!();
-        heading("Changes");
-        changes(before, after);
+    if let (true, Some(before)) = (possible, &answer.plan.environment_before) {
+        if let Some(after) = answer.plan.environment_after.as_ref().filter(|after| *after != before) {
+            anstream::println!();
+            heading("Changes");
+            changes(before, after);
+        }
+        for ending in &answer.plan.endings {
+            anstream::println!();
+            heading(&format!("Changes when {}", ending.when.join(" and ")));
+            changes(before, &ending.environment_after);
+        }
     }
     list("Assumptions", &answer.assumptions);
     let differing: Vec<String> = answer
@@ -121,17 +130,32 @@ fn nothing(text: &str) -> &str {
     if text.is_empty() { "nothing" } else { text }
 }
 
-/// Prints the steps of a plan with their explanations; those that are bad in red.
-pub(crate) fn steps(calls: &[String], explanations: &[String], bad: impl Fn(usize) -> bool) {
-    let width = calls.iter().map(|call| call.chars().count()).max().unwrap_or(0);
-    let digits = calls.len().to_string().len();
-    for (index, (call, explanation)) in calls.iter().zip(explanations).enumerate() {
-        let number = format!("{:>digits$}.", index + 1);
-        let padding = " ".repeat(width - call.chars().count());
-        if bad(index) {
-            anstream::println!("  {} {}{padding}  {}", number.red(), call.red(), explanation.dimmed());
-        } else {
-            anstream::println!("  {} {call}{padding}  {}", number.dimmed(), explanation.dimmed());
+/// Prints the steps of a plan with their explanations; those that are bad in red. What stands in a branch, a loop or a
+/// lane is indented.
+pub(crate) fn steps(lines: &[OutlineLine], bad: impl Fn(usize) -> bool) {
+    let length = |line: &OutlineLine| 2 * line.depth + line.text.chars().count();
+    let explained = lines.iter().filter(|line| !line.explanation.is_empty());
+    let width = explained.map(length).max().unwrap_or(0);
+    let steps = lines
+        .iter()
+        .filter_map(|line| line.step)
+        .max()
+        .map_or(0, |last| last + 1);
+    let digits = steps.to_string().len();
+    for line in lines {
+        let number = match line.step {
+            Some(step) => format!("{:>digits$}.", step + 1),
+            None => " ".repeat(digits + 1),
+        };
+        let indent = "  ".repeat(line.depth);
+        let padding = " ".repeat(width.saturating_sub(length(line)));
+        let (text, explanation) = (&line.text, line.explanation.dimmed());
+        match line.step {
+            Some(step) if bad(step) => {
+                anstream::println!("  {} {indent}{}{padding}  {explanation}", number.red(), text.red());
+            }
+            Some(_) => anstream::println!("  {} {indent}{text}{padding}  {explanation}", number.dimmed()),
+            None => anstream::println!("  {number} {indent}{}", text.dimmed()),
         }
     }
 }

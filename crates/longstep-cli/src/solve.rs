@@ -12,7 +12,7 @@ use longstep::world::World;
 use longstep::{pddl, solution};
 
 use crate::arguments::SolveArguments;
-use crate::{inputs, problem, show};
+use crate::{inputs, lanes, problem, show};
 
 pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let started = Instant::now();
@@ -31,11 +31,16 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         anstream::print!("{written}");
         return Ok(Status::Verified.exit_code());
     }
-    let mut answer = solution::of_goal(&domain, &world, &goal, text, stopwatch).answer;
+    let solution::Solution { plan, mut answer } = solution::of_goal(&domain, &world, &goal, text, stopwatch);
+    let shown = match plan.filter(|_| arguments.parallel) {
+        Some(plan) => lanes::side_by_side(&domain, &world, &plan, &goal.purpose(&domain), &mut answer),
+        None => Vec::new(),
+    };
     answer.timings_ms.total = milliseconds(started);
     finish(
         &answer,
         &goal_lines(&domain, &world, &goal),
+        &shown,
         arguments.save.as_deref(),
         arguments.json,
     )
@@ -46,8 +51,14 @@ pub(crate) fn goal_lines(domain: &Domain, world: &World, goal: &Goal) -> Vec<Str
     goal.facts.iter().map(|fact| fact.sentence(domain, world)).collect()
 }
 
-/// Saves, prints, and returns the exit code.
-pub(crate) fn finish(answer: &Answer, goal: &[String], save: Option<&Path>, json: bool) -> Result<u8> {
+/// Saves, prints, and returns the exit code. `lanes` are the lines that show a plan side by side, none for a list.
+pub(crate) fn finish(
+    answer: &Answer,
+    goal: &[String],
+    lanes: &[String],
+    save: Option<&Path>,
+    json: bool,
+) -> Result<u8> {
     if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
         inputs::save(path, &answer.plan)?;
     }
@@ -63,7 +74,7 @@ pub(crate) fn finish(answer: &Answer, goal: &[String], save: Option<&Path>, json
                 anstream::println!();
             }
         }
-        show::answer(answer, show::Changes::Shown);
+        show::answer_in_lanes(answer, show::Changes::Shown, lanes);
         if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
             anstream::eprintln!("saved to {}", path.display());
         }

@@ -134,7 +134,7 @@ fn household(model: &mut dyn ChatModel) {
             let instruction = step["instruction"].as_str().unwrap();
             let made = plan(model, &domain, &world, instruction);
             let right = made.report.as_ref().is_some_and(|report| {
-                let after = world::write(&domain, &world, &report.after);
+                let after = world::write(&domain, &world, &report.ending().after);
                 serde_json::to_value(after).unwrap() == step["recorded"]["environment_after"]
             });
             tally.count(&format!("{scene}: {instruction}"), &made, right);
@@ -159,7 +159,9 @@ fn reached(domain: &Domain, world: &World, report: &Report, fact: &str, any_plat
         identifier == name || (any_plate && identifier.starts_with("<plate_") && name.starts_with("<plate_"))
     };
     report
+        .ending()
         .after
+        .clone()
         .of_predicate(domain::PredicateId::new(index))
         .iter()
         .any(|fact| {
@@ -198,7 +200,7 @@ fn kitchen(model: &mut dyn ChatModel, shared: bool) {
                     goals.iter().any(|goal| goal.contains(identifier))
                         || (identifier.starts_with("<plate_") && goals.iter().any(|goal| goal.contains("(<plate_")))
                 };
-                let unasked = differences(&domain, &world.state, &report.after)
+                let unasked = differences(&domain, &world.state, &report.ending().after)
                     .iter()
                     .any(|difference| !named(&world.entity(difference.fact.argument(0)).identifier));
                 report.violations.is_empty() && all && !unasked

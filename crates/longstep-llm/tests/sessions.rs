@@ -172,7 +172,7 @@ fn hundred() {
     for number in 1..=100 {
         let drawn = draw.instruction(session.domain(), session.world());
         let wanted = solution::of_goal(session.domain(), session.world(), &drawn.goal, "", || 0.0);
-        let wanted = session.world().after(session.domain(), &wanted.plan.unwrap());
+        let wanted = session.world().after(session.domain(), wanted.plan.unwrap().ending());
         session.instruct(&drawn.words).unwrap();
         let asked = ask(&mut session, model.as_mut());
         let (good, came) = match &asked.need {

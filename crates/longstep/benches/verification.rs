@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use longstep::domain::{self, Domain};
 use longstep::json::Path;
-use longstep::plan::{Plan, PlanFile, TaskCohesion, resolve};
+use longstep::plan::{Node, Plan, PlanFile, Step, StepId, TaskCohesion, Test, resolve};
 use longstep::repair::{Outcome, repair};
 use longstep::verify::{self, Purpose};
-use longstep::world::{self, Claim, Environment, World};
+use longstep::world::{self, Claim, EntityId, Environment, World};
 
 fn world_of(domain: &Domain, text: &str) -> World {
     let environment = Environment::from_json(text).unwrap();
@@ -60,6 +60,82 @@ fn verification(criterion: &mut Criterion) {
         let report = verify::check(&domain, &world, plan.clone(), &Purpose::default());
         assert_eq!(report.violations, vec![], "{name}");
         group.throughput(Throughput::Elements(plan.steps().len() as u64));
+        group.bench_function(name, |bencher| {
+            bencher.iter_batched(
+                || plan.clone(),
+                |plan| verify::check(&domain, &world, black_box(plan), &Purpose::default()),
+                criterion::BatchSize::SmallInput,
+            );
+        });
+    }
+    group.finish();
+}
+
+/// A hall with so many tables, and a sponge that the hand holds on the first one.
+fn hall(domain: &Domain, tables: usize) -> World {
+    let names: Vec<String> = (1..=tables).map(|number| format!("\"<table_{number}>\"")).collect();
+    let text = format!(
+        r#"{{"assets": [{}], "objects": ["<sponge>"], "object_states": {{"<sponge>": ["on_something(<table_1>)", "inside_hand()"]}}}}"#,
+        names.join(", ")
+    );
+    world_of(domain, &text)
+}
+
+/// A thousand branches, each on whether a table is clean: the first table again and again, which is wiped either way, or
+/// each on another one.
+fn branches(domain: &Domain, world: &World, apart: bool) -> Plan {
+    let named = |name: &str| domain.action_ids().find(|(_, action)| action.name == name).unwrap().0;
+    let sponge = world.find("<sponge>").unwrap();
+    let mut steps = Vec::new();
+    let mut body = Vec::new();
+    let mut add = |name: &str, arguments: Vec<EntityId>| {
+        steps.push(Step::explained(domain, world, named(name), arguments));
+        StepId::new(steps.len() - 1)
+    };
+    let first = world.find("<table_1>").unwrap();
+    if apart {
+        body.push(Node::Step(add("release", vec![sponge])));
+    } else {
+        body.push(Node::Step(add("move-hand", vec![first])));
+    }
+    for number in 1..=1_000 {
+        let table = match apart {
+            true => world.find(&format!("<table_{number}>")).unwrap(),
+            false => first,
+        };
+        if apart {
+            body.push(Node::Step(add("move-hand", vec![table])));
+        }
+        let condition = Test::Sense(add("check-cleanness", vec![table]));
+        let mut wiped = |times: usize| -> Vec<Node> {
+            let times = if apart { 0 } else { times };
+            (0..times)
+                .map(|_| Node::Step(add("wipe", vec![sponge, table])))
+                .collect()
+        };
+        let (then, otherwise) = (wiped(1), wiped(2));
+        body.push(Node::If {
+            condition,
+            then,
+            otherwise,
+        });
+    }
+    Plan::tree(steps, body).unwrap()
+}
+
+fn branching(criterion: &mut Criterion) {
+    let domain = domain::shipped("household-checks").unwrap().unwrap();
+    let mut group = criterion.benchmark_group("verify 1000 branches");
+    for (name, apart) in [("that come together", false), ("that do not", true)] {
+        let world = hall(&domain, 1_000);
+        let plan = branches(&domain, &world, apart);
+        let report = verify::check(&domain, &world, plan.clone(), &Purpose::default());
+        let kinds: Vec<&str> = report.violations.iter().map(|violation| violation.kind()).collect();
+        println!(
+            "{name}: {} steps, {} endings, {kinds:?}",
+            plan.steps().len(),
+            report.endings.len()
+        );
         group.bench_function(name, |bencher| {
             bencher.iter_batched(
                 || plan.clone(),
@@ -131,5 +207,5 @@ fn repair_time(domain: &Domain, world: &World, file: &PlanFile) -> Duration {
     runs[runs.len() / 2]
 }
 
-criterion_group!(benches, verification, repairing);
+criterion_group!(benches, verification, branching, repairing);
 criterion_main!(benches);

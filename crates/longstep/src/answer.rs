@@ -4,13 +4,14 @@
 
 use serde::Serialize;
 
+use crate::arms::Compacted;
 use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
-use crate::plan::{PlanFile, Step, TaskCohesion};
+use crate::plan::{self, OutlineLine, PlanFile, Resolved, Step, TaskCohesion};
 use crate::prompt::Usage;
 use crate::repair::Edit;
-use crate::verify::{Report, Violation};
-use crate::world::{self, Claim, Environment, State, World};
+use crate::verify::{Ending, Report, Violation};
+use crate::world::{self, Claim, Environment, State, Voice, World};
 
 /// What came of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -66,6 +67,9 @@ pub struct Answer {
     pub timings_ms: Timings,
     /// Remarks that change no verdict: what was read leniently, what is odd about the plan.
     pub notes: Vec<String>,
+    /// The plan as lines for a person.
+    #[serde(skip)]
+    pub outline: Vec<OutlineLine>,
 }
 
 /// A change of an [`Answer`].
@@ -106,7 +110,7 @@ pub struct StepAnswer {
     pub arguments: Vec<String>,
     /// The arguments that it hides, by parameter.
     pub implicit: indexmap::IndexMap<String, String>,
-    /// Which arm; none for a robot with one.
+    /// Which hand, arm or robot does it; none if there is only one, or if it takes several.
     pub arm: Option<String>,
     /// What the step does.
     pub explanation: String,
@@ -125,6 +129,9 @@ pub struct ViolationAnswer {
     pub missing: Vec<String>,
     /// The step that took them away, from 0.
     pub undone_by: Option<usize>,
+    /// What sensing told where it is so, as sentences; empty if it is so in any case.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub when: Vec<String>,
     /// One sentence for a person.
     pub message: String,
 }
@@ -198,6 +205,7 @@ impl Answer {
                 task_cohesion: TaskCohesion::default(),
                 environment_before: Some(world.environment.clone()),
                 environment_after: Some(world.environment.clone()),
+                endings: Vec::new(),
                 instruction_summary: summary.to_owned(),
                 question: question.to_owned(),
             },
@@ -210,6 +218,7 @@ impl Answer {
             usage: UsageAnswer::default(),
             timings_ms: Timings::default(),
             notes: Vec::new(),
+            outline: Vec::new(),
         }
     }
 
@@ -218,8 +227,11 @@ impl Answer {
         let good = report.violations.is_empty();
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
-        answer.plan.task_cohesion = TaskCohesion::new(domain, world, report.plan.steps());
-        answer.plan.environment_after = Some(world::write(domain, world, &report.after));
+        answer.plan.task_cohesion = TaskCohesion::new(domain, world, &report.plan);
+        let environment = |ending: &Ending| world::write(domain, world, &ending.after);
+        (answer.plan.environment_after, answer.plan.endings) =
+            plan::endings(domain, world, &report.endings, environment);
+        answer.outline = plan::outline(domain, world, &report.plan);
         answer.steps = report
             .plan
             .steps()
@@ -227,10 +239,15 @@ impl Answer {
             .enumerate()
             .map(|(i, s)| StepAnswer::of(domain, world, i, s))
             .collect();
-        let calls = &answer.plan.task_cohesion.task_sequence;
+        let calls: Vec<String> = report
+            .plan
+            .steps()
+            .iter()
+            .map(|step| step.call(domain, world).to_string())
+            .collect();
         let told = report.violations.iter();
         answer.violations = told
-            .map(|v| ViolationAnswer::of(domain, world, v, calls, report.plan.steps(), goal))
+            .map(|v| ViolationAnswer::of(domain, world, v, &calls, report.plan.steps(), goal))
             .collect();
         answer.assumptions = report.assumptions.iter().map(|a| a.message(domain, world)).collect();
         let odd = report.warnings.iter();
@@ -244,15 +261,30 @@ impl Answer {
     }
 
     /// The answer to a plan whose steps name what there is not: it was not simulated.
-    pub fn of_unresolved(domain: &Domain, world: &World, written: &PlanFile, violations: &[Violation]) -> Self {
+    pub fn of_unresolved(domain: &Domain, world: &World, written: &PlanFile, resolved: &Resolved) -> Self {
         let mut answer = Self::without_plan(Status::Invalid, world, &written.instruction_summary, "");
         answer.plan.task_cohesion.clone_from(&written.task_cohesion);
-        let calls = &written.task_cohesion.task_sequence;
-        let told = violations.iter();
+        let calls = &resolved.written;
+        let told = resolved.issues.iter();
         answer.violations = told
             .map(|v| ViolationAnswer::of(domain, world, v, calls, &[], None))
             .collect();
         answer
+    }
+
+    /// Puts a plan whose actors work side by side in place of the one that does the same step by step, and tells how
+    /// much time that saves.
+    pub fn side_by_side(&mut self, domain: &Domain, world: &World, compacted: &Compacted) {
+        let now = Self::of_report(domain, world, compacted.plan.report(), None, "");
+        self.plan.task_cohesion = now.plan.task_cohesion;
+        self.plan.environment_after = now.plan.environment_after;
+        self.steps = now.steps;
+        self.outline = now.outline;
+        let (count, before) = (self.steps.len(), compacted.before.units());
+        self.notes.push(format!(
+            "{count} steps, {} of time instead of {before}",
+            compacted.after
+        ));
     }
 
     /// Adds to the assumptions what was left out of the goal.
@@ -277,6 +309,11 @@ impl ViolationAnswer {
             action: violation.step().and_then(|step| calls.get(step).cloned()),
             missing: violation.missing(domain, world),
             undone_by: violation.undone_by(),
+            when: violation
+                .told()
+                .iter()
+                .map(|fact| Voice::Person.fact(domain, world, *fact, true))
+                .collect(),
             message: violation.message(domain, world, steps, goal),
         }
     }
@@ -302,7 +339,7 @@ impl StepAnswer {
             action: call.name,
             arguments: call.arguments,
             implicit: implicit.collect(),
-            arm: None,
+            arm: step.actor(domain).map(|actor| world.entity(actor).identifier.clone()),
             explanation: step.explanation.clone(),
         }
     }

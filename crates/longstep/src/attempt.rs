@@ -5,7 +5,7 @@ use crate::answer::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::domain::Domain;
 use crate::plan::{self, Plan, PlanFile, Resolved, resolve};
 use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
-use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, bind, check, feedback};
+use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, bind_tree, check, feedback};
 use crate::world::{Claim, Voice, World};
 
 /// More changes than this are counted rather than told in a hint.
@@ -52,8 +52,11 @@ impl Attempt {
         }
         let resolved = resolve(domain, world, &file.task_cohesion);
         let asked = instruction.unwrap_or(&file.instruction_summary).trim();
+        let ignored = resolved.ignored.iter();
+        notes.extend(ignored.map(|claim| format!("the plan was checked without what it claims here: {claim}")));
         let purpose = Purpose {
             claim,
+            step_claims: resolved.claims.clone(),
             instruction: (!asked.is_empty()).then(|| asked.to_owned()),
             ..Purpose::default()
         };
@@ -72,10 +75,8 @@ impl Attempt {
     }
 
     /// Simulates the plan, if its words mean something; with it, what its open arguments were taken to be.
-    fn simulate(&self, domain: &Domain, world: &World) -> Option<(Report, Vec<Assumption>)> {
-        let steps = self.resolved.complete().ok()?;
-        let claim = self.purpose.claim.as_ref();
-        let (plan, open) = bind(domain, world, &steps, &self.resolved.objects, claim);
+    pub(crate) fn simulate(&self, domain: &Domain, world: &World) -> Option<(Report, Vec<Assumption>)> {
+        let (plan, open) = bind_tree(domain, world, &self.resolved, self.purpose.claim.as_ref())?;
         Some((check(domain, world, plan, &self.purpose), open))
     }
 
@@ -87,7 +88,7 @@ impl Attempt {
         match self.simulate(domain, world) {
             Some((report, open)) => self.answer(domain, world, &report, &open),
             None => {
-                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved.issues);
+                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved);
                 self.remark(domain, world, &mut answer);
                 answer
             }
@@ -100,7 +101,7 @@ impl Attempt {
         answer.assumptions.extend(open.iter().map(|a| a.message(domain, world)));
         let claim = self.purpose.claim.as_ref();
         answer.claims = claim.map_or_else(Claims::default, |claim| {
-            compare_claims(domain, world, claim, &report.after)
+            compare_claims(domain, world, claim, &report.ending().after)
         });
         self.remark(domain, world, &mut answer);
         answer

@@ -8,6 +8,7 @@
 //! - [`domain::Domain`]: what a robot can do and what can be true, from a folder of PDDL and TOML.
 //! - [`world::Environment`] and [`world::World`]: one state of the world, as JSON and as facts.
 //! - [`prompt::GoalDialogue`]: asks a model for goals; the caller carries the messages.
+//! - [`compose`]: plans put together from stored ones.
 //! - [`plan::read`]: the plan in the text of a model's reply, and what had to be forgiven to read it.
 //! - [`goal::Goal`]: what is wanted. [`search::solve`] finds the steps.
 //! - [`verify::check`]: simulates a plan; a [`verify::Report`] without violations becomes a
@@ -37,8 +38,10 @@
 //! ```
 
 pub mod answer;
+pub mod arms;
 pub mod attempt;
 pub mod call;
+pub mod compose;
 pub mod diagnostic;
 pub mod domain;
 pub mod feedback;

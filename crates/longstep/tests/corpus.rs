@@ -76,7 +76,7 @@ fn recorded_household_plans_verify_and_end_where_they_claim() {
             .map(|v| v.message(&domain, &world, report.plan.steps(), None))
             .collect();
         assert_eq!(messages, Vec::<String>::new(), "{name}");
-        let after = world::write(&domain, &world, &report.after);
+        let after = world::write(&domain, &world, &report.ending().after);
         assert_eq!(
             serde_json::to_value(after).unwrap(),
             recorded["environment_after"],
@@ -321,7 +321,10 @@ fn damaged_programs_are_mended() {
             task_sequence: calls.clone(),
             ..TaskCohesion::default()
         };
-        let after = check(&domain, &world, &whole, &Purpose::default()).after;
+        let after = check(&domain, &world, &whole, &Purpose::default())
+            .ending()
+            .after
+            .clone();
         let mut claimed = world::write(&domain, &world, &after);
         for words in claimed
             .asset_states
@@ -427,7 +430,7 @@ fn damaged_household_plans_are_mended() {
                 _ => None,
             };
             let good = plan.is_some_and(|plan| {
-                let after = world::write(&domain, &world, plan.after());
+                let after = world::write(&domain, &world, &plan.ending().after);
                 serde_json::to_value(after).unwrap() == recorded["environment_after"]
             });
             all += 1;

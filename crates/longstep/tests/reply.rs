@@ -71,9 +71,11 @@ fn plan() -> impl Strategy<Value = PlanFile> {
                         step_instructions,
                         object_name,
                         object_names,
+                        task_tree: None,
                     },
                     environment_before: before,
                     environment_after: after,
+                    endings: Vec::new(),
                     instruction_summary: summary,
                     question,
                 }

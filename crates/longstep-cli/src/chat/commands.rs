@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::diagnostic::nearest;
+use longstep::plan::StepId;
 use longstep::session::{self, Settings, Strategy};
 
 use super::{Chat, Next, screen};
@@ -63,7 +64,7 @@ impl Chat<'_> {
         let Some((world, plan, purpose, goal)) = screen::at_hand(&self.session) else {
             return Err(Failure::unreadable("there is no plan yet").into());
         };
-        let length = plan.len();
+        let length = plan.steps().len();
         if length == 0 {
             return Err(Failure::unreadable("the plan has no steps: there is nothing to do").into());
         }
@@ -77,7 +78,14 @@ impl Chat<'_> {
             let failure = Failure::unreadable(format!("`{rest}` is no step of the plan"));
             return Err(failure.hint(format!("steps are numbered 1 to {length}")).into());
         };
-        let why = session::why(self.session.domain(), world, plan, &purpose, goal, number - 1);
+        let why = session::why(
+            self.session.domain(),
+            world,
+            plan,
+            &purpose,
+            goal,
+            StepId::new(number - 1),
+        );
         show::list("It brings about", &why.brings_about);
         match why.without_it.is_empty() {
             true => anstream::println!("\nWithout it, nothing would be wrong."),

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use longstep::domain::Domain;
 use longstep::goal::Goal;
-use longstep::plan::Step;
-use longstep::session::{Need, Session};
+use longstep::plan::{self, Plan};
+use longstep::session::{Ended, Need, Session};
 use longstep::verify::{Purpose, VerifiedPlan};
 use longstep::world::{Environment, World};
 use longstep_llm::session_directory;
@@ -34,6 +34,7 @@ pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
             proposal(session);
             waiting(interactive);
         }
+        Need::Ending(endings) => ended(session, endings),
         Need::Help => {
             if let Some(stuck) = session.stuck() {
                 match &stuck.answer {
@@ -52,6 +53,20 @@ fn waiting(interactive: bool) {
         let told = "Waiting for a decision: an empty line accepts the plan, `no` gives it up.";
         anstream::println!("{}\n", told.dimmed());
     }
+}
+
+/// Asks how a plan ended that can end in several ways.
+fn ended(session: &Session, endings: &[Ended]) {
+    anstream::println!("{}", "How did it end?".yellow().bold());
+    for (number, ending) in endings.iter().enumerate() {
+        let when = match ending.when.is_empty() {
+            true => "in another way".to_owned(),
+            false => ending.when.join(", and "),
+        };
+        anstream::println!("  {} {when}", format!("{}.", number + 1).bold());
+        show::changes(&session.world().environment, &ending.environment);
+    }
+    anstream::println!();
 }
 
 fn proposal(session: &Session) {
@@ -91,29 +106,33 @@ pub(super) fn accepted(session: &Session) {
     let number = session.accepted().len() - 1;
     let Some(last) = session.accepted().last() else { return };
     // Who is not asked has not seen the plan yet.
-    if let Some(file) = session.plan_file(number).filter(|_| session.settings().accept) {
+    if session.settings().accept {
         if let Some(goal) = &last.goal {
             goal_lines(session.domain(), &last.before, goal, &last.plan);
         }
-        let cohesion = file.task_cohesion;
-        show::steps(&cohesion.task_sequence, &cohesion.step_instructions, |_| false);
+        let lines = plan::outline(session.domain(), &last.before, last.plan.plan());
+        show::steps(&lines, |_| false);
         anstream::println!();
     }
     anstream::println!("{} as plan {number}", "Accepted".green().bold());
+    let endings = session.endings();
+    if !endings.is_empty() {
+        return ended(session, &endings);
+    }
     show::changes(&last.before.environment, &session.world().environment);
     anstream::println!();
 }
 
-/// The plan at hand or the last one: the world that it begins in, its steps, and what it is for.
-pub(super) fn at_hand(session: &Session) -> Option<(&World, &[Step], Purpose, Option<&Goal>)> {
+/// The plan at hand or the last one: the world that it begins in, the plan, and what it is for.
+pub(super) fn at_hand(session: &Session) -> Option<(&World, &Plan, Purpose, Option<&Goal>)> {
     if let Some(proposal) = session.proposal() {
-        let steps = proposal.plan.steps();
-        return Some((session.world(), steps, proposal.purpose.clone(), proposal.goal.as_ref()));
+        let plan = proposal.plan.plan();
+        return Some((session.world(), plan, proposal.purpose.clone(), proposal.goal.as_ref()));
     }
     let last = session.accepted().last()?;
     let goal = last.goal.as_ref();
     let purpose = goal.map_or_else(Purpose::default, |goal| goal.purpose(session.domain()));
-    Some((&last.before, last.plan.steps(), purpose, goal))
+    Some((&last.before, last.plan.plan(), purpose, goal))
 }
 
 pub(super) fn plan(session: &Session) {
@@ -124,17 +143,12 @@ pub(super) fn plan(session: &Session) {
         show::answer(&proposal.answer, show::Changes::Shown);
         return;
     }
-    let number = session.accepted().len();
-    let file = number.checked_sub(1).and_then(|last| session.plan_file(last));
-    match file {
-        Some(file) => {
-            anstream::println!(
-                "{} {}",
-                format!("Plan {}:", number - 1).bold(),
-                file.instruction_summary
-            );
-            let cohesion = file.task_cohesion;
-            show::steps(&cohesion.task_sequence, &cohesion.step_instructions, |_| false);
+    match session.accepted().last() {
+        Some(last) => {
+            let number = session.accepted().len() - 1;
+            anstream::println!("{} {}", format!("Plan {number}:").bold(), last.instruction);
+            let lines = plan::outline(session.domain(), &last.before, last.plan.plan());
+            show::steps(&lines, |_| false);
         }
         None => anstream::println!("there is no plan yet"),
     }
@@ -178,6 +192,8 @@ pub(super) fn where_we_are(session: &Session, interactive: bool) {
         waiting(interactive);
     } else if let Some(question) = session.question() {
         need(session, &Need::Answer(question.to_owned()), interactive);
+    } else if !session.endings().is_empty() {
+        need(session, &Need::Ending(session.endings()), interactive);
     } else if session.stuck().is_some() {
         need(session, &Need::Help, interactive);
     }

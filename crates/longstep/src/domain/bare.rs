@@ -58,6 +58,8 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         event: false,
         unknown: Unknown::False,
         fluent,
+        cues: Vec::new(),
+        past: None,
     };
     // A fact about nothing has no entity in whose entry it could stand.
     let about_something = semantics.predicates.iter().enumerate();
@@ -97,6 +99,8 @@ fn with_plain_words(semantics: Semantics) -> Domain {
             .map(|schema| Action {
                 explicit: (0..schema.parameters.len()).collect(),
                 object: None,
+                actor: None,
+                senses: Vec::new(),
                 says: Template::pddl(&schema.name, schema.parameters.len()),
                 means: String::new(),
                 call: schema.name.clone(),

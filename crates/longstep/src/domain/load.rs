@@ -1,15 +1,17 @@
 //! From the files of a domain's folder to a [`Domain`].
 
 mod goals;
+mod sensing;
 
 use toml::Spanned;
 
-use super::condition::{Condition, Effect};
+use super::condition::{Atom, Condition, Effect};
 use super::pddl::{Reader, Scope, Semantics, Written};
 use super::words::{self, DomainFile, ExamplesFile, FeedbackFile, TimeEntry, UnknownEntry};
 use super::{
-    Action, DefaultFact, Derivation, Domain, EnvironmentTypes, Files, FormPiece, GoalWord, Lexicon, Literal, Parameter,
-    PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
+    Action, ActionSchema, DefaultFact, Derivation, Domain, EnvironmentTypes, Files, FormPiece, GoalWord, Lexicon,
+    Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord,
+    Template, TypeId, Unknown, pddl, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
@@ -238,8 +240,11 @@ impl Loader<'_> {
             asset: self.kind(&file.environment.assets),
             object: self.kind(&file.environment.objects),
         };
-        let predicate_words = self.predicates(&file.predicate);
+        let mut predicate_words = self.predicates(&file.predicate);
         let actions = self.actions(&file.action);
+        for atom in actions.iter().flat_map(|action| &action.senses) {
+            predicate_words[atom.predicate.index()].fluent = true;
+        }
         let states = file.state.iter().filter_map(|entry| self.state(entry)).collect();
         let properties = file.property.iter().map(|entry| self.property(entry)).collect();
         let derivations = file.derive.iter().map(|entry| self.derivation(entry)).collect();
@@ -257,6 +262,7 @@ impl Loader<'_> {
             })
             .collect();
         let goal_words: Vec<GoalWord> = file.goal.iter().filter_map(|entry| self.goal_word(entry)).collect();
+        self.asked_for_lack(&file, &actions, &goal_words);
         let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
         let repair = self.repair_costs(&file.repair);
         Domain {
@@ -317,6 +323,8 @@ impl Loader<'_> {
                     event: false,
                     unknown: Unknown::False,
                     fluent,
+                    cues: Vec::new(),
+                    past: None,
                 });
                 continue;
             };
@@ -342,6 +350,8 @@ impl Loader<'_> {
                     UnknownEntry::Assume => Unknown::Assume,
                 },
                 fluent,
+                cues: entry.cues.iter().map(|cue| cue.to_lowercase()).collect(),
+                past: entry.past.as_ref().and_then(|past| self.past(past, predicate, entries)),
             });
         }
         all
@@ -392,6 +402,10 @@ impl Loader<'_> {
                 .object
                 .as_ref()
                 .and_then(|object| self.parameter(object, &schema.parameters));
+            let actor = entry
+                .actor
+                .as_ref()
+                .and_then(|actor| self.parameter(actor, &schema.parameters));
             if let Some(shown) = object.filter(|index| explicit.contains(index)) {
                 let message = format!("`{}` is shown in the call already", known[shown]);
                 self.report(&entry.call, message);
@@ -408,6 +422,8 @@ impl Loader<'_> {
                 call: call.name,
                 explicit,
                 object,
+                actor,
+                senses: self.senses(entry, schema),
                 says: self.template(&entry.says, &schema.parameters),
                 means: entry.means.clone(),
             });

@@ -180,6 +180,12 @@ pub struct Action {
     pub explicit: Vec<usize>,
     /// The implicit parameter that a plan's `object_name` gives.
     pub object: Option<usize>,
+    /// The parameter that does it, where there is a choice: a hand, an arm, a robot. What no single one of them does
+    /// has none.
+    pub actor: Option<usize>,
+    /// What it tells, if it is sensing: exactly one of these facts holds, and afterwards it is known which. Empty for
+    /// an action that changes the world.
+    pub senses: Vec<Atom>,
     /// The explanation of a step.
     pub says: Template,
     /// What the action is for, as a model and a person are told.
@@ -218,8 +224,14 @@ pub struct PredicateWords {
     pub event: bool,
     /// What to think of it when the environment does not say.
     pub unknown: Unknown,
-    /// Whether some action changes it.
+    /// Whether some action changes it, or tells it.
     pub fluent: bool,
+    /// Stems of the words with which people speak of an outcome of sensing, as in "gone bad": each is one word or
+    /// several in a row.
+    pub cues: Vec<String>,
+    /// The event that this held, made true by whatever takes it away: who wipes a dirty table no longer knows that it is
+    /// dirty, and still has wiped a dirty table. For goals that depend on it.
+    pub past: Option<PredicateId>,
 }
 
 /// A fact or its opposite, over `?self` (slot 0) and the word's own parameters.
@@ -382,6 +394,9 @@ pub struct RepairCosts {
     pub insert: u32,
     /// Another verb for the same things, one that changes some of the same facts in the same way.
     pub replace: u32,
+    /// The same verb for the same things by another hand, arm or robot. Where the step's explanation speaks of that
+    /// one, `rebind` takes its place, since the explanation is kept; where it speaks of the one in the call, both.
+    pub other_actor: u32,
     /// A step later than the draft has it.
     pub postpone: u32,
     /// Another argument in an open place than the step's explanation speaks of.
@@ -406,6 +421,7 @@ impl Default for RepairCosts {
         Self {
             insert: 4,
             replace: 5,
+            other_actor: 3,
             postpone: 3,
             rebind: 2,
             drop_idle: 2,
@@ -510,6 +526,27 @@ impl Domain {
             .iter()
             .enumerate()
             .map(|(index, action)| (ActionId::new(index), action))
+    }
+
+    /// Whether some action tells whether this fact holds.
+    pub fn is_sensed(&self, predicate: PredicateId) -> bool {
+        self.sensing_of(predicate).is_some()
+    }
+
+    /// The outcomes of the sensing that tells whether the fact holds, itself among them, in the order in which the
+    /// action lists them: exactly one of them holds. Nothing for a fact that no action tells.
+    pub fn outcomes(&self, fact: Fact) -> Vec<Fact> {
+        let Some(action) = self.sensing_of(fact.predicate()) else {
+            return Vec::new();
+        };
+        let arguments: Vec<EntityId> = self.arguments(fact).collect();
+        let outcome = |atom: &Atom| Fact::new(atom.predicate, arguments.iter().copied());
+        action.senses.iter().map(outcome).collect()
+    }
+
+    fn sensing_of(&self, predicate: PredicateId) -> Option<&Action> {
+        let tells = |action: &&Action| action.senses.iter().any(|atom| atom.predicate == predicate);
+        self.actions.iter().find(tells)
     }
 
     /// The goal word with this id.

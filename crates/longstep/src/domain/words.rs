@@ -57,6 +57,9 @@ pub(super) struct PredicateEntry {
     pub(super) event: bool,
     #[serde(default)]
     pub(super) unknown: UnknownEntry,
+    #[serde(default)]
+    pub(super) cues: Vec<String>,
+    pub(super) past: Option<Text>,
 }
 
 #[derive(Debug, Deserialize, Default, Clone, Copy, PartialEq, Eq)]
@@ -73,6 +76,9 @@ pub(super) struct ActionEntry {
     pub(super) name: Text,
     pub(super) call: Text,
     pub(super) object: Option<Text>,
+    pub(super) actor: Option<Text>,
+    #[serde(default)]
+    pub(super) senses: Vec<Text>,
     pub(super) says: Text,
     pub(super) means: String,
 }
@@ -136,6 +142,7 @@ pub(super) struct RuleEntry {
 pub(super) struct RepairEntry {
     pub(super) insert: Option<Spanned<u32>>,
     pub(super) replace: Option<Spanned<u32>>,
+    pub(super) other_actor: Option<Spanned<u32>>,
     pub(super) postpone: Option<Spanned<u32>>,
     pub(super) rebind: Option<Spanned<u32>>,
     pub(super) drop_idle: Option<Spanned<u32>>,

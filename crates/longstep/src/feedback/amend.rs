@@ -136,7 +136,7 @@ fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose
         Violation::Goal { index } => match purpose.wanted.get(*index) {
             Some(wanted) => format!(
                 "at the end, this is not reached: {}",
-                wanted_text(domain, world, wanted, &report.after)
+                wanted_text(domain, world, wanted, &report.ending().after)
             ),
             None => violation.message(domain, world, report.plan.steps(), None),
         },

@@ -117,6 +117,10 @@ fn entities_of(domain: &Domain, fact: &GoalFact) -> Vec<EntityId> {
     match fact {
         GoalFact::Word { arguments, .. } => arguments.clone(),
         GoalFact::Plain(fact) => domain.arguments(*fact).collect(),
+        GoalFact::If(conditional) => {
+            let parts = fact.parts().into_iter().flat_map(|part| entities_of(domain, part));
+            domain.arguments(conditional.condition).chain(parts).collect()
+        }
     }
 }
 

@@ -3,6 +3,8 @@
 use indexmap::IndexMap;
 use serde_json::{Value, json};
 
+use super::conditional::{IF, NOT, THEN, written_fact};
+use super::depends::Dependence;
 use super::{GoalFact, Offer};
 use crate::domain::{Domain, FormPiece, GoalWord};
 use crate::world::{EntityId, World};
@@ -26,12 +28,38 @@ pub enum Place {
     Next,
 }
 
+/// What may be said next in an answer.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Ways<'a> {
+    /// Goals.
+    pub(crate) offers: &'a [Offer],
+    /// What a goal may depend on.
+    pub(crate) conditions: &'a [Dependence],
+    /// The words with which the answer may go on after a goal.
+    pub(crate) joints: &'a [&'static str],
+    /// Whether it may also end there.
+    pub(crate) may_end: bool,
+}
+
 /// A grammar in llguidance's Lark dialect for the next goal of an answer.
 ///
 /// After the goal the answer may end, or go on with " &" when `more` is true. When nothing is on offer, only
 /// a question is left to say.
 pub fn grammar(domain: &Domain, world: &World, offers: &[Offer], place: Place, more: bool) -> String {
-    let alternatives: Vec<String> = offers
+    let joints: &[&str] = if more { &[JOINT] } else { &[] };
+    let ways = Ways {
+        offers,
+        joints,
+        may_end: true,
+        ..Ways::default()
+    };
+    written(domain, world, &ways, place)
+}
+
+/// The same with all that may be said.
+pub(crate) fn written(domain: &Domain, world: &World, ways: &Ways<'_>, place: Place) -> String {
+    let alternatives: Vec<String> = ways
+        .offers
         .iter()
         .map(|offer| word_rule(domain.goal_word(offer.word), world, &offer.arguments))
         .collect();
@@ -39,17 +67,45 @@ pub fn grammar(domain: &Domain, world: &World, offers: &[Offer], place: Place, m
     if alternatives.is_empty() {
         return format!("start: question\n{question}");
     }
-    let mut text = String::from(match place {
-        Place::First { question: true } => "start: question | goal more\n",
-        Place::First { question: false } => "start: goal more\n",
-        Place::Next => "start: \" \" goal more\n",
-    });
+    let goal = if ways.conditions.is_empty() {
+        "goal more"
+    } else {
+        "goal more | condition"
+    };
+    let mut text = match place {
+        Place::First { question: true } => format!("start: question | {goal}\n"),
+        Place::First { question: false } => format!("start: {goal}\n"),
+        Place::Next if ways.conditions.is_empty() => format!("start: \" \" {goal}\n"),
+        Place::Next => format!("start: \" \" ({goal})\n"),
+    };
     if place == (Place::First { question: true }) {
         text.push_str(&question);
     }
-    text.push_str(if more { "more: \" &\"?\n" } else { "more: \"\"\n" });
+    let optional = if ways.may_end { "?" } else { "" };
+    text.push_str(&match ways.joints {
+        [] => "more: \"\"\n".to_owned(),
+        [joint] => format!("more: {}{optional}\n", quoted(joint)),
+        joints => {
+            let joints: Vec<String> = joints.iter().map(|joint| quoted(joint)).collect();
+            format!("more: ({}){optional}\n", joints.join(" | "))
+        }
+    });
+    if !ways.conditions.is_empty() {
+        text.push_str(&condition_rule(domain, world, ways.conditions));
+    }
     text.push_str(&format!("goal: {}\n", alternatives.join("\n  | ")));
     text
+}
+
+/// The rule for the beginning of a goal that depends on something, up to "then".
+fn condition_rule(domain: &Domain, world: &World, conditions: &[Dependence]) -> String {
+    let name = |entity: EntityId| world.entity(entity).name.clone();
+    let beginning = |depends: &Dependence| {
+        let not = if depends.negated { NOT } else { "" };
+        quoted(&format!("{IF}{not}{}{THEN}", written_fact(domain, depends.fact, &name)))
+    };
+    let alternatives: Vec<String> = conditions.iter().map(beginning).collect();
+    format!("condition: {}\n", alternatives.join("\n  | "))
 }
 
 fn word_rule(word: &GoalWord, world: &World, arguments: &[Vec<EntityId>]) -> String {
@@ -113,13 +169,20 @@ const ENUM_BYTES: usize = 12_000;
 /// The goals on offer are listed when servers can be expected to take the list; otherwise any text is
 /// allowed, and reading the answer finds what is not a goal.
 pub fn schema(domain: &Domain, world: &World, offers: &[Offer]) -> Value {
+    schema_of(domain, world, offers, false)
+}
+
+/// The same; where goals may depend on something, any text is allowed.
+pub(crate) fn schema_of(domain: &Domain, world: &World, offers: &[Offer], depends: bool) -> Value {
     let texts: Vec<String> = offers
         .iter()
         .flat_map(|offer| offer.arguments.iter().map(|arguments| (offer.word, arguments.clone())))
         .map(|(word, arguments)| GoalFact::Word { word, arguments }.everyday(domain, world))
         .collect();
-    let listed =
-        !texts.is_empty() && texts.len() <= ENUM_LIMIT && texts.iter().map(String::len).sum::<usize>() <= ENUM_BYTES;
+    let listed = !depends
+        && !texts.is_empty()
+        && texts.len() <= ENUM_LIMIT
+        && texts.iter().map(String::len).sum::<usize>() <= ENUM_BYTES;
     let goal = if listed {
         json!({"type": "string", "enum": texts})
     } else {

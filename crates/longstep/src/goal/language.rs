@@ -1,10 +1,10 @@
 //! Reading goals.
 
-use super::{Goal, GoalFact};
+use super::{Conditional, Goal, GoalFact, Written};
 use crate::call::Call;
 use crate::diagnostic::nearest;
 use crate::domain::{Domain, FormPiece, GoalWord, GoalWordId, TypeId};
-use crate::world::{EntityId, World, ground};
+use crate::world::{EntityId, Fact, World, ground};
 
 /// Why a text is no goal.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -30,6 +30,14 @@ pub enum GoalError {
         /// A name like it.
         near: Option<String>,
     },
+    /// A condition that nothing can tell.
+    #[error("`{condition}` is nothing that sensing tells here, so no goal can depend on it{}", if forms.is_empty() { String::new() } else { format!("; write {forms}") })]
+    NotSensed {
+        /// The condition.
+        condition: String,
+        /// What sensing tells.
+        forms: String,
+    },
     /// Something of the wrong type.
     #[error("`{name}` in `{part}` is no {expected}")]
     WrongType {
@@ -43,7 +51,9 @@ pub enum GoalError {
 }
 
 /// Reads a goal: parts joined by `&`, each a goal word or a state of the environment's with the entity in
-/// front, as in `INSIDE(<pie>, <oven>)`. Entities go by everyday name or identifier.
+/// front, as in `INSIDE(<pie>, <oven>)`. Entities go by everyday name or identifier. A part may depend on what sensing
+/// tells: `if expired(milk) then put(milk, bin) and closed(fridge) else put(milk, fridge)`, where "and" joins the goals of
+/// a side and `else` may be left out.
 ///
 /// # Errors
 ///
@@ -63,6 +73,80 @@ pub fn parse(domain: &Domain, world: &World, text: &str) -> Result<Goal, GoalErr
 }
 
 fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalError> {
+    match Written::read(part) {
+        Some(written) => Ok(GoalFact::If(conditional(domain, world, &written)?)),
+        None => plain(domain, world, part),
+    }
+}
+
+/// A goal with a condition; neither of its sides has one in turn.
+fn conditional(domain: &Domain, world: &World, written: &Written<'_>) -> Result<Conditional, GoalError> {
+    let condition = match state(domain, world, written.condition)? {
+        Some(fact) if domain.is_sensed(fact.predicate()) => fact,
+        _ => {
+            let sensed = domain
+                .states
+                .iter()
+                .filter(|word| domain.is_sensed(word.atom.predicate));
+            let forms: Vec<String> = sensed.map(|word| format!("`{}(...)`", word.word)).collect();
+            return Err(GoalError::NotSensed {
+                condition: written.condition.to_owned(),
+                forms: forms.join(", "),
+            });
+        }
+    };
+    let side = |parts: &[&str]| {
+        let mut facts: Vec<GoalFact> = Vec::new();
+        for text in parts {
+            if text.is_empty() {
+                return Err(GoalError::Empty);
+            }
+            let fact = plain(domain, world, text)?;
+            if !facts.contains(&fact) {
+                facts.push(fact);
+            }
+        }
+        Ok(facts)
+    };
+    let (then, otherwise) = (side(&written.then)?, side(&written.otherwise)?);
+    let others: Vec<Fact> = domain
+        .outcomes(condition)
+        .into_iter()
+        .filter(|o| *o != condition)
+        .collect();
+    Ok(match (written.negated, &others[..]) {
+        (false, _) => Conditional {
+            condition,
+            then,
+            otherwise,
+        },
+        (true, [other]) => Conditional {
+            condition: *other,
+            then,
+            otherwise,
+        },
+        (true, _) => Conditional {
+            condition,
+            then: otherwise,
+            otherwise: then,
+        },
+    })
+}
+
+/// A fact in the environment's words, with the entity in front; none if it has another form.
+fn state(domain: &Domain, world: &World, part: &str) -> Result<Option<Fact>, GoalError> {
+    let Ok(call) = Call::parse(part) else { return Ok(None) };
+    let word = domain
+        .states
+        .iter()
+        .find(|s| s.word == call.name && s.parameters.len() + 1 == call.arguments.len());
+    let Some(word) = word else { return Ok(None) };
+    let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
+    let bindings = entities(domain, world, part, &names, &vec![TypeId::OBJECT; names.len()])?;
+    Ok(Some(ground(&word.atom, &bindings)))
+}
+
+fn plain(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalError> {
     let mut error = None;
     for (index, word) in domain.goal_words.iter().enumerate() {
         let Some(names) = read_form(word, part) else { continue };
@@ -80,14 +164,8 @@ fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErro
             }
         }
     }
-    if let Ok(call) = Call::parse(part) {
-        let state =
-            |s: &&crate::domain::StateWord| s.word == call.name && s.parameters.len() + 1 == call.arguments.len();
-        if let Some(word) = domain.states.iter().find(state) {
-            let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
-            let bindings = entities(domain, world, part, &names, &vec![TypeId::OBJECT; names.len()])?;
-            return Ok(GoalFact::Plain(ground(&word.atom, &bindings)));
-        }
+    if let Some(fact) = state(domain, world, part)? {
+        return Ok(GoalFact::Plain(fact));
     }
     Err(error.unwrap_or_else(|| {
         let mut forms: Vec<String> = domain

@@ -4,7 +4,8 @@
 //! see that: a goal whose subject the instruction does not speak of is left out, and shown as left out. When
 //! nothing is left, or when the instruction speaks of a thing that is not there, the person is asked.
 
-use super::{Goal, GoalFact};
+use super::depends::{Clauses, is_word_of_outcomes};
+use super::{Conditional, Goal, GoalFact};
 use crate::domain::{Domain, base_name, head, plain_words, singular};
 use crate::world::{EntityId, World};
 
@@ -68,6 +69,8 @@ pub struct Spoken {
     pub entities: Vec<EntityId>,
     /// Its words, in lower case.
     words: Vec<String>,
+    /// What it makes its wishes depend on.
+    clauses: Clauses,
 }
 
 impl Spoken {
@@ -100,7 +103,11 @@ impl Spoken {
         };
         let all = world.entities().map(|(id, _)| id);
         let entities: Vec<EntityId> = all.filter(|id| named(*id) || implied(*id)).collect();
-        Self { entities, words }
+        Self {
+            entities,
+            words,
+            clauses: Clauses::of(instruction),
+        }
     }
 
     /// Takes in what was said later.
@@ -109,6 +116,15 @@ impl Spoken {
         self.entities.sort_unstable();
         self.entities.dedup();
         self.words.extend(later.words);
+        self.clauses.add(later.clauses);
+    }
+
+    pub(super) fn words(&self) -> &[String] {
+        &self.words
+    }
+
+    pub(super) fn clauses(&self) -> &Clauses {
+        &self.clauses
     }
 
     /// Whether the instruction can mean several things that go by these names: "both jars", "a jar and the other
@@ -199,6 +215,24 @@ pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal)
     understand_spoken(domain, world, &spoken, unknown, goal)
 }
 
+/// A goal; one that depends on something as what of it is about what the instruction speaks of, and the rest.
+fn sorted_out(fact: GoalFact, about: &impl Fn(&GoalFact) -> bool) -> Vec<GoalFact> {
+    let GoalFact::If(conditional) = fact else {
+        return vec![fact];
+    };
+    let (then, mut rest): (Vec<_>, Vec<_>) = conditional.then.into_iter().partition(about);
+    let (otherwise, more): (Vec<_>, Vec<_>) = conditional.otherwise.into_iter().partition(about);
+    rest.extend(more);
+    if !(then.is_empty() && otherwise.is_empty()) {
+        rest.push(GoalFact::If(Conditional {
+            condition: conditional.condition,
+            then,
+            otherwise,
+        }));
+    }
+    rest
+}
+
 /// The same for an instruction that has been read, and the thing in it that there is not.
 pub(crate) fn understand_spoken(
     domain: &Domain,
@@ -210,9 +244,10 @@ pub(crate) fn understand_spoken(
     let meant = &spoken.entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
-        GoalFact::Plain(_) => None,
+        GoalFact::Plain(_) | GoalFact::If(_) => None,
     };
-    let about = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
+    let about_it = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
+    let about = |fact: &GoalFact| fact.parts().into_iter().all(about_it);
     if goal.facts.is_empty() {
         return Understanding::Question("What should I do?".to_owned());
     }
@@ -222,8 +257,13 @@ pub(crate) fn understand_spoken(
     {
         return Understanding::Question(format!("I see no {missing} here. What do you mean by it?"));
     }
-    if goal.facts.iter().any(about) {
-        let (kept, dropped): (Vec<_>, Vec<_>) = goal.facts.into_iter().partition(about);
+    let in_part = |fact: &GoalFact| fact.parts().into_iter().any(about_it);
+    if goal.facts.iter().any(in_part) {
+        let (kept, dropped): (Vec<_>, Vec<_>) = goal
+            .facts
+            .into_iter()
+            .flat_map(|fact| sorted_out(fact, &about))
+            .partition(about);
         let left_out = dropped
             .into_iter()
             .map(|fact| LeftOut {
@@ -274,7 +314,8 @@ pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Optio
         }
         let phrase: Vec<&String> = words[at..].iter().take_while(|word| !among(NOT_THINGS, word)).collect();
         // Any known word in the phrase makes it one of ours: "the big plate carefully".
-        let ours = phrase.iter().any(|word| known.contains(&singular(word)));
+        let is_ours = |word: &String| known.contains(&singular(word)) || is_word_of_outcomes(domain, word);
+        let ours = phrase.iter().any(|word| is_ours(word));
         if !ours && !phrase.is_empty() {
             return Some(phrase.into_iter().take(3).cloned().collect::<Vec<_>>().join(" "));
         }

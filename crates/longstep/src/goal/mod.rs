@@ -4,7 +4,12 @@
 //! it say what makes sense ([`offers`], [`grammar()`]); [`understand`] then looks at the answer once more
 //! against what the instruction speaks of; search turns the goal into steps.
 
+mod begun;
+mod conditional;
+#[cfg(test)]
+mod conditional_tests;
 mod correction;
+mod depends;
 mod grammar;
 mod language;
 mod mention;
@@ -13,21 +18,26 @@ mod pronoun;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use begun::{Begun, Next, ended};
+pub use conditional::Conditional;
+pub(crate) use conditional::{AND, ELSE, Written};
 pub(crate) use correction::{Correction, parts};
-pub(crate) use grammar::{JOINT, QUESTION, quoted};
+pub(crate) use depends::{cannot_be_told, conditions, governs_all, has_other_case};
+pub(crate) use grammar::{JOINT, QUESTION, Ways, quoted, schema_of, written as grammar_of};
 pub use grammar::{Place, grammar, schema};
 pub(crate) use language::read_form;
 pub use language::{GoalError, parse};
 pub(crate) use mention::understand_spoken;
 pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
 pub use offer::{Offer, offers};
-pub(crate) use offer::{already, is_plain};
+pub(crate) use offer::{already, is_plain, offers_on};
 pub use pronoun::{SpelledOut, spelled_out};
 
-use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, RuleTime, Term};
+use crate::domain::{Atom, Condition, Domain, FormPiece, GoalWordId, PredicateId, RuleTime, StateWord, Term};
 use crate::search::Wanted;
 use crate::verify::{Purpose, Waiver, wanted_at_end};
 use crate::world::{EntityId, Fact, Voice, World};
+use conditional::written_fact;
 
 /// One thing that is wanted.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -41,6 +51,8 @@ pub enum GoalFact {
     },
     /// A plain fact, written with the environment's own words.
     Plain(Fact),
+    /// One thing or another, whatever sensing tells.
+    If(Conditional),
 }
 
 /// Everything that is wanted.
@@ -52,7 +64,7 @@ pub struct Goal {
 
 impl GoalFact {
     /// The fact in the goal language, with `name` called for each entity.
-    fn written(&self, domain: &Domain, name: impl Fn(EntityId) -> String) -> String {
+    fn written(&self, domain: &Domain, name: &dyn Fn(EntityId) -> String) -> String {
         match self {
             Self::Word { word, arguments } => {
                 let piece = |piece: &FormPiece| match piece {
@@ -61,24 +73,30 @@ impl GoalFact {
                 };
                 domain.goal_word(*word).form.iter().map(piece).collect()
             }
-            Self::Plain(fact) => {
-                let arity = domain.predicate(fact.predicate()).parameters.len();
-                let word = domain.states.iter().find(|s| s.atom.predicate == fact.predicate());
-                let word = word.map_or("?", |word| &word.word);
-                let arguments: Vec<String> = (0..arity).map(|place| name(fact.argument(place))).collect();
-                format!("{word}({})", arguments.join(", "))
+            Self::Plain(fact) => written_fact(domain, *fact, name),
+            Self::If(conditional) => conditional.written(domain, name),
+        }
+    }
+
+    /// The goals that it is made of: itself, or those of both sides.
+    pub fn parts(&self) -> Vec<&GoalFact> {
+        match self {
+            Self::If(conditional) => {
+                let sides = conditional.then.iter().chain(&conditional.otherwise);
+                sides.flat_map(GoalFact::parts).collect()
             }
+            _ => vec![self],
         }
     }
 
     /// As a model writes it: `put(pie, oven)`.
     pub fn everyday(&self, domain: &Domain, world: &World) -> String {
-        self.written(domain, |entity| world.entity(entity).name.clone())
+        self.written(domain, &|entity| world.entity(entity).name.clone())
     }
 
     /// With the environment's identifiers: `put(<pie_320>, <microwave_314>)`.
     pub fn exact(&self, domain: &Domain, world: &World) -> String {
-        self.written(domain, |entity| world.entity(entity).identifier.clone())
+        self.written(domain, &|entity| world.entity(entity).identifier.clone())
     }
 
     /// As a sentence for a person.
@@ -94,6 +112,7 @@ impl GoalFact {
                 domain.goal_word(*word).says.fill(name)
             }
             Self::Plain(fact) => voice.fact(domain, world, *fact, true),
+            Self::If(conditional) => conditional.sentence(voice, domain, world),
         }
     }
 
@@ -112,6 +131,7 @@ impl GoalFact {
                 let arguments = domain.arguments(*fact).map(there).collect::<Option<Vec<_>>>()?;
                 Self::Plain(Fact::new(fact.predicate(), arguments))
             }
+            Self::If(conditional) => Self::If(conditional.carried(domain, from, to)?),
         })
     }
 
@@ -120,19 +140,26 @@ impl GoalFact {
         match self {
             Self::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
             Self::Plain(fact) => domain.arguments(*fact).next(),
+            Self::If(conditional) => domain.arguments(conditional.condition).next(),
         }
     }
 
-    /// What must hold for it.
-    fn wanted(&self, domain: &Domain) -> Wanted {
+    /// What must hold for it, as one of the goals of `all`.
+    fn wanted(&self, domain: &Domain, all: &[GoalFact]) -> Wanted {
         match self {
             Self::Word { word, arguments } => Wanted {
                 condition: domain.goal_word(*word).condition.clone(),
                 bindings: arguments.clone(),
             },
             Self::Plain(fact) => wanted_fact(domain, *fact),
+            Self::If(conditional) => conditional.wanted(domain, all),
         }
     }
+}
+
+/// The word with which an environment says a fact.
+pub(crate) fn state_word(domain: &Domain, predicate: PredicateId) -> Option<&StateWord> {
+    domain.states.iter().find(|word| word.atom.predicate == predicate)
 }
 
 /// A fact as something to be reached.
@@ -165,7 +192,7 @@ impl Goal {
     /// The rules that this goal sets aside: who asks for the fridge to be open does not want it closed.
     fn waivers(&self, domain: &Domain) -> Vec<Waiver> {
         let mut waivers = Vec::new();
-        for fact in &self.facts {
+        for fact in self.facts.iter().flat_map(GoalFact::parts) {
             for (number, rule) in domain.rules.iter().enumerate() {
                 match fact {
                     GoalFact::Word { word, arguments } if rule.unless.contains(&domain.goal_word(*word).word) => {
@@ -191,11 +218,25 @@ impl Goal {
     /// What a plan for this goal is for: its parts, in order, and the rules it sets aside.
     pub fn purpose(&self, domain: &Domain) -> Purpose {
         Purpose {
-            wanted: self.facts.iter().map(|fact| fact.wanted(domain)).collect(),
+            wanted: self.facts.iter().map(|fact| fact.wanted(domain, &self.facts)).collect(),
             waivers: self.waivers(domain),
             from_goal: true,
             ..Purpose::default()
         }
+    }
+
+    /// Whether it depends on anything that sensing tells, so that a plan for it may have to look first.
+    pub fn depends_on_sensing(&self, domain: &Domain) -> bool {
+        self.facts.iter().any(|fact| match fact {
+            GoalFact::If(_) => true,
+            GoalFact::Plain(fact) => domain.is_sensed(fact.predicate()),
+            GoalFact::Word { word, .. } => {
+                let mut sensed = false;
+                let condition = &domain.goal_word(*word).condition;
+                condition.for_each_atom(&mut |atom, _| sensed |= domain.is_sensed(atom.predicate));
+                sensed
+            }
+        })
     }
 
     /// Everything that must hold at the end, the domain's rules included: what search is given.

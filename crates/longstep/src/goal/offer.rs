@@ -20,11 +20,22 @@ pub struct Offer {
 /// offered in its place: who says "table" does not mean the floor. A further goal has to be about something
 /// that it speaks of, and be asked for by one of its words where the domain says which words those are.
 pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Offer> {
+    offers_on(domain, world, said, spoken, !said.is_empty())
+}
+
+/// The same; a `further` goal need not come after `said`: what is wanted in the other case comes after nothing.
+pub(crate) fn offers_on(
+    domain: &Domain,
+    world: &World,
+    said: &[GoalFact],
+    spoken: &Spoken,
+    further: bool,
+) -> Vec<Offer> {
     let known = world.known();
     let held = settled_words(domain, world, said, spoken);
     let mut offers = Vec::new();
     for (index, word) in domain.goal_words.iter().enumerate() {
-        if !said.is_empty() && !spoken.entities.is_empty() && !word.cues.is_empty() && !spoken.has_any(&word.cues) {
+        if further && !spoken.entities.is_empty() && !word.cues.is_empty() && !spoken.has_any(&word.cues) {
             continue;
         }
         let mut arguments = Vec::new();
@@ -56,7 +67,7 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken
             }
         }
         narrow(domain, world, &spoken.entities, word.parameters.len(), &mut arguments);
-        if !said.is_empty() && !spoken.entities.is_empty() {
+        if further && !spoken.entities.is_empty() {
             arguments.retain(|bindings| may_follow(domain, world, word, said, spoken, bindings));
         }
         if !arguments.is_empty() {
@@ -69,7 +80,7 @@ pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken
     let offers = likely(domain, spoken, offers);
     // Everything asked for holds already: nothing else is to be made of it.
     let asked = |offer: &Offer| spoken.has_any(&domain.goal_word(offer.word).destination_verbs) && fits(offer, spoken);
-    if !held.is_empty() && said.is_empty() && !is_plain(domain, &offers, spoken) && !offers.iter().any(asked) {
+    if !held.is_empty() && !further && !is_plain(domain, &offers, spoken) && !offers.iter().any(asked) {
         return Vec::new();
     }
     offers
@@ -188,7 +199,7 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
 fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
     let word = |offer: &Offer| domain.goal_word(offer.word);
     // Two forms of one word are two readings of one wish. One that the instruction uses a phrase of wins for
-    // the same things, and so does one of which everything is spoken of.
+    // the same things, also if it says more of them, and so does one of which everything is spoken of.
     if !spoken.entities.is_empty() {
         let phrased: Vec<Offer> = offers
             .iter()
@@ -198,7 +209,8 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
         for offer in offers.iter_mut().filter(|offer| word(offer).phrases.is_empty()) {
             let rival = |bindings: &Vec<EntityId>| {
                 phrased.iter().any(|other| {
-                    word(other).word == domain.goal_word(offer.word).word && other.arguments.contains(bindings)
+                    word(other).word == domain.goal_word(offer.word).word
+                        && other.arguments.iter().any(|more| more.starts_with(bindings))
                 })
             };
             offer.arguments.retain(|bindings| !rival(bindings));
@@ -332,6 +344,7 @@ fn disturbs(domain: &Domain, fact: &GoalFact, entity: EntityId) -> bool {
             .iter()
             .any(|parameter| arguments[*parameter] == entity),
         GoalFact::Plain(_) => false,
+        GoalFact::If(_) => fact.parts().into_iter().any(|part| disturbs(domain, part, entity)),
     }
 }
 

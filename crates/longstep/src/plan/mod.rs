@@ -1,22 +1,47 @@
 //! Plans: a model's reply, the paper's JSON, and the same resolved against a domain and a world.
 
+mod ask;
+pub(crate) mod claims;
 mod near;
+mod outline;
 mod paper;
 mod read;
 mod resolve;
+pub mod script;
+mod task_tree;
+pub mod tree;
+mod written;
 
-pub use paper::{PlanFile, TaskCohesion};
+pub use outline::{OutlineLine, outline};
+pub(crate) use paper::endings;
+pub use paper::{EndingFile, PlanFile, TaskCohesion};
 pub use read::{Draft, Leniency, LeniencyKind, Unreadable, read};
 pub use resolve::{DraftStep, Resolved, resolve};
+pub use script::ScriptError;
+pub use task_tree::{TreeError, read_tree, write_tree};
+pub use tree::{Lane, LaneItem, Node, Test};
+pub use written::{Written, WrittenNode, WrittenStep};
 
 use crate::call::Call;
-use crate::domain::{ActionId, Domain, id};
+use crate::domain::{ActionId, Domain};
 use crate::world::{EntityId, World};
 
-id!(
-    /// A step of a plan, in reading order.
-    StepId
-);
+/// A step of a plan, in reading order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct StepId(u32);
+
+impl StepId {
+    /// The id of the step at `index` in its plan.
+    pub fn new(index: usize) -> Self {
+        debug_assert!(u32::try_from(index).is_ok());
+        Self(index as u32)
+    }
+
+    /// The index in its plan.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
 
 /// One action with all its arguments, and what it is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,6 +78,14 @@ impl Step {
         }
     }
 
+    /// The hand, arm or robot that does it, if it is one of several.
+    pub fn actor(&self, domain: &Domain) -> Option<EntityId> {
+        domain
+            .action(self.action)
+            .actor
+            .map(|parameter| self.arguments[parameter])
+    }
+
     /// The entity that the paper's `object_name` speaks of, if the action has one.
     pub fn object(&self, domain: &Domain) -> Option<EntityId> {
         domain
@@ -62,13 +95,6 @@ impl Step {
     }
 }
 
-/// A part of a plan.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Node {
-    /// One step, by its number.
-    Step(StepId),
-}
-
 /// A plan is a tree of nodes over its steps; a plain list is a tree whose nodes are the steps in turn.
 ///
 /// Steps are numbered in reading order, whatever the tree looks like, so that a finding can say "step 3".
@@ -76,7 +102,7 @@ pub enum Node {
 /// ```
 /// use longstep::plan::{Node, Plan};
 /// let plan = Plan::sequence(Vec::new());
-/// assert!(plan.steps().is_empty() && plan.body().is_empty());
+/// assert!(plan.steps().is_empty() && plan.body().is_empty() && plan.is_sequence());
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Plan {
@@ -89,6 +115,12 @@ impl Plan {
     pub fn sequence(steps: Vec<Step>) -> Self {
         let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
         Self { steps, body }
+    }
+
+    /// The plan with this tree; none unless every step stands in it once, in reading order, and it is no deeper than
+    /// [`tree::DEEPEST`].
+    pub fn tree(steps: Vec<Step>, body: Vec<Node>) -> Option<Self> {
+        tree::is_sound(&body, steps.len()).then_some(Self { steps, body })
     }
 
     /// Every step, in reading order.
@@ -104,6 +136,19 @@ impl Plan {
     /// The outermost nodes, in the order in which they are carried out.
     pub fn body(&self) -> &[Node] {
         &self.body
+    }
+
+    /// The plan without a step; none if a condition needs it.
+    pub(crate) fn without(&self, step: StepId) -> Option<Self> {
+        let body = tree::without(&self.body, step)?;
+        let mut steps = self.steps.clone();
+        steps.remove(step.index());
+        Some(Self { steps, body })
+    }
+
+    /// Whether it is a plain list of steps.
+    pub fn is_sequence(&self) -> bool {
+        self.body.iter().all(|node| matches!(node, Node::Step(_)))
     }
 }
 

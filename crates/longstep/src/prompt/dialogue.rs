@@ -14,8 +14,8 @@ use super::{
 use crate::domain::Domain;
 use crate::feedback::WishError;
 use crate::goal::{
-    self, Correction, Goal, GoalError, GoalFact, Offer, Place, Spoken, Understanding, grammar, offers, schema,
-    understand_spoken,
+    self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Spoken, Understanding, Ways, ended,
+    grammar_of, offers, offers_on, schema_of, understand_spoken,
 };
 use crate::world::{EntityId, World};
 
@@ -96,6 +96,14 @@ pub struct GoalDialogue {
     fixed: usize,
     answer: String,
     facts: Vec<GoalFact>,
+    /// What the next goal goes with, and where it stands.
+    said: Vec<GoalFact>,
+    /// What is asked for in the other case, which is not asked for in this one.
+    other_side: Vec<GoalFact>,
+    next: Next,
+    has_condition: bool,
+    /// Whether the instruction depends on what nothing here can tell.
+    cannot_be_told: bool,
     /// What the calls so far cost.
     pub usage: Usage,
 }
@@ -131,6 +139,7 @@ impl GoalDialogue {
             messages.push(Message::new(Role::User, plain_line(&round.said)));
         }
         let mut dialogue = Self {
+            cannot_be_told: goal::cannot_be_told(domain, world, &heard.spoken),
             heard,
             spoken,
             kind,
@@ -138,6 +147,10 @@ impl GoalDialogue {
             fixed,
             answer: String::new(),
             facts: Vec::new(),
+            said: Vec::new(),
+            other_side: Vec::new(),
+            next: Next::Goal,
+            has_condition: false,
             usage: Usage::default(),
         };
         dialogue.begin(domain, world);
@@ -147,8 +160,10 @@ impl GoalDialogue {
     /// Where the last words only add to the answer, a new one goes on from it.
     fn begin(&mut self, domain: &Domain, world: &World) {
         self.facts.clone_from(&self.heard.begun);
+        self.said = self.facts.iter().flat_map(GoalFact::parts).cloned().collect();
         if self.facts.is_empty() || self.offers(domain, world).is_empty() {
             self.facts.clear();
+            self.said.clear();
         } else if self.kind == ConstraintKind::Grammar {
             let said: Vec<String> = self.facts.iter().map(|fact| fact.everyday(domain, world)).collect();
             self.answer = said.join(" & ") + goal::JOINT;
@@ -157,19 +172,12 @@ impl GoalDialogue {
 
     /// What to send to the model now.
     pub fn request(&self, domain: &Domain, world: &World) -> ChatRequest {
-        let offers = self.offers(domain, world);
         let constraint = match self.kind {
-            ConstraintKind::Grammar => {
-                let more = self.facts.len() + 1 < GOAL_LIMIT;
-                let place = if self.answer.is_empty() {
-                    let question = !goal::is_plain(domain, &offers, &self.spoken);
-                    Place::First { question }
-                } else {
-                    Place::Next
-                };
-                Constraint::Lark(grammar(domain, world, &offers, place, more))
+            ConstraintKind::Grammar => Constraint::Lark(self.grammar(domain, world)),
+            ConstraintKind::JsonSchema => {
+                let depends = !goal::conditions(domain, world, &self.heard.spoken).is_empty();
+                Constraint::JsonSchema(schema_of(domain, world, &self.offers(domain, world), depends))
             }
-            ConstraintKind::JsonSchema => Constraint::JsonSchema(schema(domain, world, &offers)),
         };
         ChatRequest {
             messages: self.messages.clone(),
@@ -181,6 +189,46 @@ impl GoalDialogue {
                 ConstraintKind::JsonSchema => ANSWER_TOKENS,
             },
         }
+    }
+
+    /// The grammar for what can be said next.
+    fn grammar(&self, domain: &Domain, world: &World) -> String {
+        let offers = self.offers(domain, world);
+        let spoken = &self.heard.spoken;
+        let conditions = match self.next {
+            Next::Goal => goal::conditions(domain, world, spoken),
+            _ => Vec::new(),
+        };
+        let more = self.said.len() + 1 < GOAL_LIMIT;
+        let mut joints = Vec::new();
+        if self.next == Next::Then && goal::has_other_case(spoken) {
+            joints.push(goal::ELSE);
+        }
+        let in_case = matches!(self.next, Next::Then | Next::Otherwise);
+        if in_case {
+            joints.push(goal::AND);
+        }
+        if !(in_case && goal::governs_all(spoken)) {
+            joints.push(goal::JOINT);
+        }
+        if !more {
+            joints.clear();
+        }
+        // Who says "if" makes something depend on it.
+        let must_depend = more && !conditions.is_empty() && !self.has_condition;
+        let place = if self.answer.is_empty() {
+            let question = !goal::is_plain(domain, &offers, &self.spoken);
+            Place::First { question }
+        } else {
+            Place::Next
+        };
+        let ways = Ways {
+            offers: if self.cannot_be_told { &[] } else { &offers },
+            conditions: &conditions,
+            joints: &joints,
+            may_end: !must_depend,
+        };
+        grammar_of(domain, world, &ways, place)
     }
 
     /// What the parts of the conversation cost: `task`, `examples`, `query`, and `frame` for what a model's template
@@ -205,12 +253,13 @@ impl GoalDialogue {
 
     /// What can be said next: nothing that the person took back.
     fn offers(&self, domain: &Domain, world: &World) -> Vec<Offer> {
-        let mut offers = offers(domain, world, &self.facts, &self.spoken);
+        let further = !self.said.is_empty() || self.next == Next::Otherwise;
+        let mut offers = offers_on(domain, world, &self.said, &self.spoken, further);
         for offer in &mut offers {
             let rejected = |arguments: &Vec<EntityId>| {
                 let same = |fact: &GoalFact| matches!(fact, GoalFact::Word { word, arguments: other } if *word == offer.word && other == arguments);
                 let excluded = arguments.iter().any(|entity| self.heard.excluded.contains(entity));
-                excluded || self.heard.rejected.iter().any(same)
+                excluded || self.heard.rejected.iter().chain(&self.other_side).any(same)
             };
             offer.arguments.retain(|arguments| !rejected(arguments));
         }
@@ -233,26 +282,24 @@ impl GoalDialogue {
         self.answer.push_str(&reply.text);
         whole(reply)?;
         match self.kind {
-            ConstraintKind::Grammar => self.supply_part(domain, world, &reply.text),
+            ConstraintKind::Grammar => self.supply_part(domain, world),
             ConstraintKind::JsonSchema => self.supply_whole(domain, world, &reply.text),
         }
     }
 
-    fn supply_part(&mut self, domain: &Domain, world: &World, text: &str) -> Result<Turn, DialogueError> {
+    fn supply_part(&mut self, domain: &Domain, world: &World) -> Result<Turn, DialogueError> {
         if let Some(question) = self.answer.strip_prefix(goal::QUESTION) {
             let question = question.trim().to_owned();
             return Ok(self.asked(domain, world, question));
         }
-        let text = text.trim();
-        let (part, goes_on) = match text.strip_suffix(goal::JOINT.trim()) {
-            Some(part) => (part.trim(), true),
-            None => (text, false),
-        };
-        if !part.is_empty() {
-            self.facts.extend(goal::parse(domain, world, part)?.facts);
+        let begun = Begun::read(domain, world, &self.answer)?;
+        (self.said, self.next, self.has_condition) = (begun.said(), begun.next, begun.has_condition());
+        (self.facts, self.other_side) = (begun.facts, begun.other_side);
+        if self.next != Next::Nothing && !self.offers(domain, world).is_empty() {
+            return Ok(Turn::GoOn);
         }
-        let more = goes_on && !self.offers(domain, world).is_empty();
-        Ok(if more { Turn::GoOn } else { self.done(domain, world) })
+        self.facts = ended(domain, world, &self.answer)?.facts;
+        Ok(self.done(domain, world))
     }
 
     fn supply_whole(&mut self, domain: &Domain, world: &World, text: &str) -> Result<Turn, DialogueError> {
@@ -288,6 +335,11 @@ impl GoalDialogue {
     }
 
     fn done(&mut self, domain: &Domain, world: &World) -> Turn {
+        let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_));
+        if self.cannot_be_told && !self.facts.iter().any(depends) {
+            let question = "I cannot find out whether that is so. What should I do in any case?";
+            return Turn::Done(Understanding::Question(question.to_owned()));
+        }
         let goal = Goal {
             facts: std::mem::take(&mut self.facts),
         };

@@ -4,8 +4,8 @@ use minijinja::{Environment, UndefinedBehavior, context};
 use serde_json::json;
 
 use super::{ConstraintKind, Message, Role};
-use crate::domain::{Domain, GoalWord};
-use crate::goal::read_form;
+use crate::domain::{Domain, GoalWord, StateWord};
+use crate::goal::{Written, read_form};
 
 /// A worked example for the model: a small scene, an instruction and the answer to it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,21 +33,40 @@ pub(crate) fn check_example(domain: &Domain, example: &Example) -> Result<(), St
         return Ok(());
     }
     for part in example.answer.split(" & ") {
-        let fits = |word: &GoalWord| {
-            read_form(word, part).is_some_and(|names| names.iter().all(|name| example.names().any(|n| n == *name)))
-        };
-        if domain.goal_words.iter().any(fits) {
+        let Some(written) = Written::read(part) else {
+            check_part(domain, example, part)?;
             continue;
+        };
+        let told = |word: &&StateWord| domain.is_sensed(word.atom.predicate);
+        let word = written.condition.split('(').next().unwrap_or_default();
+        if !domain.states.iter().filter(told).any(|state| state.word == word) {
+            return Err(format!("`{}` is nothing that sensing tells", written.condition));
         }
-        return Err(match domain.goal_words.iter().find_map(|word| read_form(word, part)) {
-            Some(names) => {
-                let missing = names.iter().find(|name| !example.names().any(|n| n == **name));
-                format!("`{}` in `{part}` is not in the example's scene", missing.unwrap_or(&""))
-            }
-            None => format!("`{part}` has the form of no goal word of this domain"),
-        });
+        let thing = written.condition.trim_start_matches(word).trim_matches(['(', ')']);
+        if !example.names().any(|name| name == thing) {
+            return Err(format!("`{thing}` in `{part}` is not in the example's scene"));
+        }
+        for part in written.then.iter().chain(&written.otherwise) {
+            check_part(domain, example, part)?;
+        }
     }
     Ok(())
+}
+
+fn check_part(domain: &Domain, example: &Example, part: &str) -> Result<(), String> {
+    let fits = |word: &GoalWord| {
+        read_form(word, part).is_some_and(|names| names.iter().all(|name| example.names().any(|n| n == *name)))
+    };
+    if domain.goal_words.iter().any(fits) {
+        return Ok(());
+    }
+    Err(match domain.goal_words.iter().find_map(|word| read_form(word, part)) {
+        Some(names) => {
+            let missing = names.iter().find(|name| !example.names().any(|n| n == **name));
+            format!("`{}` in `{part}` is not in the example's scene", missing.unwrap_or(&""))
+        }
+        None => format!("`{part}` has the form of no goal word of this domain"),
+    })
 }
 
 /// Renders `prompt/goal.md`. Errors carry the line in the template.
@@ -62,12 +81,19 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
         .iter()
         .map(|action| context! { call => &action.call, means => &action.means })
         .collect();
+    let told = domain
+        .states
+        .iter()
+        .filter(|word| domain.is_sensed(word.atom.predicate));
+    let conditions: Vec<_> = told
+        .map(|word| context! { form => format!("{}(THING)", word.word), means => &word.means })
+        .collect();
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment
         .render_str(
             template,
-            context! { name => &domain.name, about => &domain.about, goals, actions },
+            context! { name => &domain.name, about => &domain.about, goals, actions, conditions },
         )
         .map(|text| text.trim_end().to_owned())
         .map_err(|error| {

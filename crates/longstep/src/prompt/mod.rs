@@ -13,6 +13,7 @@ mod example;
 mod explain;
 mod fitted;
 mod focus;
+mod forms;
 mod parts;
 mod query;
 mod reply;
@@ -20,6 +21,7 @@ mod scene;
 #[cfg(test)]
 mod tests;
 mod told;
+mod tree_schema;
 mod worked;
 
 pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
@@ -33,9 +35,12 @@ pub(crate) use example::{check_example, render_goal_prompt};
 pub use explain::{Explanation, PartShare, explain};
 pub use fitted::FittedDialogue;
 pub use focus::{Focus, focus};
+pub(crate) use forms::actors;
 pub(crate) use parts::broken_parts;
 pub use parts::{Part, PartName, PartTexts, PromptError, fixed_parts};
+pub(crate) use query::plain_line;
 pub use query::query;
 pub(crate) use reply::answered;
 pub use reply::direct_schema;
 pub use scene::scene;
+pub(crate) use tree_schema::{TreeForms, closed, in_schema, tree_schema};

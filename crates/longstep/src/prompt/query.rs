@@ -78,7 +78,7 @@ fn contained(json: &str) -> String {
 }
 
 /// A text as one line of a conversation, whatever was typed, without what a model could take for markers.
-pub(super) fn plain_line(text: &str) -> String {
+pub(crate) fn plain_line(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     for_signs(&line, |sign, marks| match (marks, sign) {

@@ -2,11 +2,14 @@
 
 use minijinja::{Value, context};
 
+use super::forms::{acts, has_trees, senses};
 use crate::domain::{Action, Condition, Domain, RuleTime, Slot, Term, TypeId};
 
-/// The variables of a template: `name`, `about`, `actions` (`call`, `means`, `needs`, `object`, `hidden`), `states`
-/// and `properties` (`word`, `means`), `rules` (`name`, `when`, `says`), `objects_matter` (calls leave out what they
-/// handle) and `something_hidden` (they leave out more).
+/// The variables of a template: `name`, `about`, `actions` (`call`, `means`, `needs`, `object`, `hidden`, `tells`),
+/// `states` and `properties` (`word`, `means`), `rules` (`name`, `when`, `says`), `objects_matter` (calls leave out what
+/// they handle), `something_hidden` (they leave out more), `trees` (plans are trees), `senses` (with branches and
+/// loops), `asked` (a state that sensing tells, as a condition asks it), `acts` (calls name who does them, and there are
+/// lanes) and `actors` (those whom every environment has).
 pub(super) fn context(domain: &Domain) -> Value {
     let actions: Vec<Value> = domain
         .actions
@@ -54,7 +57,42 @@ pub(super) fn context(domain: &Domain) -> Value {
         .iter()
         .any(|action| action.implicit().any(|p| action.object != Some(p)));
     let objects_matter = domain.actions.iter().any(|action| action.object.is_some());
-    context! { name => &domain.name, about => &domain.about, actions, states, properties, rules, objects_matter, something_hidden }
+    let asked = domain.states.iter().find(|state| {
+        let mut outcomes = domain.actions.iter().flat_map(|action| &action.senses);
+        outcomes.any(|outcome| outcome.predicate == state.atom.predicate)
+    });
+    let asked = asked.map(|state| {
+        let things = std::iter::once("thing").chain(state.parameters.iter().map(String::as_str));
+        call(&state.word, things)
+    });
+    let by_whom: Vec<String> = domain
+        .constants
+        .iter()
+        .filter(|(_, kind)| is_actor(domain, *kind))
+        .map(|(name, _)| name.clone())
+        .collect();
+    context! {
+        name => &domain.name,
+        about => &domain.about,
+        actions,
+        states,
+        properties,
+        rules,
+        objects_matter,
+        something_hidden,
+        trees => has_trees(domain),
+        senses => senses(domain),
+        asked,
+        acts => acts(domain),
+        actors => by_whom,
+    }
+}
+
+/// Whether things of this type are hands, arms or robots.
+fn is_actor(domain: &Domain, kind: TypeId) -> bool {
+    let actor_kind = |action: &Action| action.actor.map(|actor| action.parameters[actor].kind);
+    let mut kinds = domain.actions.iter().filter_map(actor_kind);
+    kinds.any(|actor| domain.types.is_a(kind, actor))
 }
 
 fn call<'a>(word: &str, parameters: impl Iterator<Item = &'a str>) -> String {
@@ -71,13 +109,19 @@ fn told_action(domain: &Domain, action: &Action) -> Value {
     let names = action
         .parameters
         .iter()
-        .map(|parameter| format!("<{}>", parameter.name));
+        .map(|parameter| format!("<{}>", parameter.name))
+        .collect::<Vec<_>>();
+    let tells = action.senses.iter().map(|outcome| {
+        let says = &domain.words(outcome.predicate).says;
+        says.fill(|place| called(domain, outcome.terms[place], &names))
+    });
     context! {
         call => call(&action.call, action.explicit.iter().map(|parameter| action.parameters[*parameter].name.as_str())),
         means => &action.means,
-        needs => needs(domain, &action.precondition, &names.collect::<Vec<_>>()),
+        needs => needs(domain, &action.precondition, &names),
         object => object.map(name),
         hidden => hidden.map(name).collect::<Vec<_>>(),
+        tells => tells.collect::<Vec<_>>(),
     }
 }
 

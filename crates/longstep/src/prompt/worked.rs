@@ -10,12 +10,14 @@ use super::parts::Source;
 use super::query::{contained_json, query_text};
 use super::reply::{AnswerText, StateLists};
 use super::{Message, Role};
+use crate::answer::{Answer, Status};
+use crate::attempt::Attempt;
 use crate::diagnostic::{Diagnostic, Position};
 use crate::domain::Domain;
-use crate::plan::{self, PlanFile, Step, TaskCohesion};
-use crate::search::{Limits, Outcome, solve};
-use crate::verify::{Purpose, bind, check};
-use crate::world::{self, Claim, Environment, World};
+use crate::plan::{self, Draft, PlanFile, TaskCohesion, script};
+use crate::solution::{self, Solution};
+use crate::verify::VerifiedPlan;
+use crate::world::{self, Environment, World};
 use crate::{goal, json};
 
 #[derive(Debug, Deserialize)]
@@ -25,7 +27,7 @@ struct PlansFile {
     example: Vec<Entry>,
 }
 
-/// An example as it is written: one of `goal`, `reply` and `question`.
+/// An example as it is written: one of `goal`, `script`, `reply` and `question`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
@@ -33,6 +35,8 @@ struct Entry {
     environment: Environment,
     /// A goal, for which a shortest plan is found.
     goal: Option<Spanned<String>>,
+    /// A plan as a script, which has to be valid.
+    script: Option<Spanned<String>>,
     /// A plan in the paper's JSON, which has to be valid.
     reply: Option<Spanned<String>>,
     /// What is asked back.
@@ -81,95 +85,93 @@ fn answer(domain: &Domain, source: &Source, entry: &Entry) -> Result<AnswerText,
         )
     })?;
     let summary = entry.summary.as_ref().unwrap_or(entry.instruction.get_ref());
-    match (&entry.goal, &entry.reply, &entry.question) {
-        (Some(goal), None, None) => {
+    match (&entry.goal, &entry.script, &entry.reply, &entry.question) {
+        (Some(goal), None, None, None) => {
             planned(domain, &world, goal.get_ref(), summary).map_err(|message| at(source, goal, message))
         }
-        (None, Some(reply), None) => {
-            verified(domain, &world, reply.get_ref(), summary).map_err(|message| at(source, reply, message))
+        (None, Some(script), None, None) => {
+            scripted(domain, &world, script.get_ref(), summary).map_err(|message| at(source, script, message))
         }
-        (None, None, Some(question)) => Ok(AnswerText::new(
-            TaskCohesion::default(),
-            &world,
-            StateLists::of(&world.environment),
-            summary,
-            question.get_ref(),
-        )),
+        (None, None, Some(reply), None) => {
+            replied(domain, &world, reply.get_ref(), summary).map_err(|message| at(source, reply, message))
+        }
+        (None, None, None, Some(question)) => Ok(asking(domain, &world, summary, question.get_ref())),
         _ => Err(at(
             source,
             place,
-            "an example has one of `goal`, `reply` and `question`",
+            "an example has one of `goal`, `script`, `reply` and `question`",
         )),
     }
 }
 
-/// The shortest plan for a goal.
+/// The answer that asks back.
+fn asking(domain: &Domain, world: &World, summary: &str, question: &str) -> AnswerText {
+    let before = StateLists::of(&world.environment);
+    AnswerText::new(domain, &TaskCohesion::default(), world, before, summary, question)
+}
+
+/// The shortest plan for a goal: one that looks first, where the goal depends on what nobody knows.
 fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
     let goal = goal::parse(domain, world, text).map_err(|error| error.to_string())?;
-    let steps = match solve(domain, world, &goal.wanted(domain), &Limits::default()) {
-        Outcome::Solved { steps, .. } if !steps.is_empty() => steps,
-        Outcome::Solved { .. } => return Err("the goal of this example holds already".to_owned()),
-        Outcome::ProvenUnsolvable { .. } => return Err("the goal of this example cannot be reached".to_owned()),
-        Outcome::GaveUp { why, .. } => return Err(format!("no plan found for the goal of this example: {why}")),
+    let Solution { plan, answer } = solution::of_goal(domain, world, &goal, summary, || 0.0);
+    match (plan, answer.status) {
+        (Some(plan), _) if plan.steps().is_empty() => Err("the goal of this example holds already".to_owned()),
+        (Some(plan), _) => Ok(shown(domain, world, &plan, summary)),
+        (None, Status::Unsolvable) => Err("the goal of this example cannot be reached".to_owned()),
+        (None, Status::Invalid) => Err(told(&answer)),
+        (None, _) => Err(format!(
+            "no plan found for the goal of this example: {}",
+            answer.notes.join("; ")
+        )),
+    }
+}
+
+/// The plan of a script.
+fn scripted(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
+    let written = script::read(text).map_err(|error| format!("{error} ({})", error.hint))?;
+    let file = PlanFile {
+        task_cohesion: TaskCohesion::from_written(written),
+        environment_before: None,
+        environment_after: None,
+        endings: Vec::new(),
+        instruction_summary: String::new(),
+        question: String::new(),
     };
-    let plan = steps
-        .into_iter()
-        .map(|step| Step::explained(domain, world, step.action, step.arguments))
-        .collect();
-    shown(domain, world, plan, &goal.purpose(domain), summary)
+    verified(domain, world, file, summary)
 }
 
 /// The plan of a reply, if it keeps what it promises.
-fn verified(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
+fn replied(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
     let draft = plan::read(text).map_err(|error| error.to_string())?;
-    let PlanFile {
-        task_cohesion,
-        environment_after,
-        question,
-        ..
-    } = draft.file;
-    if !question.is_empty() {
-        let lists = StateLists::of(&world.environment);
-        return Ok(AnswerText::new(
-            TaskCohesion::default(),
-            world,
-            lists,
-            summary,
-            &question,
-        ));
+    match draft.file.question.trim() {
+        "" => verified(domain, world, draft.file, summary),
+        question => Ok(asking(domain, world, summary, question)),
     }
-    let resolved = plan::resolve(domain, world, &task_cohesion);
-    let issue = |issues: &[crate::verify::Violation]| {
-        let told = issues.iter().map(|issue| issue.message(domain, world, &[], None));
-        told.collect::<Vec<_>>().join("; ")
-    };
-    let steps = resolved.complete().map_err(issue)?;
-    let claim = environment_after.map(|after| Claim::read(domain, world, &after));
-    let (plan, _) = bind(domain, world, &steps, &resolved.objects, claim.as_ref());
-    let purpose = Purpose {
-        claim,
-        ..Purpose::default()
-    };
-    shown(domain, world, plan, &purpose, summary)
 }
 
-/// The answer that shows a plan, if it is a good one. The environment afterwards is the simulated one.
-fn shown(
-    domain: &Domain,
-    world: &World,
-    plan: plan::Plan,
-    purpose: &Purpose,
-    summary: &str,
-) -> Result<AnswerText, String> {
-    let verified = check(domain, world, plan, purpose).into_verified().map_err(|report| {
-        let steps = report.plan.steps();
-        let told = report
-            .violations
-            .iter()
-            .map(|violation| violation.message(domain, world, steps, None));
-        told.collect::<Vec<_>>().join("; ")
-    })?;
-    let after = world::write(domain, world, verified.after());
-    let cohesion = TaskCohesion::new(domain, world, verified.steps());
-    Ok(AnswerText::new(cohesion, world, StateLists::of(&after), summary, ""))
+fn verified(domain: &Domain, world: &World, mut file: PlanFile, summary: &str) -> Result<AnswerText, String> {
+    // What was asked for is the example's to say.
+    file.instruction_summary.clear();
+    let draft = Draft {
+        file,
+        leniencies: Vec::new(),
+    };
+    let attempt = Attempt::new(domain, world, draft, None);
+    match attempt.verified(domain, world) {
+        Some(plan) => Ok(shown(domain, world, &plan, summary)),
+        None => Err(told(&attempt.verdict(domain, world))),
+    }
+}
+
+/// What is wrong with a plan, in one line.
+fn told(answer: &Answer) -> String {
+    let wrong = answer.violations.iter().map(|violation| violation.message.as_str());
+    wrong.collect::<Vec<_>>().join("; ")
+}
+
+/// The answer that shows a plan. The environment afterwards is the simulated one.
+fn shown(domain: &Domain, world: &World, plan: &VerifiedPlan, summary: &str) -> AnswerText {
+    let after = world::write(domain, world, &plan.ending().after);
+    let cohesion = TaskCohesion::new(domain, world, plan.plan());
+    AnswerText::new(domain, &cohesion, world, StateLists::of(&after), summary, "")
 }

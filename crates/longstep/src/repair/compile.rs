@@ -1,10 +1,12 @@
 //! A draft as a task for search: how far it has been read is a fact like any other.
 
+use std::cmp::Ordering;
+
 use rustc_hash::FxHashSet;
 
 use super::pins::{Pins, Reach, Unwanted};
 use super::target::Meant;
-use crate::domain::{ActionId, Domain};
+use crate::domain::{ActionId, Domain, plain_words, singular};
 use crate::goal::wanted_fact;
 use crate::plan::{DraftStep, Resolved};
 use crate::search::{Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
@@ -18,7 +20,7 @@ pub(super) enum Move {
     Keep(usize, GroundAction),
     /// Does something between the steps.
     Insert(GroundAction),
-    /// Does the same things with another verb.
+    /// Does the same things with another verb, or by another actor.
     Replace(usize, GroundAction),
     /// Leaves a step out.
     Drop(usize, Reason),
@@ -97,6 +99,7 @@ impl Compiled<'_> {
             step: nothing(),
             cost,
             tag: self.moves.len() as u32,
+            told: None,
             precondition: self.arrived.clone(),
             effects: vec![effect(forgone, true)],
         });
@@ -219,6 +222,13 @@ pub(super) fn compile<'a>(
     }
 }
 
+/// Which of two entities a step's explanation rather speaks of: greater if it is `one`.
+pub(super) fn spoken_of(world: &World, explanation: &str, one: EntityId, other: EntityId) -> Ordering {
+    let words: Vec<String> = plain_words(explanation).iter().map(|word| singular(word)).collect();
+    let named = |entity: EntityId| world.entity(entity).words_in(&words);
+    named(one).cmp(&named(other))
+}
+
 fn literal(fact: u32, holds: bool) -> Formula {
     Formula::Literal(Literal { fact, holds })
 }
@@ -305,6 +315,7 @@ impl Writer<'_, '_> {
             step: nothing(),
             cost: 0,
             tag: 0,
+            told: None,
             precondition: condition,
             effects: Vec::new(),
         };
@@ -368,6 +379,7 @@ impl Writer<'_, '_> {
                 self.push(self.reading(index, operator.clone()), costs.replace, meaning);
             }
         }
+        self.by_others(index, step, choices, &taken_out);
         if self.operators.len() == before {
             self.drop(index, Reason::Impossible, Formula::TRUE, costs.drop_impossible);
             return;
@@ -380,6 +392,41 @@ impl Writer<'_, '_> {
         self.drop(index, Reason::Unwanted, Formula::TRUE, costs.drop);
         if possible && self.reached.len() > 2 {
             self.postpone(index, kept);
+        }
+    }
+
+    /// The step done by another actor.
+    fn by_others(&mut self, index: usize, step: &DraftStep, choices: &[Candidate], taken_out: &[&TakenOut]) {
+        let Some(actor) = self.domain.action(step.action).actor else {
+            return;
+        };
+        for operator in self
+            .inserted
+            .iter()
+            .filter(|operator| operator.step.action == step.action)
+        {
+            let same_but_actor = |choice: &&Candidate| {
+                let pairs = choice.arguments.iter().zip(&operator.step.arguments).enumerate();
+                pairs
+                    .into_iter()
+                    .all(|(place, (one, other))| (one == other) == (place != actor))
+            };
+            let Some(choice) = choices.iter().find(same_but_actor) else {
+                continue;
+            };
+            if taken_out.iter().any(|taken_out| taken_out.is_like(operator)) {
+                continue;
+            }
+            let costs = self.domain.repair;
+            let (written, other) = (choice.arguments[actor], operator.step.arguments[actor]);
+            let changed = match spoken_of(self.world, &step.explanation, other, written) {
+                Ordering::Greater => costs.rebind,
+                Ordering::Equal => costs.other_actor,
+                Ordering::Less => costs.other_actor + costs.rebind,
+            };
+            let unspoken = if choice.unspoken { costs.rebind } else { 0 };
+            let meaning = Move::Replace(index, operator.step.clone());
+            self.push(self.reading(index, operator.clone()), changed + unspoken, meaning);
         }
     }
 

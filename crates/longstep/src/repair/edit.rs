@@ -1,6 +1,6 @@
 //! What was changed, and why.
 
-use super::compile::{Move, Reason};
+use super::compile::{Move, Reason, spoken_of};
 use super::target::Meant;
 use crate::domain::Domain;
 use crate::plan::{Plan, Resolved, Step};
@@ -100,6 +100,20 @@ impl Script {
             }
             step
         };
+        // Another actor was often meant all along, and the explanation says so.
+        let meant = |index: usize, ground: &GroundAction| {
+            let written = draft.steps[index].as_ref().filter(|step| step.action == ground.action);
+            let actor = domain.action(ground.action).actor;
+            let named = written.zip(actor).is_some_and(|(written, actor)| {
+                let before = written.arguments[actor].unwrap_or(ground.arguments[actor]);
+                spoken_of(world, &written.explanation, ground.arguments[actor], before).is_gt()
+            });
+            if named {
+                own(index, ground)
+            } else {
+                Step::explained(domain, world, ground.action, ground.arguments.clone())
+            }
+        };
         let new = |ground: &GroundAction| Step::explained(domain, world, ground.action, ground.arguments.clone());
         let mut read = 0;
         for next in moves {
@@ -113,7 +127,7 @@ impl Script {
                 Move::Keep(index, ground) => script.steps.push((own(*index, ground), Origin::Kept)),
                 Move::Resume(index, ground) => script.steps.push((own(*index, ground), Origin::Moved(*index))),
                 Move::Insert(ground) => script.steps.push((new(ground), Origin::Inserted(read))),
-                Move::Replace(index, ground) => script.steps.push((new(ground), Origin::Replaced(*index))),
+                Move::Replace(index, ground) => script.steps.push((meant(*index, ground), Origin::Replaced(*index))),
                 Move::Drop(index, reason) => script.dropped.push((script.steps.len(), *index, *reason)),
                 Move::Postpone(_) | Move::Forgo(_) => {}
             }
@@ -211,6 +225,7 @@ impl Reasons<'_> {
         let steps = self.report.plan.steps();
         let changes: Vec<Change> = self
             .report
+            .ending()
             .trace
             .steps()
             .nth(at)
@@ -249,7 +264,7 @@ impl Reasons<'_> {
             return Some(says.fill(|slot| world.entity(broken.bindings[slot]).with_article()));
         }
         // What holds after the repair and would not without the step.
-        let failing = |fact: &&Fact| self.report.after.holds(**fact) && !state.holds(**fact);
+        let failing = |fact: &&Fact| self.report.ending().after.holds(**fact) && !state.holds(**fact);
         if let Some(fact) = self.meant.promised().find(failing) {
             let text = fact_text(domain, world, *fact, true);
             return Some(format!("the plan is to end so that {text}"));
@@ -278,12 +293,18 @@ impl Reasons<'_> {
             .collect()
     }
 
-    /// What a step of the draft lacks at a place of the repaired plan.
-    fn draft_lacks(&self, draft: &Resolved, index: usize, at: usize) -> Vec<String> {
+    /// What a step of the draft lacks at a place of the repaired plan. What its call hides is as in the step that was
+    /// put in its place, if that is the same action.
+    fn draft_lacks(&self, draft: &Resolved, index: usize, at: usize, instead: Option<&Step>) -> Vec<String> {
         let Some(step) = &draft.steps[index] else {
             return Vec::new();
         };
-        let complete: Option<Vec<_>> = step.arguments.iter().copied().collect();
+        let same = instead.filter(|instead| instead.action == step.action);
+        let hidden = |place: usize| same.map(|instead| instead.arguments[place]);
+        let arguments = step.arguments.iter().enumerate();
+        let complete: Option<Vec<_>> = arguments
+            .map(|(place, argument)| argument.or_else(|| hidden(place)))
+            .collect();
         let Some(arguments) = complete else {
             return Vec::new();
         };
@@ -292,7 +313,7 @@ impl Reasons<'_> {
     }
 
     fn for_replacing(&self, draft: &Resolved, index: usize, at: usize) -> String {
-        let missing = self.draft_lacks(draft, index, at);
+        let missing = self.draft_lacks(draft, index, at, self.report.plan.steps().get(at));
         if missing.is_empty() {
             self.for_having(at)
         } else {
@@ -301,7 +322,7 @@ impl Reasons<'_> {
     }
 
     fn for_dropping(&self, draft: &Resolved, index: usize, at: usize, reason: Reason) -> String {
-        let missing = self.draft_lacks(draft, index, at);
+        let missing = self.draft_lacks(draft, index, at, None);
         let needs = match missing.is_empty() {
             true => String::new(),
             false => format!(": it needs that {}", missing.join(", and that ")),

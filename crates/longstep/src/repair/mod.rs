@@ -6,6 +6,9 @@
 //! that plans from goals. Keeping a step that can be done is free; what else is allowed, and at what cost, is in the
 //! domain ([`crate::domain::RepairCosts`]). The result is verified like any other plan, and every edit says why.
 
+mod branches;
+#[cfg(test)]
+mod branches_tests;
 mod compile;
 mod edit;
 mod pins;
@@ -124,13 +127,16 @@ fn repair_within(
     purpose: &Purpose,
     pins: &Pins,
 ) -> Outcome {
+    if !draft.is_sequence() {
+        return branches::repair_branches(limit, domain, world, draft, purpose);
+    }
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
     let (plan, _) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
     // What the draft would come to if every step worked.
     let as_if = match check(domain, world, plan, purpose).into_verified() {
         Ok(plan) if draft.issues.is_empty() => return Outcome::Valid(plan),
-        Ok(plan) => plan.after().clone(),
-        Err(report) => report.after,
+        Ok(plan) => plan.ending().after.clone(),
+        Err(report) => report.ending().after.clone(),
     };
     if let Some(why) = unclear(domain, world, draft, purpose) {
         return Outcome::Unclear { why };

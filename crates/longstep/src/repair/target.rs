@@ -5,7 +5,7 @@ use rustc_hash::FxHashSet;
 use crate::domain::Domain;
 use crate::plan::Resolved;
 use crate::search::Wanted;
-use crate::verify::{Purpose, can_be_brought_about, hides_places, places_claimed, wanted_at_end};
+use crate::verify::{Purpose, broken_at_end, can_be_brought_about, hides_places, places_claimed, wanted_at_end};
 use crate::world::{EntityId, Fact, State, World, differences, subject_of};
 
 /// What must hold at the end, and what should.
@@ -73,7 +73,19 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
         .iter()
         .filter(|fact| !spoken_of.contains(&subject_of(domain, **fact)));
     let possible = |fact: &Fact| can_be_brought_about(domain, world, *fact);
-    let unclaimed = unclaimed.filter(|fact| possible(fact));
+    // What a rule forbids at the end nobody promises: a hand that was left full is an oversight.
+    let broken = |state: &State| {
+        broken_at_end(domain, world, state, purpose)
+            .filter(|broken| broken.binds)
+            .count()
+    };
+    let breaks = broken(as_if);
+    let forbidden = |fact: &Fact| {
+        let mut without = as_if.clone();
+        without.set(*fact, false);
+        breaks > 0 && broken(&without) < breaks
+    };
+    let unclaimed = unclaimed.filter(|fact| possible(fact) && !forbidden(fact));
     let mut promises = Vec::new();
     let mut impossible = Vec::new();
     for fact in claimed.iter().chain(unclaimed).copied() {

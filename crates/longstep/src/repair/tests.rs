@@ -230,7 +230,7 @@ fn plans_with_hidden_arguments_are_repaired_too() {
     };
     let inserted: Vec<_> = repaired.edits.iter().map(|edit| edit.told(6)).collect();
     assert_eq!(inserted.len(), 8, "{inserted:?}");
-    let after = world::write(&domain, &world, repaired.plan.after());
+    let after = world::write(&domain, &world, &repaired.plan.ending().after);
     assert_eq!(after.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);
     assert_eq!(after.object_states["<fridge_handle>"].as_slice(), ["closed()"]);
 }
@@ -469,11 +469,11 @@ proptest! {
             }
             Outcome::Repaired(repaired) => {
                 prop_assert!(!report.violations.is_empty());
-                let least = least_cost(&domain, &world, &draft, &purpose, &report.after);
+                let least = least_cost(&domain, &world, &draft, &purpose, &report.ending().after);
                 prop_assert_eq!(Some(repaired.cost), least, "{:?}", repaired.edits);
             }
             Outcome::ProvenUnsolvable { .. } => {
-                prop_assert_eq!(least_cost(&domain, &world, &draft, &purpose, &report.after), None);
+                prop_assert_eq!(least_cost(&domain, &world, &draft, &purpose, &report.ending().after), None);
             }
             Outcome::GaveUp { why, .. } | Outcome::Unclear { why } => prop_assert!(false, "{}", why),
         }
@@ -495,15 +495,15 @@ proptest! {
         let found = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
         let search::Outcome::Solved { steps, .. } = found else { panic!("{found:?}") };
         let plan: Plan = steps.into_iter().map(|s| Step::explained(&domain, &world, s.action, s.arguments)).collect();
-        let after = verify::check(&domain, &world, plan.clone(), &Purpose::default()).after;
+        let after = verify::check(&domain, &world, plan.clone(), &Purpose::default()).ending().after.clone();
         let purpose = Purpose {
             claim: Some(Claim::read(&domain, &world, &world::write(&domain, &world, &after))),
             ..Purpose::default()
         };
-        let draft = resolve(&domain, &world, &TaskCohesion::new(&domain, &world, plan.steps()));
+        let draft = resolve(&domain, &world, &TaskCohesion::new(&domain, &world, &plan));
         let outcome = repair(&domain, &world, &draft, &purpose);
         let Outcome::Valid(valid) = outcome else { panic!("{outcome:?}") };
-        prop_assert_eq!(valid.after(), &after);
+        prop_assert_eq!(&valid.ending().after, &after);
         let calls = |plan: &Plan| -> Vec<String> {
             plan.steps().iter().map(|step| step.call(&domain, &world).to_string()).collect()
         };

@@ -5,6 +5,7 @@
 //! shortest one. When that takes too long it goes on greedily and says so.
 
 mod bits;
+pub mod contingent;
 mod dominance;
 mod formula;
 mod forward;
@@ -19,7 +20,7 @@ pub use forward::Limits;
 pub(crate) use forward::{Found, cheapest, greedy};
 pub(crate) use relevance::reduce;
 pub(crate) use scope::{Asked, Scope};
-pub(crate) use task::{GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition};
+pub(crate) use task::{GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
 
 use crate::domain::{ActionId, Condition, Domain};
 use crate::verify::apply;

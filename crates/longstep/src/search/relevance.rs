@@ -13,6 +13,7 @@ use std::collections::VecDeque;
 
 use rustc_hash::FxHashMap;
 
+use super::GroundAction;
 use super::formula::{Formula, Literal};
 use super::task::{Operator, Task};
 
@@ -152,6 +153,8 @@ struct Relevance<'a> {
     /// By literal: the operators and effects that bring it about.
     achievers: Vec<Vec<(u32, u32)>>,
     kept: Vec<bool>,
+    /// By step of sensing: the operators for its outcomes, which stay or go together.
+    siblings: FxHashMap<&'a GroundAction, Vec<u32>>,
     asked: Vec<bool>,
     /// Literals for which somebody who brings them about has been looked for.
     expanded: Vec<bool>,
@@ -171,9 +174,14 @@ impl<'a> Relevance<'a> {
                 achievers[index(effect.literal)].push((number as u32, at as u32));
             }
         }
+        let mut siblings: FxHashMap<&GroundAction, Vec<u32>> = FxHashMap::default();
+        for (number, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.told.is_some()) {
+            siblings.entry(&operator.step).or_default().push(number as u32);
+        }
         Self {
             task,
             focused,
+            siblings,
             achievers,
             kept: vec![false; task.operators.len()],
             asked: vec![false; literals],
@@ -264,6 +272,11 @@ impl<'a> Relevance<'a> {
         }
         let task = self.task;
         let operator = &task.operators[number];
+        if operator.told.is_some() {
+            for sibling in self.siblings.get(&operator.step).cloned().unwrap_or_default() {
+                self.keep(sibling as usize);
+            }
+        }
         self.ask_for(&operator.precondition);
         for effect in &operator.effects {
             for alternatives in self

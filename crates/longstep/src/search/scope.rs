@@ -157,7 +157,7 @@ impl Asked {
         self.literals.insert((predicate, holds));
     }
 
-    /// By action: whether it changes anything that is asked for, by the goal or by another one that does.
+    /// By action: whether it changes or tells anything that is asked for, by the goal or by another one that does.
     fn actions(&self, domain: &Domain) -> Vec<bool> {
         let mut asked = self.literals.clone();
         let mut matters = vec![false; domain.actions.len()];
@@ -176,6 +176,14 @@ impl Asked {
                             asked.insert((atom.predicate, holds));
                         });
                     }
+                }
+                let told = action.senses.iter().any(|atom| asked.contains(&(atom.predicate, true)));
+                if told && !std::mem::replace(matters, true) {
+                    action.precondition.for_each_atom(&mut |atom, holds| {
+                        asked.insert((atom.predicate, holds));
+                    });
+                    // It tells something only while nothing is known.
+                    asked.extend(action.senses.iter().map(|atom| (atom.predicate, false)));
                 }
                 // Whether an effect that does harm happens matters as well.
                 for effect in action.effects.iter().filter(|_| *matters) {

@@ -25,6 +25,8 @@ pub(crate) struct Operator {
     pub(crate) cost: u32,
     /// For whoever made the task: what applying the operator means.
     pub(crate) tag: u32,
+    /// Of sensing: the outcome that comes about. Nobody chooses it: the step's other operators are its other outcomes.
+    pub(crate) told: Option<Fact>,
     pub(crate) precondition: Formula,
     pub(crate) effects: Vec<GroundEffect>,
 }
@@ -59,20 +61,31 @@ pub(crate) fn ground_condition(
     let scope = Scope::whole(domain, world, &Asked::default());
     let mut grounder = Grounder::new(domain, world, &scope);
     let formula = grounder.formula(condition, &mut bindings.to_vec());
-    let mut facts: Vec<(u32, Fact)> = grounder
-        .numbers
-        .into_iter()
-        .map(|(fact, number)| (number, fact))
-        .collect();
-    facts.sort_unstable();
     GroundCondition {
         formula,
-        facts: facts.into_iter().map(|(_, fact)| fact).collect(),
+        facts: grounder.facts(),
     }
 }
 
-/// Grounds everything that the precondition's unchanging parts allow.
+/// One step with the facts that its literals number.
+pub(crate) fn ground_step(domain: &Domain, world: &World, step: GroundAction) -> (Operator, Vec<Fact>) {
+    let scope = Scope::whole(domain, world, &Asked::default());
+    let mut grounder = Grounder::new(domain, world, &scope);
+    let operator = grounder.operator(step);
+    (operator, grounder.facts())
+}
+
+/// Grounds everything that the precondition's unchanging parts allow, without sensing.
 pub(super) fn ground(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
+    ground_with(domain, world, scope, wanted, false)
+}
+
+/// The same with sensing: an operator for each outcome that a step can have.
+pub(super) fn ground_sensing(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
+    ground_with(domain, world, scope, wanted, true)
+}
+
+fn ground_with(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted], sensing: bool) -> Task {
     let mut grounder = Grounder::new(domain, world, scope);
     let goal = grounder.goal(wanted);
     let always = grounder.always();
@@ -82,7 +95,10 @@ pub(super) fn ground(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wa
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
         .collect();
-    let operators = grounder.operators(&spoken_of);
+    let mut operators = grounder.operators(&spoken_of);
+    if sensing {
+        operators.extend(grounder.sensing());
+    }
     Task {
         initial: grounder.initial,
         operators,
@@ -164,7 +180,7 @@ impl<'a> Grounder<'a> {
     pub(crate) fn operators(&mut self, spoken_of: &FxHashSet<EntityId>) -> Vec<Operator> {
         let mut operators: Vec<Operator> = Vec::new();
         let matters = self.domain.action_ids().zip(&self.scope.actions);
-        for ((id, action), _) in matters.filter(|(_, matters)| **matters) {
+        for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && action.senses.is_empty()) {
             let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
             let mut arguments = Vec::with_capacity(action.parameters.len());
             self.bind(
@@ -181,6 +197,7 @@ impl<'a> Grounder<'a> {
                         step,
                         cost: 1,
                         tag: 0,
+                        told: None,
                         precondition,
                     });
                 },
@@ -193,6 +210,53 @@ impl<'a> Grounder<'a> {
         operators
     }
 
+    /// Every sensing action in scope with all arguments that make sense, once for each of its outcomes: while none of
+    /// them is known, one of them comes about.
+    fn sensing(&mut self) -> Vec<Operator> {
+        let mut operators: Vec<Operator> = Vec::new();
+        let matters = self.domain.action_ids().zip(&self.scope.actions);
+        for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && !action.senses.is_empty()) {
+            let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
+            let mut arguments = Vec::with_capacity(action.parameters.len());
+            self.bind(
+                action,
+                &conjuncts,
+                &mut arguments,
+                &mut |grounder, arguments, precondition| {
+                    let outcomes: Vec<Fact> = action.senses.iter().map(|atom| ground_atom(atom, arguments)).collect();
+                    let numbers: Vec<u32> = outcomes.iter().map(|fact| grounder.number(*fact)).collect();
+                    let unknown = |fact: &u32| {
+                        Formula::Literal(Literal {
+                            fact: *fact,
+                            holds: false,
+                        })
+                    };
+                    let precondition = Formula::and(std::iter::once(precondition).chain(numbers.iter().map(unknown)));
+                    for (outcome, fact) in outcomes.iter().zip(&numbers) {
+                        operators.push(Operator {
+                            step: GroundAction {
+                                action: id,
+                                arguments: arguments.to_vec(),
+                            },
+                            cost: 1,
+                            tag: 0,
+                            told: Some(*outcome),
+                            precondition: precondition.clone(),
+                            effects: vec![GroundEffect {
+                                condition: Formula::TRUE,
+                                literal: Literal {
+                                    fact: *fact,
+                                    holds: true,
+                                },
+                            }],
+                        });
+                    }
+                },
+            );
+        }
+        operators
+    }
+
     /// One action with its arguments, whether or not it can ever be applicable.
     pub(crate) fn operator(&mut self, step: GroundAction) -> Operator {
         let action = self.domain.action(step.action);
@@ -202,8 +266,16 @@ impl<'a> Grounder<'a> {
             step,
             cost: 1,
             tag: 0,
+            told: None,
             precondition,
         }
+    }
+
+    /// The facts by their numbers, if none of them is the task's own.
+    fn facts(self) -> Vec<Fact> {
+        let mut facts: Vec<(u32, Fact)> = self.numbers.into_iter().map(|(fact, number)| (number, fact)).collect();
+        facts.sort_unstable();
+        facts.into_iter().map(|(_, fact)| fact).collect()
     }
 
     /// A fact of the task's own, which nothing in the world means.

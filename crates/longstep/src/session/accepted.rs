@@ -3,8 +3,8 @@
 use super::StepRecord;
 use crate::domain::Domain;
 use crate::goal::Goal;
-use crate::plan::{PlanFile, Step, TaskCohesion};
-use crate::verify::VerifiedPlan;
+use crate::plan::{self, PlanFile, Step, TaskCohesion};
+use crate::verify::{Ending, VerifiedPlan};
 use crate::world::{EntityId, World};
 
 /// An instruction that was carried through.
@@ -21,12 +21,15 @@ pub struct Accepted {
 }
 
 impl Accepted {
-    /// The plan as it is saved; `after` is the world that it leads to.
-    pub(super) fn file(&self, domain: &Domain, after: &World) -> PlanFile {
+    /// The plan as it is saved, with the environments that it can lead to.
+    pub(super) fn file(&self, domain: &Domain) -> PlanFile {
+        let environment = |ending: &Ending| self.before.after(domain, ending).environment;
+        let (environment_after, endings) = plan::endings(domain, &self.before, self.plan.endings(), environment);
         PlanFile {
-            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.steps()),
+            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.plan()),
             environment_before: Some(self.before.environment.clone()),
-            environment_after: Some(after.environment.clone()),
+            environment_after,
+            endings,
             instruction_summary: self.instruction.clone(),
             question: String::new(),
         }

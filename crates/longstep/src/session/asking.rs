@@ -45,15 +45,22 @@ impl Session {
         let Some(proposal) = &turn.proposal else {
             return self.ask();
         };
+        // Words about single steps are understood of a list of them; of a tree, what is wanted is talked about.
+        let is_sequence = proposal.plan.plan().is_sequence();
         match self.settings.strategy {
-            Strategy::Goal => {
+            Strategy::Goal if !is_sequence && proposal.goal.is_some() => {
+                let round = self.goal_round(turn, words.to_owned());
+                turn.rounds.push(round);
+                Asking::new(What::Goal(None))
+            }
+            Strategy::Goal if is_sequence => {
                 let (domain, world) = (&self.domain, &self.world);
                 let plan = proposal.plan.plan();
                 let dialogue = FeedbackDialogue::new(domain, world, plan, &turn.instruction, words, self.model.kind);
                 Asking::new(What::Wish(Box::new(dialogue), words.to_owned()))
             }
-            Strategy::Direct => {
-                let round = direct::round(proposal, words);
+            Strategy::Goal | Strategy::Direct => {
+                let round = direct::round(&self.domain, proposal, words);
                 turn.rounds.push(round);
                 Asking::new(What::Plan)
             }

@@ -4,6 +4,7 @@ use super::asking::{Asking, What, unusable};
 use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn, sentence};
 use crate::answer::Status;
 use crate::attempt::Attempt;
+use crate::domain::Domain;
 use crate::feedback;
 use crate::plan;
 use crate::prompt::{
@@ -13,9 +14,9 @@ use crate::repair::Outcome;
 use crate::verify::VerifiedPlan;
 
 /// The model's last word is the plan that the person saw, repaired or not: that is what their words are about.
-pub(super) fn round(proposal: &Proposal, words: &str) -> Round {
+pub(super) fn round(domain: &Domain, proposal: &Proposal, words: &str) -> Round {
     Round {
-        replied: answered(&proposal.answer.plan),
+        replied: answered(domain, &proposal.answer.plan),
         said: words.to_owned(),
     }
 }
@@ -46,7 +47,7 @@ impl Session {
         } = self.accepted.get(number)?;
         Some(Exchange {
             said: query(&self.domain, before, instruction).ok()?,
-            replied: answered(&self.plan_file(number)?),
+            replied: answered(&self.domain, &self.plan_file(number)?),
         })
     }
 
@@ -169,7 +170,7 @@ impl Session {
     pub(super) fn reply_of(&self, stuck: &Stuck) -> String {
         match &stuck.answer {
             Some(answer) if answer.status != Status::Question && !answer.goal.is_empty() => answer.goal.join(" & "),
-            Some(answer) => answered(&answer.plan),
+            Some(answer) => answered(&self.domain, &answer.plan),
             None => String::new(),
         }
     }

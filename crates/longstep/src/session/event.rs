@@ -139,6 +139,13 @@ pub enum Event {
         /// The plan in the paper's JSON, with the simulated environment.
         plan: Box<PlanFile>,
     },
+    /// It is told how the plan ended that was accepted last, where it can end in several ways.
+    Ended {
+        /// Which of its endings, from 0.
+        number: usize,
+        /// The environment that it left.
+        environment: Box<Environment>,
+    },
     /// The last accepted plan is taken back.
     Undo {
         /// Its number.

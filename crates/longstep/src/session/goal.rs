@@ -157,15 +157,21 @@ impl Session {
         }
     }
 
-    /// The words are about what is wanted: the conversation about it goes on.
-    pub(super) fn ask_for_another_goal(&mut self, mut turn: Turn, words: String) {
+    /// What was understood, and the words about it.
+    pub(super) fn goal_round(&self, turn: &Turn, words: String) -> Round {
         let facts = turn.proposal.iter().flat_map(|proposal| &proposal.goal);
         let texts = facts.flat_map(|goal| &goal.facts);
         let texts: Vec<String> = texts.map(|fact| fact.everyday(&self.domain, &self.world)).collect();
-        turn.rounds.push(Round {
+        Round {
             replied: texts.join(goal::JOINT),
             said: words,
-        });
+        }
+    }
+
+    /// The words are about what is wanted: the conversation about it goes on.
+    pub(super) fn ask_for_another_goal(&mut self, mut turn: Turn, words: String) {
+        let round = self.goal_round(&turn, words);
+        turn.rounds.push(round);
         self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
     }
 

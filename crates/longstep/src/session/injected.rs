@@ -137,7 +137,7 @@ fn confirm(session: &Session) {
         let plan = report
             .into_verified()
             .unwrap_or_else(|report| panic!("{:?}", report.violations));
-        let after = accepted.before.after(domain, &plan);
+        let after = accepted.before.after(domain, plan.ending());
         let next = session
             .accepted()
             .get(number + 1)

@@ -36,7 +36,10 @@
 
 mod accepted;
 mod asking;
+#[cfg(test)]
+mod branching_tests;
 mod direct;
+mod ended;
 mod event;
 mod goal;
 #[cfg(test)]
@@ -50,6 +53,7 @@ mod tests;
 mod why;
 
 pub use accepted::Accepted;
+pub use ended::Ended;
 pub use event::{Event, MessageRecord, StepRecord, UsageRecord, VERSION};
 pub use log::{Entry, Log, LogError};
 pub use resume::{Replay, ReplayDifference, ResumeError, Resumed, replay};
@@ -137,6 +141,7 @@ impl Session {
             Stage::Question(_, _, question) => Need::Answer(question.clone()),
             Stage::Proposed(_) => Need::Decision,
             Stage::Stuck(..) => Need::Help,
+            Stage::Ending(_) => Need::Ending(self.endings()),
         })
     }
 
@@ -217,7 +222,7 @@ impl Session {
     /// The instruction at hand.
     pub fn instruction(&self) -> Option<&str> {
         match &self.stage {
-            Stage::Idle => None,
+            Stage::Idle | Stage::Ending(_) => None,
             Stage::Asking(turn, _) | Stage::Question(turn, ..) | Stage::Proposed(turn) | Stage::Stuck(turn, _) => {
                 Some(&turn.instruction)
             }
@@ -227,7 +232,7 @@ impl Session {
     /// What the instruction at hand has cost so far, and for how many milliseconds a model was at work.
     pub fn cost(&self) -> (Usage, f64) {
         match &self.stage {
-            Stage::Idle => (Usage::default(), 0.0),
+            Stage::Idle | Stage::Ending(_) => (Usage::default(), 0.0),
             Stage::Asking(turn, _) | Stage::Question(turn, ..) | Stage::Proposed(turn) | Stage::Stuck(turn, _) => {
                 (turn.usage, turn.model_milliseconds)
             }
@@ -320,7 +325,8 @@ impl Session {
         Ok(())
     }
 
-    /// Accepts the plan: the next instruction begins where it ends.
+    /// Accepts the plan: the next instruction begins where it ends. Where it can end in several ways, the session has
+    /// to be told in which it did ([`Session::ended`]).
     ///
     /// # Errors
     ///
@@ -339,17 +345,14 @@ impl Session {
             plan: proposal.plan,
             goal: proposal.goal,
         };
-        let world = accepted.before.after(&self.domain, &accepted.plan);
         self.events.push(Event::Accept {
             number: self.accepted.len(),
             instruction: accepted.instruction.clone(),
             goal: accepted.goal_texts(&self.domain),
             steps: accepted.steps(&self.domain),
-            plan: Box::new(accepted.file(&self.domain, &world)),
+            plan: Box::new(accepted.file(&self.domain)),
         });
-        self.accepted.push(accepted);
-        self.world = world;
-        self.stage = Stage::Idle;
+        self.carry_on(accepted);
         Ok(())
     }
 
@@ -360,7 +363,10 @@ impl Session {
     /// When nothing is under way.
     pub fn cancel(&mut self) -> Result<(), OutOfTurn> {
         self.stage = match std::mem::replace(&mut self.stage, Stage::Idle) {
-            Stage::Idle => return Err(self.out_of_turn("cancelling")),
+            stage @ (Stage::Idle | Stage::Ending(_)) => {
+                self.stage = stage;
+                return Err(self.out_of_turn("cancelling"));
+            }
             Stage::Asking(turn, _) | Stage::Question(turn, ..) if turn.proposal.is_some() => Stage::Proposed(turn),
             _ => Stage::Idle,
         };
@@ -374,7 +380,7 @@ impl Session {
     ///
     /// When an instruction is at hand, or when there is nothing to take back.
     pub fn undo(&mut self) -> Result<usize, OutOfTurn> {
-        if !matches!(self.stage, Stage::Idle | Stage::Stuck(..)) {
+        if !matches!(self.stage, Stage::Idle | Stage::Stuck(..) | Stage::Ending(_)) {
             return Err(self.out_of_turn("undoing"));
         }
         let Some(last) = self.accepted.pop() else {
@@ -392,9 +398,7 @@ impl Session {
 
     /// The plan with this number as it is saved.
     pub fn plan_file(&self, number: usize) -> Option<PlanFile> {
-        let accepted = self.accepted.get(number)?;
-        let after = self.accepted.get(number + 1).map_or(&self.world, |next| &next.before);
-        Some(accepted.file(&self.domain, after))
+        Some(self.accepted.get(number)?.file(&self.domain))
     }
 
     fn out_of_turn(&self, what: &'static str) -> OutOfTurn {
@@ -404,6 +408,7 @@ impl Session {
             Stage::Question(..) => "waits for an answer",
             Stage::Proposed(_) => "waits for a decision on a plan",
             Stage::Stuck(..) => "waits for other words",
+            Stage::Ending(_) => "waits to be told how the last plan ended",
         };
         OutOfTurn { what, state }
     }

@@ -10,7 +10,7 @@ use crate::diagnostic::Diagnostics;
 use crate::domain::Domain;
 use crate::goal::{self, Goal};
 use crate::json::Path;
-use crate::plan::{Plan, Step};
+use crate::plan::{Plan, PlanFile, Step, resolve};
 use crate::prompt::{ConstraintKind, Message, Role};
 use crate::solution::Stopwatch;
 use crate::verify::{Purpose, check};
@@ -66,14 +66,25 @@ impl Session {
                     plan,
                     ..
                 } => {
-                    session.accept_again(instruction, goal, steps)?;
-                    if plan.environment_after.as_ref() != Some(&session.world.environment) {
+                    session.accept_again(instruction, goal, steps, plan)?;
+                    let ends = plan.environment_after.as_ref();
+                    if ends.is_some_and(|environment| *environment != session.world.environment) {
                         return Err(ResumeError::Plan {
                             number: session.accepted.len() - 1,
                             why: "it ends in another environment than it did".to_owned(),
                         });
                     }
                     session.settle(&mut tail);
+                }
+                Event::Ended { number, environment } => {
+                    let contradiction = |error: OutOfTurn| ResumeError::Contradiction(error.to_string());
+                    session.ended(*number).map_err(contradiction)?;
+                    if **environment != session.world.environment {
+                        return Err(ResumeError::Plan {
+                            number: session.accepted.len() - 1,
+                            why: "it ends in another environment than it did".to_owned(),
+                        });
+                    }
                 }
                 Event::Undo { .. } => {
                     session
@@ -114,7 +125,13 @@ impl Session {
     }
 
     /// An accepted plan of the log, verified again.
-    fn accept_again(&mut self, instruction: &str, goal: &[String], steps: &[StepRecord]) -> Result<(), ResumeError> {
+    fn accept_again(
+        &mut self,
+        instruction: &str,
+        goal: &[String],
+        steps: &[StepRecord],
+        file: &PlanFile,
+    ) -> Result<(), ResumeError> {
         let number = self.accepted.len();
         let invalid = |why: String| ResumeError::Plan { number, why };
         let goal: Option<Goal> = match goal {
@@ -129,18 +146,21 @@ impl Session {
             .map_or_else(Purpose::default, |goal| goal.purpose(&self.domain));
         let steps: Option<Vec<Step>> = steps.iter().map(|step| self.step(step)).collect();
         let steps = steps.ok_or_else(|| invalid("it has steps that the domain does not know".to_owned()))?;
-        let report = check(&self.domain, &self.world, Plan::sequence(steps), &purpose);
+        // The steps are told with every argument, and the file tells how they branch.
+        let plan = match file.task_cohesion.task_tree {
+            None => Some(Plan::sequence(steps)),
+            Some(_) => Plan::tree(steps, resolve(&self.domain, &self.world, &file.task_cohesion).body),
+        };
+        let plan = plan.ok_or_else(|| invalid("its tree does not go with its steps".to_owned()))?;
+        let report = check(&self.domain, &self.world, plan, &purpose);
         let plan = report.into_verified().map_err(|report| {
             let told = report.violations.iter();
             let told = told.map(|v| v.message(&self.domain, &self.world, report.plan.steps(), goal.as_ref()));
             invalid(told.collect::<Vec<_>>().join("; "))
         })?;
-        let before = self.world.clone();
-        self.world = before.after(&self.domain, &plan);
-        self.stage = Stage::Idle;
-        self.accepted.push(Accepted {
+        self.carry_on(Accepted {
             instruction: instruction.to_owned(),
-            before,
+            before: self.world.clone(),
             plan,
             goal,
         });
@@ -169,6 +189,7 @@ impl Session {
             Event::Failed { error } => self.failed(error),
             Event::Cancel => self.cancel(),
             Event::Undo { .. } => self.undo().map(|_| ()),
+            Event::Ended { number, .. } => self.ended(*number),
             Event::Accept { .. } => self.accept(),
             Event::Focus { kept: identifiers } => {
                 *kept = Some(identifiers.clone());
@@ -327,6 +348,7 @@ impl Event {
                 | Self::Answer { .. }
                 | Self::Feedback { .. }
                 | Self::Accept { .. }
+                | Self::Ended { .. }
                 | Self::Undo { .. }
                 | Self::Cancel
         )

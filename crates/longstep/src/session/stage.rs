@@ -1,6 +1,8 @@
 //! Where a session is, and what it needs there.
 
+use super::Ended;
 use super::asking::Asking;
+use super::ended::Left;
 use crate::answer::{Answer, Status};
 use crate::goal::Goal;
 use crate::prompt::{Prepared, Round, Usage};
@@ -17,6 +19,8 @@ pub enum Need {
     Answer(String),
     /// A look at [`proposal`](super::Session::proposal): accept it, or say what is to be different.
     Decision,
+    /// Which of these ways the plan that was accepted last ended in: [`ended`](super::Session::ended) takes its number.
+    Ending(Vec<Ended>),
     /// Other words: [`stuck`](super::Session::stuck) tells why nothing came of the instruction.
     Help,
 }
@@ -82,6 +86,8 @@ pub(super) enum Stage {
     /// A plan: the one of the turn.
     Proposed(Turn),
     Stuck(Turn, Stuck),
+    /// A plan was accepted that can end in several worlds.
+    Ending(Vec<Left>),
 }
 
 /// Something that does not fit where the session is.

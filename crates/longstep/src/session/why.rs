@@ -1,8 +1,10 @@
 //! Why is a step there?
 
+use rustc_hash::FxHashSet;
+
 use crate::domain::Domain;
 use crate::goal::Goal;
-use crate::plan::{Plan, Step};
+use crate::plan::{Plan, StepId};
 use crate::verify::{Purpose, check};
 use crate::world::{Voice, World};
 
@@ -11,6 +13,7 @@ use crate::world::{Voice, World};
 /// The second part is found by taking the step out and verifying what is left.
 ///
 /// ```
+/// use longstep::plan::StepId;
 /// use longstep::solution;
 /// use longstep::{domain, goal, json, session, world};
 /// let household = domain::shipped("household").unwrap().unwrap();
@@ -19,28 +22,37 @@ use crate::world::{Voice, World};
 /// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
 /// let plan = solution::of_goal(&household, &world, &goal, "", || 0.0).plan.unwrap();
-/// let why = session::why(&household, &world, plan.steps(), &goal.purpose(&household), Some(&goal), 1);
+/// let why = session::why(&household, &world, plan.plan(), &goal.purpose(&household), Some(&goal), StepId::new(1));
 /// assert_eq!(why.brings_about, ["the hand holds the pen"]);
 /// assert_eq!(why.without_it[0], "step 3: detach_from_plane() needs that the hand holds the pen");
 /// ```
-pub fn why(domain: &Domain, world: &World, steps: &[Step], purpose: &Purpose, goal: Option<&Goal>, step: usize) -> Why {
-    let whole = check(domain, world, Plan::sequence(steps.to_vec()), purpose);
-    let changed = whole.trace.steps().find(|(id, _)| id.index() == step);
-    let brings_about = changed
-        .into_iter()
-        .flat_map(|(_, changes)| changes)
-        .map(|change| Voice::Person.fact(domain, world, change.fact, change.holds))
-        .collect();
-    let mut left = steps.to_vec();
-    if step < left.len() {
-        left.remove(step);
+pub fn why(domain: &Domain, world: &World, plan: &Plan, purpose: &Purpose, goal: Option<&Goal>, step: StepId) -> Why {
+    let whole = check(domain, world, plan.clone(), purpose);
+    let mut brings_about: Vec<String> = Vec::new();
+    for ending in &whole.endings {
+        for (_, changes) in ending.trace.steps().filter(|(id, _)| *id == step) {
+            let told = changes
+                .iter()
+                .map(|change| Voice::Person.fact(domain, world, change.fact, change.holds));
+            brings_about.extend(told);
+        }
     }
-    let report = check(domain, world, Plan::sequence(left), purpose);
+    let mut seen = FxHashSet::default();
+    brings_about.retain(|told| seen.insert(told.clone()));
+    if !domain.action(plan.step(step).action).senses.is_empty() && brings_about.len() > 1 {
+        brings_about = vec![format!("it is known whether {}", brings_about.join(", or whether "))];
+    }
+    let Some(left) = plan.without(step) else {
+        return Why {
+            brings_about,
+            without_it: vec!["nobody could tell which way the plan is to go".to_owned()],
+        };
+    };
     let mut told: Vec<String> = Vec::new();
-    for mut violation in report.violations {
+    for mut violation in check(domain, world, left, purpose).violations {
         // Steps are told by their numbers in the whole plan.
-        violation.renumber(|number| if number >= step { number + 1 } else { number });
-        told.push(violation.message(domain, world, steps, goal));
+        violation.renumber(|number| if number >= step.index() { number + 1 } else { number });
+        told.push(violation.message(domain, world, plan.steps(), goal));
     }
     Why {
         brings_about,

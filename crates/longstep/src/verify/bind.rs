@@ -8,16 +8,37 @@
 use rustc_hash::FxHashSet;
 
 use super::simulate::{apply, unmet};
-use super::violation::Assumption;
-use crate::domain::{Domain, plain_words, singular};
+use super::violation::{Assumption, Missing};
+use super::walk::others;
+use crate::domain::{Action, Domain, plain_words, singular};
+use crate::plan::claims::told;
 use crate::plan::{DraftStep, Plan, Step};
-use crate::world::{Claim, Difference, EntityId, State, World};
+use crate::world::{Claim, Difference, EntityId, Fact, State, World, ground};
 
 /// States that are looked at before the best choice so far is taken.
 const LIMIT: usize = 20_000;
 
 /// Plans with more steps than this are bound step by step, by what lacks the least: each step more is a call deeper.
 const LONGEST: usize = 2_000;
+
+/// A step on a way through a plan, with what shows how it was meant.
+#[derive(Debug, Clone)]
+pub(super) struct Turn {
+    pub(super) step: DraftStep,
+    /// What it says that holds after it.
+    pub(super) claims: Vec<Fact>,
+    /// What the way takes to be known after it.
+    pub(super) learned: Vec<Learned>,
+}
+
+/// What a way through a plan takes to be known.
+#[derive(Debug, Clone)]
+pub(super) enum Learned {
+    /// Whether the first outcome came of the sensing step at this place of the way.
+    Outcome(usize, bool),
+    /// Whether a fact holds.
+    Fact(Fact, bool),
+}
 
 /// Binds every open argument. A plan that cannot be executed whatever they are is bound as far as it goes,
 /// so that [`super::check`] can tell why.
@@ -28,36 +49,13 @@ pub fn bind(
     objects: &[EntityId],
     claim: Option<&Claim>,
 ) -> (Plan, Vec<Assumption>) {
-    if steps.iter().all(|step| step.arguments.iter().all(Option::is_some)) {
-        let plan = steps
-            .iter()
-            .map(|step| bound(domain, world, step, step.arguments.iter().flatten().copied().collect()));
-        return (plan.collect(), Vec::new());
-    }
-    let mut binder = Binder {
-        domain,
-        world,
-        claim,
-        candidates: Vec::new(),
-        seen: FxHashSet::default(),
-        best: None,
-        deepest: Vec::new(),
-        chosen: Vec::new(),
+    let turn = |step: &DraftStep| Turn {
+        step: step.clone(),
+        claims: Vec::new(),
+        learned: Vec::new(),
     };
-    let places = claimed_places(domain, world, claim, objects);
-    let complete = |step: &DraftStep| {
-        let all = candidates(domain, world, step, objects, &places).into_iter();
-        all.map(|candidate| (step.action, candidate.arguments)).collect()
-    };
-    binder.candidates = steps.iter().map(complete).collect();
-    if steps.len() <= LONGEST {
-        binder.descend(&world.state);
-    }
-    let Some((_, arguments)) = binder.best.take() else {
-        let plan = binder.as_far_as_it_goes(steps);
-        return (plan, Vec::new());
-    };
-    let assumptions = binder.open(steps, &arguments);
+    let turns: Vec<Turn> = steps.iter().map(turn).collect();
+    let (arguments, assumptions) = bind_way(domain, world, &world.state, &turns, objects, claim);
     let steps = steps
         .iter()
         .zip(arguments)
@@ -65,7 +63,60 @@ pub fn bind(
     (steps.collect(), assumptions)
 }
 
-fn bound(domain: &Domain, world: &World, step: &DraftStep, arguments: Vec<EntityId>) -> Step {
+/// Arguments for the steps of one way from a state, as far as there are any.
+pub(super) fn bind_way(
+    domain: &Domain,
+    world: &World,
+    start: &State,
+    turns: &[Turn],
+    objects: &[EntityId],
+    claim: Option<&Claim>,
+) -> (Vec<Vec<EntityId>>, Vec<Assumption>) {
+    let given = |turn: &Turn| turn.step.arguments.iter().copied().collect::<Option<Vec<EntityId>>>();
+    if let Some(all) = turns.iter().map(given).collect() {
+        return (all, Vec::new());
+    }
+    let mut binder = Binder {
+        domain,
+        world,
+        claim,
+        start,
+        turns,
+        candidates: Vec::new(),
+        seen: FxHashSet::default(),
+        best: None,
+        deepest: Vec::new(),
+        chosen: Vec::new(),
+        broken: 0,
+    };
+    let mut places = claimed_places(domain, world, claim, objects);
+    for fact in turns
+        .iter()
+        .flat_map(|turn| &turn.claims)
+        .filter(|fact| !start.holds(**fact))
+    {
+        if domain.arguments(*fact).any(|entity| objects.contains(&entity)) {
+            places.extend(domain.arguments(*fact));
+        }
+    }
+    let complete = |turn: &Turn| {
+        let all = candidates(domain, world, &turn.step, objects, &places).into_iter();
+        all.map(|candidate| candidate.arguments).collect()
+    };
+    binder.candidates = turns.iter().map(complete).collect();
+    if turns.len() <= LONGEST {
+        binder.descend(start);
+    }
+    match binder.best.take() {
+        Some((_, arguments)) => {
+            let assumptions = binder.open(&arguments);
+            (arguments, assumptions)
+        }
+        None => (binder.as_far_as_it_goes(), Vec::new()),
+    }
+}
+
+pub(super) fn bound(domain: &Domain, world: &World, step: &DraftStep, arguments: Vec<EntityId>) -> Step {
     let mut bound = Step::explained(domain, world, step.action, arguments);
     if !step.explanation.is_empty() {
         bound.explanation.clone_from(&step.explanation);
@@ -91,10 +142,7 @@ pub(crate) fn candidates(
     claimed_places: &FxHashSet<EntityId>,
 ) -> Vec<Candidate> {
     let action = domain.action(step.action);
-    let words: Vec<String> = plain_words(&step.explanation)
-        .iter()
-        .map(|word| singular(word))
-        .collect();
+    let words = spoken(step);
     let mut all = vec![Candidate {
         arguments: Vec::new(),
         unspoken: false,
@@ -104,8 +152,15 @@ pub(crate) fn candidates(
         let fitting: Vec<(EntityId, bool)> = match step.arguments[index] {
             Some(entity) => vec![(entity, false)],
             None if action.object == Some(index) && !objects.is_empty() => {
-                let handled = objects.iter().filter(|object| open.contains(object));
-                handled.map(|object| (*object, false)).collect()
+                let named = |object: &EntityId| world.entity(*object).words_in(&words);
+                let mut handled: Vec<EntityId> = objects.iter().copied().filter(|o| open.contains(o)).collect();
+                // Of several, the one that the sentence speaks of comes first; a place may be named after another.
+                handled.sort_by_key(|object| std::cmp::Reverse(named(object)));
+                let best = handled.first().map_or(0, named);
+                handled
+                    .into_iter()
+                    .map(|object| (object, named(&object) < best))
+                    .collect()
             }
             None => {
                 let mentioned = |entity: EntityId| match action.object.is_some() && objects.contains(&entity) {
@@ -161,14 +216,18 @@ struct Binder<'a> {
     domain: &'a Domain,
     world: &'a World,
     claim: Option<&'a Claim>,
+    start: &'a State,
+    turns: &'a [Turn],
     /// For each step, complete arguments, the likeliest first.
-    candidates: Vec<Vec<(crate::domain::ActionId, Vec<EntityId>)>>,
+    candidates: Vec<Vec<Vec<EntityId>>>,
     seen: FxHashSet<(usize, State)>,
-    /// The choice that can be executed and differs least from the claim.
+    /// The choice that can be executed and differs least from what is claimed.
     best: Option<(usize, Vec<Vec<EntityId>>)>,
     /// The longest choice that can be executed.
     deepest: Vec<Vec<EntityId>>,
     chosen: Vec<Vec<EntityId>>,
+    /// How many claims of single steps do not hold under the choice so far.
+    broken: usize,
 }
 
 impl Binder<'_> {
@@ -177,82 +236,108 @@ impl Binder<'_> {
             .map_or_else(Vec::new, |claim| claim.differences(self.domain, state))
     }
 
+    fn action(&self, depth: usize) -> &Action {
+        self.domain.action(self.turns[depth].step.action)
+    }
+
+    fn lacks(&self, depth: usize, state: &State, arguments: &[EntityId]) -> Vec<Missing> {
+        let precondition = &self.action(depth).precondition;
+        unmet(self.world, state, precondition, &mut arguments.to_vec())
+    }
+
+    /// Does the step behind those of `way`; tells how many of its claims do not hold then.
+    fn advance(&self, state: &mut State, way: &[Vec<EntityId>], arguments: &[EntityId]) -> usize {
+        let turn = &self.turns[way.len()];
+        apply(self.world, state, self.action(way.len()), arguments);
+        let broken = turn.claims.iter().filter(|fact| !state.holds(**fact)).count();
+        for learned in &turn.learned {
+            match *learned {
+                Learned::Fact(fact, holds) => learn(self.domain, state, fact, holds),
+                Learned::Outcome(place, first) => {
+                    let arguments = way.get(place).map_or(arguments, Vec::as_slice);
+                    if let Some(atom) = self.action(place).senses.first() {
+                        learn(self.domain, state, ground(atom, arguments), first);
+                    }
+                }
+            }
+        }
+        broken
+    }
+
     fn descend(&mut self, state: &State) {
         let depth = self.chosen.len();
-        if self.seen.len() >= LIMIT || matches!(self.best, Some((0, _))) || !self.seen.insert((depth, state.clone())) {
+        let best = self.best.as_ref().map(|(distance, _)| *distance);
+        let hopeless = best.is_some_and(|best| best == 0 || (self.broken > 0 && self.broken >= best));
+        if self.seen.len() >= LIMIT || hopeless || !self.seen.insert((depth, state.clone())) {
             return;
         }
         if depth > self.deepest.len() {
             self.deepest.clone_from(&self.chosen);
         }
         if depth == self.candidates.len() {
-            let distance = self.claimed_differences(state).len();
-            if self.best.as_ref().is_none_or(|(best, _)| distance < *best) {
+            let distance = self.broken + self.claimed_differences(state).len();
+            if best.is_none_or(|best| distance < best) {
                 self.best = Some((distance, self.chosen.clone()));
             }
             return;
         }
-        for at in 0..self.candidates[depth].len() {
-            let (action, mut arguments) = self.candidates[depth][at].clone();
-            let action = self.domain.action(action);
-            if unmet(self.world, state, &action.precondition, &mut arguments).is_empty() {
+        let mut order: Vec<usize> = (0..self.candidates[depth].len()).collect();
+        if !self.turns[depth].claims.is_empty() {
+            order.sort_by_cached_key(|at| self.advance(&mut state.clone(), &self.chosen, &self.candidates[depth][*at]));
+        }
+        for at in order {
+            let arguments = self.candidates[depth][at].clone();
+            if self.lacks(depth, state, &arguments).is_empty() {
                 let mut next = state.clone();
-                apply(self.world, &mut next, action, &arguments);
+                let broken = self.advance(&mut next, &self.chosen, &arguments);
+                self.broken += broken;
                 self.chosen.push(arguments);
                 self.descend(&next);
                 self.chosen.pop();
+                self.broken -= broken;
             }
         }
     }
 
-    /// The longest executable beginning; from there on, at each step what lacks the fewest facts.
-    fn as_far_as_it_goes(&self, steps: &[DraftStep]) -> Plan {
-        let mut state = self.world.state.clone();
-        let mut plan = Vec::new();
-        for (index, step) in steps.iter().enumerate() {
-            let action = self.domain.action(step.action);
-            let arguments = self.deepest.get(index).cloned().or_else(|| {
-                let lacking = |(_, arguments): &&(_, Vec<EntityId>)| {
-                    let missing = unmet(self.world, &state, &action.precondition, &mut arguments.clone());
-                    (missing.iter().any(|m| m.fact.is_none()), missing.len())
+    /// The longest executable beginning; from there on, at each step what breaks the fewest claims and lacks the fewest
+    /// facts.
+    fn as_far_as_it_goes(&self) -> Vec<Vec<EntityId>> {
+        let mut state = self.start.clone();
+        let mut way: Vec<Vec<EntityId>> = Vec::new();
+        for (depth, candidates) in self.candidates.iter().enumerate() {
+            let arguments = self.deepest.get(depth).cloned().or_else(|| {
+                let lacking = |arguments: &&Vec<EntityId>| {
+                    let missing = self.lacks(depth, &state, arguments);
+                    let impossible = missing.iter().any(|m| m.fact.is_none());
+                    let broken = self.advance(&mut state.clone(), &way, arguments);
+                    (impossible, broken, missing.len())
                 };
-                self.candidates[index]
-                    .iter()
-                    .min_by_key(lacking)
-                    .map(|(_, arguments)| arguments.clone())
+                candidates.iter().min_by_key(lacking).cloned()
             });
             let Some(arguments) = arguments else { break };
-            apply(self.world, &mut state, action, &arguments);
-            plan.push(bound(self.domain, self.world, step, arguments));
+            self.advance(&mut state, &way, &arguments);
+            way.push(arguments);
         }
-        Plan::sequence(plan)
+        way
     }
 
     /// Arguments that could be others without any difference that the plan shows.
-    fn open(&self, steps: &[DraftStep], chosen: &[Vec<EntityId>]) -> Vec<Assumption> {
+    fn open(&self, chosen: &[Vec<EntityId>]) -> Vec<Assumption> {
         let mut open = Vec::new();
         let best = self.distance(chosen).unwrap_or(usize::MAX);
-        for (index, step) in steps.iter().enumerate() {
-            let words: Vec<String> = plain_words(&step.explanation)
-                .iter()
-                .map(|word| singular(word))
-                .collect();
+        for (index, Turn { step, .. }) in self.turns.iter().enumerate() {
+            let words = spoken(step);
             let action = self.domain.action(step.action);
             for (parameter, entity) in chosen[index].iter().enumerate() {
                 let named = self.world.entity(*entity).words_in(&words) > 0;
                 if step.arguments[parameter].is_some() || named || action.object == Some(parameter) {
                     continue;
                 }
-                let others = self.candidates[index]
-                    .iter()
-                    .map(|(_, arguments)| arguments)
-                    .filter(|other| {
-                        other[parameter] != *entity
-                            && other
-                                .iter()
-                                .enumerate()
-                                .all(|(i, e)| i == parameter || *e == chosen[index][i])
-                    });
+                let others = self.candidates[index].iter().filter(|other| {
+                    let differs =
+                        |(at, entity): (usize, &EntityId)| (*entity != chosen[index][at]) == (at == parameter);
+                    other.iter().enumerate().all(differs)
+                });
                 let fits = |other: &Vec<EntityId>| {
                     let mut changed = chosen.to_vec();
                     changed[index].clone_from(other);
@@ -270,16 +355,37 @@ impl Binder<'_> {
         open
     }
 
-    /// How far the last state is from the claim; none if the choice cannot be executed.
+    /// How far a choice is from what is claimed; none if it cannot be executed.
     fn distance(&self, chosen: &[Vec<EntityId>]) -> Option<usize> {
-        let mut state = self.world.state.clone();
-        for (candidates, arguments) in self.candidates.iter().zip(chosen) {
-            let action = self.domain.action(candidates.first()?.0);
-            if !unmet(self.world, &state, &action.precondition, &mut arguments.clone()).is_empty() {
+        let mut state = self.start.clone();
+        let mut broken = 0;
+        for (depth, arguments) in chosen.iter().enumerate() {
+            if !self.lacks(depth, &state, arguments).is_empty() {
                 return None;
             }
-            apply(self.world, &mut state, action, arguments);
+            broken += self.advance(&mut state, &chosen[..depth], arguments);
         }
-        Some(self.claimed_differences(&state).len())
+        Some(broken + self.claimed_differences(&state).len())
+    }
+}
+
+/// What a step's explanation speaks of, word by word.
+fn spoken(step: &DraftStep) -> Vec<String> {
+    let sentence = told(&step.explanation).sentence;
+    plain_words(sentence).iter().map(|word| singular(word)).collect()
+}
+
+/// Takes a fact to hold, or not, where sensing tells it; what else is so shows without.
+pub(super) fn learn(domain: &Domain, state: &mut State, fact: Fact, holds: bool) {
+    let Some(others) = others(domain, fact) else { return };
+    state.set(fact, holds);
+    if holds {
+        for other in others {
+            state.set(other, false);
+        }
+    } else if !others.iter().any(|other| state.holds(*other))
+        && let Some(other) = others.first()
+    {
+        state.set(*other, true);
     }
 }

@@ -4,7 +4,11 @@
 //! turns into a [`VerifiedPlan`], and there is no other way to make one.
 
 mod bind;
+mod bind_tree;
+mod claims;
 mod explain;
+mod history;
+mod lanes;
 mod possible;
 mod rules;
 mod simulate;
@@ -12,9 +16,12 @@ mod simulate;
 mod tests;
 mod trace;
 mod violation;
+mod walk;
 
 pub use bind::bind;
 pub(crate) use bind::{Candidate, candidates, claimed_places};
+pub use bind_tree::bind_tree;
+pub use claims::StepClaim;
 pub use explain::feedback;
 pub(crate) use possible::{can_apply, can_be_brought_about};
 pub use rules::{Waiver, broken_bindings};
@@ -22,12 +29,14 @@ pub(crate) use rules::{broken_at_end, wanted_at_end};
 pub use simulate::{apply, unmet};
 pub use trace::{Change, Trace};
 pub use violation::{Assumption, Missing, Violation};
+pub use walk::STATES;
 
-use crate::domain::{ActionId, Domain, RuleTime};
+use crate::domain::{ActionId, Domain};
 use crate::goal::Spoken;
-use crate::plan::{Node, Plan, Step, StepId};
+use crate::plan::{Plan, Step};
 use crate::search::Wanted;
-use crate::world::{Bindings, Claim, EntityId, Fact, Moment, State, World, differences, holds, subject_of};
+use crate::world::{Claim, EntityId, Fact, Moment, State, World, differences, holds, subject_of};
+use walk::{Walk, Way};
 
 /// What a plan is for, as far as it is known.
 #[derive(Debug, Clone, Default)]
@@ -40,6 +49,8 @@ pub struct Purpose {
     pub from_goal: bool,
     /// What the plan claims the world to be afterwards.
     pub claim: Option<Claim>,
+    /// What its steps claim to hold after them, in the order of the steps.
+    pub step_claims: Vec<StepClaim>,
     /// What was asked for, in a person's words.
     pub instruction: Option<String>,
 }
@@ -49,14 +60,23 @@ pub struct Purpose {
 pub struct Report {
     /// The plan, all arguments bound.
     pub plan: Plan,
-    /// What each step changed.
-    pub trace: Trace,
+    /// How it can end, at least one: several where sensing decides, sorted by what it told.
+    pub endings: Vec<Ending>,
     /// What is wrong; empty for a good plan.
     pub violations: Vec<Violation>,
     /// What is odd without being wrong.
     pub warnings: Vec<Violation>,
     /// What the verdict rests on that the environment does not say.
     pub assumptions: Vec<Assumption>,
+}
+
+/// One way in which a plan can end.
+#[derive(Debug, Clone)]
+pub struct Ending {
+    /// What sensing told on the way, as far as it is still known; empty for a plan without sensing.
+    pub when: Vec<Fact>,
+    /// What each step changed, on one way that ends so.
+    pub trace: Trace,
     /// The world after the last step.
     pub after: State,
 }
@@ -85,13 +105,23 @@ impl VerifiedPlan {
         &self.report
     }
 
-    /// The world after the last step.
-    pub fn after(&self) -> &State {
-        &self.report.after
+    /// How it can end, at least one.
+    pub fn endings(&self) -> &[Ending] {
+        &self.report.endings
+    }
+
+    /// Its first ending: the only one of a plan without sensing.
+    pub fn ending(&self) -> &Ending {
+        self.report.ending()
     }
 }
 
 impl Report {
+    /// The first ending: the only one of a plan without sensing.
+    pub fn ending(&self) -> &Ending {
+        &self.endings[0]
+    }
+
     /// The plan, if nothing speaks against it.
     ///
     /// # Errors
@@ -114,185 +144,89 @@ impl Report {
 /// When the plan claims an environment afterwards, what it promises must come true: a fact that is claimed, did not
 /// hold before, does not hold in the end, and that some action could have brought about is a violation. Everything
 /// else in which claim and simulation differ is for [`crate::answer::compare_claims`] to show.
+///
+/// Every way through the plan is followed: both sides of a branch, each outcome of sensing, a loop until no new state
+/// comes up, lanes in every order. What is so only on some of them is told with what sensing told there.
 pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
-    let mut walk = Walk {
-        domain,
-        world,
-        plan: &plan,
-        violations: Vec::new(),
-        warnings: Vec::new(),
-        rested: Vec::new(),
-        bindings: Vec::new(),
-        fired: Vec::new(),
-    };
-    let mut path = Path {
-        state: world.state.clone(),
-        trace: Trace::default(),
-        broken: Vec::new(),
-    };
-    walk.nodes(plan.body(), &mut path);
-    walk.end(&path.state, purpose);
-    let Walk {
-        violations,
-        mut warnings,
-        mut rested,
-        ..
-    } = walk;
-    if let Some(instruction) = &purpose.instruction {
-        warnings.extend(moved_unasked(domain, world, &path.state, instruction));
-    }
+    let mut walk = Walk::new(domain, world, &plan, &purpose.step_claims);
+    let ends = walk.run();
+    let mut endings = walk.each(ends, |walk, way| {
+        end(walk, &way, purpose);
+        vec![Ending {
+            when: walk.when(&way),
+            trace: walk.history.trace(way.here),
+            after: way.state,
+        }]
+    });
+    endings.sort_by(|one, other| one.when.cmp(&other.when));
+    let mut rested = std::mem::take(&mut walk.rested);
     rested.sort_unstable();
     rested.dedup();
     let assumption = |fact: Fact| {
         let ground = world.assumed(fact)?;
         Some(Assumption::Fact { fact, ground })
     };
+    let (mut violations, warnings) = walk.findings();
+    if endings.len() > 1 {
+        // One environment can tell only one of the endings: it is enough if one is as it claims.
+        let of_some = |violation: &Violation| matches!(violation, Violation::When { violation, .. } if matches!(**violation, Violation::Claim { .. }));
+        violations.retain(|violation| !of_some(violation));
+    }
     Report {
-        trace: path.trace,
+        endings,
         violations,
         warnings,
         assumptions: rested.into_iter().filter_map(assumption).collect(),
-        after: path.state,
         plan,
     }
 }
 
-/// One way through a plan.
-struct Path {
-    state: State,
-    trace: Trace,
-    /// The rules that are broken in the state, so that each is told where it begins to be.
-    broken: Vec<(usize, Bindings)>,
-}
-
-/// What is found on the way, and room to work in.
-struct Walk<'a> {
-    domain: &'a Domain,
-    world: &'a World,
-    plan: &'a Plan,
-    violations: Vec<Violation>,
-    warnings: Vec<Violation>,
-    rested: Vec<Fact>,
-    bindings: Bindings,
-    fired: Vec<(Fact, bool)>,
-}
-
-impl Walk<'_> {
-    fn nodes(&mut self, nodes: &[Node], path: &mut Path) {
-        for node in nodes {
-            match node {
-                Node::Step(id) => self.step(*id, path),
-            }
+/// What is wrong with the state in which a way ends.
+fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
+    let (domain, world, state) = (walk.domain, walk.world, &way.state);
+    let (mut wrong, mut odd) = (Vec::new(), Vec::new());
+    let promises = purpose.claim.as_ref().map(|claim| claim.promises(domain, world));
+    let meant: Vec<EntityId> = promises
+        .iter()
+        .flatten()
+        .map(|fact| subject_of(domain, *fact))
+        .collect();
+    for broken in broken_at_end(domain, world, state, purpose) {
+        // What the plan says it changes is not untidy.
+        if !broken.binds && broken.bindings.iter().any(|entity| meant.contains(entity)) {
+            continue;
+        }
+        let list = if broken.binds { &mut wrong } else { &mut odd };
+        list.push(Violation::Rule {
+            step: None,
+            rule: broken.rule,
+            bindings: broken.bindings,
+        });
+    }
+    let moment = Moment { world, state };
+    for (index, wanted) in purpose.wanted.iter().enumerate() {
+        if !holds(moment, &wanted.condition, &mut wanted.bindings.clone()) {
+            wrong.push(Violation::Goal { index });
         }
     }
-
-    fn step(&mut self, id: StepId, path: &mut Path) {
-        let step = self.plan.step(id);
-        let action = self.domain.action(step.action);
-        self.bindings.clear();
-        self.bindings.extend_from_slice(&step.arguments);
-        let moment = Moment {
-            world: self.world,
-            state: &path.state,
-        };
-        if holds(moment, &action.precondition, &mut self.bindings) {
-            simulate::rests_on(
-                moment,
-                &action.precondition,
-                &mut self.bindings,
-                path.trace.changes(),
-                &mut self.rested,
-            );
-        } else {
-            let missing = unmet(self.world, &path.state, &action.precondition, &mut self.bindings);
-            self.violations.push(Violation::Precondition {
-                step: id.index(),
-                missing: violation::with_culprits(missing, &path.trace),
-            });
-        }
-        let changes = path.trace.begin(id);
-        simulate::apply_onto(
-            self.world,
-            &mut path.state,
-            action,
-            &mut self.bindings,
-            &mut self.fired,
-            changes,
-        );
-        if path.trace.last().is_empty() && !action.effects.is_empty() {
-            self.warnings.push(Violation::NoEffect { step: id.index() });
-        }
-        self.always(id, path);
+    if let Some(claim) = &purpose.claim {
+        let mut broken = broken_promises(domain, world, claim, state);
+        let steps = walk.plan.steps().iter();
+        let led = steps.filter(|step| hides_places(domain, step.action));
+        let handled: Vec<EntityId> = led.filter_map(|step| step.object(domain)).collect();
+        let mut placed = places_claimed(domain, world, claim, &handled);
+        placed.retain(|fact| !state.holds(*fact));
+        broken.extend(placed);
+        wrong.extend(broken.into_iter().map(|fact| Violation::Claim { fact }));
     }
-
-    /// Rules that hold in every state: told after the step that breaks them.
-    fn always(&mut self, id: StepId, path: &mut Path) {
-        let rules = self.domain.rules.iter().enumerate();
-        let mut now = Vec::new();
-        for (number, rule) in rules.filter(|(_, rule)| rule.time == RuleTime::Always) {
-            for bindings in broken_bindings(rule, self.world, &path.state) {
-                // What held in the first state has been looked at when the environment was read.
-                let broken = (number, bindings);
-                if !path.broken.contains(&broken) {
-                    self.violations.push(Violation::Rule {
-                        step: Some(id.index()),
-                        rule: number,
-                        bindings: broken.1.clone(),
-                    });
-                }
-                now.push(broken);
-            }
-        }
-        path.broken = now;
+    if let Some(instruction) = &purpose.instruction {
+        odd.extend(moved_unasked(domain, world, state, instruction));
     }
-
-    fn end(&mut self, state: &State, purpose: &Purpose) {
-        let promises = purpose
-            .claim
-            .as_ref()
-            .map(|claim| claim.promises(self.domain, self.world));
-        let meant: Vec<EntityId> = promises
-            .iter()
-            .flatten()
-            .map(|fact| subject_of(self.domain, *fact))
-            .collect();
-        for broken in broken_at_end(self.domain, self.world, state, purpose) {
-            // What the plan says it changes is not untidy.
-            if !broken.binds && broken.bindings.iter().any(|entity| meant.contains(entity)) {
-                continue;
-            }
-            let list = if broken.binds {
-                &mut self.violations
-            } else {
-                &mut self.warnings
-            };
-            list.push(Violation::Rule {
-                step: None,
-                rule: broken.rule,
-                bindings: broken.bindings,
-            });
-        }
-        let moment = Moment {
-            world: self.world,
-            state,
-        };
-        for (index, wanted) in purpose.wanted.iter().enumerate() {
-            if !holds(moment, &wanted.condition, &mut wanted.bindings.clone()) {
-                self.violations.push(Violation::Goal { index });
-            }
-        }
-        if let Some(claim) = &purpose.claim {
-            let mut broken = broken_promises(self.domain, self.world, claim, state);
-            let steps = self.plan.steps().iter();
-            let led = steps.filter(|step| hides_places(self.domain, step.action));
-            let handled: Vec<EntityId> = led.filter_map(|step| step.object(self.domain)).collect();
-            let mut placed = places_claimed(self.domain, self.world, claim, &handled);
-            placed.retain(|fact| !state.holds(*fact));
-            broken.extend(placed);
-            self.violations
-                .extend(broken.into_iter().map(|fact| Violation::Claim { fact }));
-        }
-    }
+    let when = walk.when(way);
+    wrong
+        .into_iter()
+        .for_each(|violation| walk.wrong(violation, when.clone()));
+    odd.into_iter().for_each(|violation| walk.odd(violation, when.clone()));
 }
 
 /// What is claimed to have come about, has not, and could have.

@@ -137,12 +137,12 @@ fn shortest(alternatives: impl Iterator<Item = Vec<Missing>>) -> Vec<Missing> {
     alternatives.min_by_key(length).unwrap_or_default()
 }
 
-/// Adds to `rested` the facts assumed at the start, and untouched since, that make the condition hold.
+/// Adds to `rested` the facts assumed at the start, and not `touched` since, that make the condition hold.
 pub(super) fn rests_on(
     moment: Moment<'_>,
     condition: &Condition,
     bindings: &mut Bindings,
-    touched: &[Change],
+    touched: &dyn Fn(Fact) -> bool,
     rested: &mut Vec<Fact>,
 ) {
     match condition {
@@ -174,8 +174,7 @@ pub(super) fn rests_on(
         }
         Condition::Atom { atom, holds: true, .. } => {
             let fact = ground(atom, bindings);
-            let untouched = || touched.iter().all(|change| change.fact != fact);
-            if moment.world.assumed(fact).is_some() && untouched() {
+            if moment.world.assumed(fact).is_some() && !touched(fact) {
                 rested.push(fact);
             }
         }

@@ -21,20 +21,15 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// Begins a step; what it changes is added to the list that is returned.
-    pub(super) fn begin(&mut self, step: StepId) -> &mut Vec<Change> {
+    /// Adds a step with what it changed.
+    pub(super) fn add(&mut self, step: StepId, changes: &[Change]) {
         self.begins.push((step, self.changes.len()));
-        &mut self.changes
+        self.changes.extend_from_slice(changes);
     }
 
     /// All changes, in order.
     pub fn changes(&self) -> &[Change] {
         &self.changes
-    }
-
-    /// What the last step changed.
-    pub(super) fn last(&self) -> &[Change] {
-        self.begins.last().map_or(&[], |(_, begin)| &self.changes[*begin..])
     }
 
     /// Each step that was done, in the order in which it was done, with what it changed, sorted by fact.

@@ -2,10 +2,10 @@
 
 use super::{World, write};
 use crate::domain::Domain;
-use crate::verify::VerifiedPlan;
+use crate::verify::Ending;
 
 impl World {
-    /// The world after a plan, as the next instruction finds it.
+    /// The world after a plan that ended so, as the next instruction finds it.
     ///
     /// What an environment can say is as the plan left it. What it cannot say is as it was before the first step:
     /// what is known of things stays known (a crate that has been emptied is still something to put things into),
@@ -13,19 +13,19 @@ impl World {
     /// next instruction finds what somebody would who reads the environment that was saved, and nothing of the
     /// knowledge that came with the first one is lost.
     #[must_use]
-    pub fn after(&self, domain: &Domain, plan: &VerifiedPlan) -> Self {
+    pub fn after(&self, domain: &Domain, ending: &Ending) -> Self {
         let said = |predicate| domain.states.iter().any(|word| word.atom.predicate == predicate);
         let mut next = self.clone();
-        next.environment = write(domain, self, plan.after());
+        next.environment = write(domain, self, &ending.after);
         let before = self.state.iter().filter(|fact| said(fact.predicate()));
-        for fact in before.filter(|fact| !plan.after().holds(*fact)) {
+        for fact in before.filter(|fact| !ending.after.holds(*fact)) {
             next.state.set(fact, false);
         }
-        for fact in plan.after().iter().filter(|fact| said(fact.predicate())) {
+        for fact in ending.after.iter().filter(|fact| said(fact.predicate())) {
             next.state.set(fact, true);
         }
         // What a step made true or false is not assumed any more.
-        for change in plan.report().trace.changes() {
+        for change in ending.trace.changes() {
             next.assumed.remove(&change.fact);
         }
         next
@@ -73,7 +73,7 @@ mod tests {
             ("put(pen, chest)", "inside_something(<chest>)"),
         ] {
             let plan = plan(&household, &world, goal);
-            world = world.after(&household, &plan);
+            world = world.after(&household, plan.ending());
             assert_eq!(
                 world.environment.object_states["<pen>"].as_slice(),
                 [expected],

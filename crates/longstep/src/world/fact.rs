@@ -99,6 +99,17 @@ impl State {
         &facts[from..from + length]
     }
 
+    /// What of it is not as in another state, list by list: two states that come from that one are the same if these
+    /// are. Lists that both share need no look, so this costs as much as has changed.
+    pub(crate) fn changed_lists(&self, from: &State) -> ChangedLists {
+        let empty = Arc::default();
+        let changed = |(index, facts): (usize, &Arc<Vec<Fact>>)| {
+            let other = from.by_predicate.get(index).unwrap_or(&empty);
+            (!Arc::ptr_eq(facts, other) && facts != other).then(|| (index, facts.clone()))
+        };
+        self.by_predicate.iter().enumerate().filter_map(changed).collect()
+    }
+
     /// How many facts hold.
     pub fn len(&self) -> usize {
         self.by_predicate.iter().map(|facts| facts.len()).sum()
@@ -124,6 +135,9 @@ impl Hash for State {
         self.iter().for_each(|fact| fact.hash(hasher));
     }
 }
+
+/// The lists of a state that are not as in another one, by predicate.
+pub(crate) type ChangedLists = Vec<(usize, Arc<Vec<Fact>>)>;
 
 /// Facts in no order that anybody may see.
 pub type FactSet = FxHashSet<Fact>;

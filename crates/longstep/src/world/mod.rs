@@ -19,12 +19,13 @@ pub use diff::{Difference, differences};
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};
 pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term};
+pub(crate) use fact::ChangedLists;
 pub use fact::{EntityId, Fact, FactSet, State};
 pub use naming::{Voice, fact_text};
 pub(crate) use read::ENTITY_LIMIT;
 pub use read::read;
-pub(crate) use write::word_for;
 pub use write::write;
+pub(crate) use write::{fact_of, word_for};
 
 use std::sync::Arc;
 

@@ -68,7 +68,7 @@ fn revise(domain: &Domain, world: &World, state: &State, subject: EntityId, word
     };
 }
 
-pub(super) fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Option<Fact> {
+pub(crate) fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Option<Fact> {
     let call = Call::parse(text).ok()?;
     let word = domain
         .states

@@ -81,7 +81,7 @@ impl Recomputation {
         };
         let verified = verify::check(domain, &world, steps, &purpose).into_verified();
         let verified = verified.unwrap_or_else(|report| panic!("{:?}", report.violations));
-        self.environment = world::write(domain, &world, verified.after());
+        self.environment = world::write(domain, &world, &verified.ending().after);
         assert_eq!(json(claimed), json(&self.environment), "claimed after");
         assert_eq!(json(&carried.environment), json(&self.environment), "carried");
     }

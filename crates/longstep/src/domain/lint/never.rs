@@ -176,6 +176,7 @@ impl Family<'_> {
                 let adds = |action: &&Action| {
                     let mut effects = action.effects.iter();
                     effects.any(|effect| effect.adds && effect.atom.predicate == *predicate)
+                        || action.senses.iter().any(|atom| atom.predicate == *predicate)
                 };
                 let adding: Vec<&str> = domain.actions.iter().filter(adds).map(|a| a.name.as_str()).collect();
                 if adding.is_empty() {
@@ -283,10 +284,11 @@ fn source_of(name: &str) -> String {
     )
 }
 
-/// Whether some action makes the predicate true (`adds`) or false. That the action can never apply is told of it.
+/// Whether some action makes the predicate true (`adds`) or false; one that is told may turn out to be either. That the
+/// action can never apply is told of it.
 fn changes(domain: &Domain, predicate: PredicateId, adds: bool) -> bool {
     let mut effects = domain.actions.iter().flat_map(|action| &action.effects);
-    effects.any(|effect| effect.atom.predicate == predicate && effect.adds == adds)
+    domain.is_sensed(predicate) || effects.any(|effect| effect.atom.predicate == predicate && effect.adds == adds)
 }
 
 /// Whether some action changes something towards the condition.

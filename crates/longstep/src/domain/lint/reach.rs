@@ -85,7 +85,7 @@ impl<'a> Reach<'a> {
         said
     }
 
-    /// What actions can make true.
+    /// What actions can make true, or tell.
     fn done(&self) -> Vec<PredicateId> {
         let mut done = Vec::new();
         for action in self
@@ -99,6 +99,7 @@ impl<'a> Reach<'a> {
                     done.push(effect.atom.predicate);
                 }
             }
+            done.extend(action.senses.iter().map(|atom| atom.predicate));
         }
         done
     }

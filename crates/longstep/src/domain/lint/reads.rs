@@ -27,6 +27,12 @@ impl Reads {
         for state in &domain.states {
             shown[state.atom.predicate.index()] = true;
         }
+        // Goals that depend on a fact ask for the event that it held, too.
+        for words in &domain.predicate_words {
+            if let Some(past) = words.past {
+                asked[past.index()] = true;
+            }
+        }
         Self { asked, shown }
     }
 
@@ -66,8 +72,9 @@ fn effects(domain: &Domain, reads: &Reads, places: &Places<'_>, action: &Action,
     let name = action.name.as_str();
     if is_useless(reads, action) {
         let mut changed: Vec<&str> = Vec::new();
-        for effect in &action.effects {
-            let predicate = domain.predicate(effect.atom.predicate).name.as_str();
+        let effects = action.effects.iter().map(|effect| &effect.atom);
+        for atom in effects.chain(&action.senses) {
+            let predicate = domain.predicate(atom.predicate).name.as_str();
             if !changed.contains(&predicate) {
                 changed.push(predicate);
             }
@@ -82,7 +89,8 @@ fn effects(domain: &Domain, reads: &Reads, places: &Places<'_>, action: &Action,
         } else {
             (
                 format!(
-                    "the action `{name}` only changes {}, which nothing reads",
+                    "the action `{name}` only {} {}, which nothing reads",
+                    if action.senses.is_empty() { "changes" } else { "tells" },
                     quoted(&changed)
                 ),
                 let_it_be_read(changed[0], "take the action out"),
@@ -114,11 +122,11 @@ fn effects(domain: &Domain, reads: &Reads, places: &Places<'_>, action: &Action,
     }
 }
 
+/// Whether nothing reads what the action changes, or what it tells.
 fn is_useless(reads: &Reads, action: &Action) -> bool {
-    action
-        .effects
-        .iter()
-        .all(|effect| reads.nothing_reads(effect.atom.predicate))
+    let changed = action.effects.iter().map(|effect| effect.atom.predicate);
+    let told = action.senses.iter().map(|atom| atom.predicate);
+    changed.chain(told).all(|predicate| reads.nothing_reads(predicate))
 }
 
 fn let_it_be_read(name: &str, otherwise: &str) -> String {

@@ -53,6 +53,7 @@ impl Loader<'_> {
         RepairCosts {
             insert: cost(&entry.insert, usual.insert),
             replace: cost(&entry.replace, usual.replace),
+            other_actor: cost(&entry.other_actor, usual.other_actor),
             postpone: cost(&entry.postpone, usual.postpone),
             rebind: cost(&entry.rebind, usual.rebind),
             drop_idle: cost(&entry.drop_idle, usual.drop_idle),

@@ -101,9 +101,11 @@ pub(super) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
 pub(super) const FENCE: &str = "```";
 
 /// Keys that tell a plan from everything else that a reply may hold.
-const PLAN_KEYS: [&str; 7] = [
+pub(super) const PLAN_KEYS: [&str; 9] = [
     "task_cohesion",
     "task_sequence",
+    "task_tree",
+    "python_script",
     "step_instructions",
     "environment_before",
     "environment_after",

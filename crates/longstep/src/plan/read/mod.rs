@@ -6,6 +6,7 @@
 mod leniency;
 mod literal;
 mod quoted;
+mod scripts;
 mod shape;
 #[cfg(test)]
 mod tests;
@@ -19,7 +20,7 @@ use std::ops::Range;
 use super::PlanFile;
 use crate::diagnostic::Position;
 use leniency::Notes;
-use literal::{FENCE, Fault, Literal, Reason};
+use literal::{FENCE, Fault, Literal, PLAN_KEYS, Reason};
 use shape::Likeness;
 use unreadable::{DEEPEST, LARGEST};
 
@@ -35,7 +36,8 @@ pub struct Draft {
 /// Reads the plan in a model's reply.
 ///
 /// The plan is an object in the paper's format, as JSON or as a Python literal, alone or among words and in a code
-/// block. The time taken grows with the length of the text.
+/// block; or a script as in [`super::script`], alone or in a code block. The time taken grows with the length of the
+/// text.
 ///
 /// # Errors
 ///
@@ -60,7 +62,16 @@ pub fn read(text: &str) -> Result<Draft, Unreadable> {
             limit: LARGEST,
         });
     }
-    let seen = survey(text)?;
+    let surveyed = survey(text);
+    let may_be_script = match &surveyed {
+        Ok(seen) => seen.plan.is_none(),
+        // Whatever it is, it was not meant as a plan in JSON.
+        Err(_) => !PLAN_KEYS.iter().any(|key| text.contains(key)),
+    };
+    if may_be_script && let Some(draft) = scripts::read(text) {
+        return draft;
+    }
+    let seen = surveyed?;
     let position = |at| Position::of(text, at);
     match (seen.plan, seen.broken, seen.object) {
         (

@@ -2,13 +2,14 @@
 
 use indexmap::IndexMap;
 use indexmap::map::Entry as Slot;
+use serde_json::{Map, Value};
 
 use super::leniency::{LeniencyKind as Kind, Notes};
-use super::literal::{Entry, Node, Value, shorten};
+use super::literal::{Entry, Node, Value as Literal, shorten};
 use super::unreadable::Unreadable;
 use crate::diagnostic::Position;
 use crate::json::Path;
-use crate::plan::{PlanFile, TaskCohesion};
+use crate::plan::{EndingFile, PlanFile, TaskCohesion, TreeError, read_tree, script};
 use crate::world::{Environment, Words};
 
 type Shaped<T> = Result<T, Unreadable>;
@@ -28,15 +29,18 @@ pub(super) fn likeness(node: &Node) -> Option<Likeness> {
 }
 
 fn own_likeness(node: &Node) -> Option<Likeness> {
-    let Value::Object(entries) = &node.value else {
+    let Literal::Object(entries) = &node.value else {
         return None;
     };
-    let asks = |value: &Value| matches!(value, Value::Text(text) if !text.trim().is_empty());
-    if entries.iter().any(|entry| entry.key == "task_cohesion") {
+    let asks = |value: &Literal| matches!(value, Literal::Text(text) if !text.trim().is_empty());
+    if entries
+        .iter()
+        .any(|entry| entry.key == "task_cohesion" || entry.key == "python_script")
+    {
         Some(Likeness::Whole)
     } else if entries
         .iter()
-        .any(|entry| entry.key == "task_sequence" || (entry.key == "question" && asks(&entry.node.value)))
+        .any(|entry| is_steps(&entry.key) || (entry.key == "question" && asks(&entry.node.value)))
     {
         Some(Likeness::Part)
     } else {
@@ -44,10 +48,15 @@ fn own_likeness(node: &Node) -> Option<Likeness> {
     }
 }
 
+/// Whether the steps of a plan stand under this key.
+fn is_steps(key: &str) -> bool {
+    matches!(key, "task_sequence" | "task_tree")
+}
+
 /// The key and the value of an object that has only one.
 fn wrapped(node: &Node) -> Option<(&str, &Node)> {
     match &node.value {
-        Value::Object(entries) => match entries.as_slice() {
+        Literal::Object(entries) => match entries.as_slice() {
             [only] => Some((&only.key, &only.node)),
             _ => None,
         },
@@ -68,14 +77,22 @@ pub(super) fn plan(text: &str, node: &Node, notes: &mut Notes) -> Shaped<PlanFil
     }
 }
 
-const PLAN_KEYS: [&str; 5] = [
+const PLAN_KEYS: [&str; 7] = [
     "task_cohesion",
+    "python_script",
     "environment_before",
     "environment_after",
+    "endings",
     "instruction_summary",
     "question",
 ];
-const COHESION_KEYS: [&str; 4] = ["task_sequence", "step_instructions", "object_name", "object_names"];
+const COHESION_KEYS: [&str; 5] = [
+    "task_sequence",
+    "step_instructions",
+    "task_tree",
+    "object_name",
+    "object_names",
+];
 const ENVIRONMENT_KEYS: [&str; 7] = [
     "assets",
     "asset_states",
@@ -117,12 +134,16 @@ impl Shape<'_, '_> {
         };
         let question = self.field(&fields, "question", Self::text)?.unwrap_or_default();
         let asks = !question.trim().is_empty();
-        let cohesion = if whole {
+        let script = self.field(&fields, "python_script", Self::script)?;
+        let cohesion = if let Some(script) = script {
+            self.alone(&fields, "python_script", &["task_cohesion"])?;
+            Some(script)
+        } else if whole {
             self.field(&fields, "task_cohesion", |shape, node, path| {
                 let fields = shape.fields(node, path, &COHESION_KEYS)?;
                 shape.cohesion(&fields, asks)
             })?
-        } else if fields.get("task_sequence").is_some() {
+        } else if fields.known.iter().any(|(key, _)| is_steps(key)) {
             self.notes.add(Kind::Flattened, node.at);
             Some(self.cohesion(&fields, asks)?)
         } else {
@@ -132,6 +153,7 @@ impl Shape<'_, '_> {
             task_cohesion: self.required(cohesion, &fields, "task_cohesion", "an object with the steps", asks)?,
             environment_before: self.field(&fields, "environment_before", Self::environment)?,
             environment_after: self.field(&fields, "environment_after", Self::environment)?,
+            endings: self.field(&fields, "endings", Self::endings)?.unwrap_or_default(),
             instruction_summary: self
                 .field(&fields, "instruction_summary", Self::text)?
                 .unwrap_or_default(),
@@ -139,7 +161,26 @@ impl Shape<'_, '_> {
         })
     }
 
+    fn endings(&mut self, node: &Node, path: &Path) -> Shaped<Vec<EndingFile>> {
+        let Literal::List(items) = &node.value else {
+            return Err(self.wrong(node, path, "a list of endings"));
+        };
+        let ending = |(index, item): (usize, &Node)| {
+            let fields = self.fields(item, &path.index(index), &["when", "environment_after"])?;
+            let when = self.field(&fields, "when", Self::texts)?;
+            let after = self.field(&fields, "environment_after", Self::environment)?;
+            Ok(EndingFile {
+                when: self.required(when, &fields, "when", "a list of facts", false)?,
+                environment_after: self.required(after, &fields, "environment_after", "an environment", false)?,
+            })
+        };
+        items.iter().enumerate().map(ending).collect()
+    }
+
     fn cohesion(&mut self, fields: &Fields, asks: bool) -> Shaped<TaskCohesion> {
+        if let Some(tree) = fields.get("task_tree") {
+            return self.tree(tree, fields);
+        }
         let steps = self.field(fields, "task_sequence", Self::texts)?;
         let explanations = self.field(fields, "step_instructions", Self::texts)?;
         Ok(TaskCohesion {
@@ -147,13 +188,49 @@ impl Shape<'_, '_> {
             step_instructions: self.required(explanations, fields, "step_instructions", "a list of texts", true)?,
             object_name: self.field(fields, "object_name", Self::text)?,
             object_names: self.field(fields, "object_names", Self::texts)?.unwrap_or_default(),
+            task_tree: None,
         })
+    }
+
+    /// Reads steps that are a tree: strictly, in whatever style its values are written.
+    fn tree(&mut self, tree: &Node, fields: &Fields) -> Shaped<TaskCohesion> {
+        self.alone(fields, "task_tree", &["task_sequence", "step_instructions"])?;
+        let object = self.field(fields, "object_name", Self::text)?;
+        let objects = self.field(fields, "object_names", Self::texts)?.unwrap_or_default();
+        let path = fields.path.push("task_tree");
+        let read = |value: Value| read_tree(&value, object.into_iter().chain(objects).collect(), &path);
+        let written = json(tree, &path).and_then(read).map_err(|error| Unreadable::Tree {
+            position: Position::of(self.text, tree.at),
+            error,
+        })?;
+        Ok(TaskCohesion::from_written(written))
+    }
+
+    fn script(&mut self, node: &Node, path: &Path) -> Shaped<TaskCohesion> {
+        let written = script::read(&self.text(node, path)?).map_err(|error| Unreadable::Script {
+            inside: Some(Position::of(self.text, node.at)),
+            error,
+        })?;
+        Ok(TaskCohesion::from_written(written))
+    }
+
+    /// What says the same as `key` must not stand beside it.
+    fn alone(&self, fields: &Fields, key: &str, others: &[&str]) -> Shaped<()> {
+        let other = others.iter().find_map(|other| Some((other, fields.get(other)?)));
+        let Some((other, node)) = other.filter(|(_, node)| node.value != Literal::Null) else {
+            return Ok(());
+        };
+        let expected = match key {
+            "task_tree" => "left out beside `task_tree`",
+            _ => "left out beside `python_script`",
+        };
+        Err(self.wrong(node, &fields.path.push(other), expected))
     }
 
     /// Reads an environment, bare or wrapped in `{"environment": ...}`.
     fn environment(&mut self, node: &Node, path: &Path) -> Shaped<Environment> {
         let wraps = |entry: &Entry| entry.key == "environment";
-        if matches!(&node.value, Value::Object(entries) if entries.iter().any(wraps)) {
+        if matches!(&node.value, Literal::Object(entries) if entries.iter().any(wraps)) {
             let fields = self.fields(node, path, &["environment"])?;
             self.notes.add_about(Kind::Wrapped, node.at, path.push("environment"));
             let inner = self.field(&fields, "environment", Self::bare_environment)?;
@@ -181,7 +258,7 @@ impl Shape<'_, '_> {
 
     /// The entries under the keys that are known; the others are listed.
     fn fields<'v>(&mut self, node: &'v Node, path: &Path, known: &[&'static str]) -> Shaped<Fields<'v>> {
-        let Value::Object(entries) = &node.value else {
+        let Literal::Object(entries) = &node.value else {
             return Err(self.wrong(node, path, "an object"));
         };
         let mut fields = Fields {
@@ -222,7 +299,7 @@ impl Shape<'_, '_> {
             return Ok(None);
         };
         let path = fields.path.push(key);
-        if node.value == Value::Null {
+        if node.value == Literal::Null {
             self.notes.add_about(Kind::Null, node.at, path);
             return Ok(None);
         }
@@ -259,13 +336,13 @@ impl Shape<'_, '_> {
 
     fn text(&mut self, node: &Node, path: &Path) -> Shaped<String> {
         match &node.value {
-            Value::Text(text) => Ok(text.clone()),
+            Literal::Text(text) => Ok(text.clone()),
             _ => Err(self.wrong(node, path, "a text in quotes")),
         }
     }
 
     fn texts(&mut self, node: &Node, path: &Path) -> Shaped<Vec<String>> {
-        let Value::List(items) = &node.value else {
+        let Literal::List(items) = &node.value else {
             return Err(self.wrong(node, path, "a list of texts"));
         };
         let item = |(index, item)| self.text(item, &path.index(index));
@@ -274,8 +351,8 @@ impl Shape<'_, '_> {
 
     fn words(&mut self, node: &Node, path: &Path) -> Shaped<Words> {
         match &node.value {
-            Value::Text(word) => Ok(Words::One(word.clone())),
-            Value::List(_) => self.texts(node, path).map(Words::Many),
+            Literal::Text(word) => Ok(Words::One(word.clone())),
+            Literal::List(_) => self.texts(node, path).map(Words::Many),
             _ => Err(self.wrong(node, path, "a text or a list of texts")),
         }
     }
@@ -291,7 +368,7 @@ impl Shape<'_, '_> {
         path: &Path,
         read: impl Fn(&mut Self, &Node, &Path) -> Shaped<T>,
     ) -> Shaped<IndexMap<String, T>> {
-        let Value::Object(entries) = &node.value else {
+        let Literal::Object(entries) = &node.value else {
             return Err(self.wrong(node, path, "an object"));
         };
         let mut map: IndexMap<String, T> = IndexMap::with_capacity(entries.len());
@@ -329,13 +406,42 @@ impl Shape<'_, '_> {
             position: Position::of(self.text, node.at),
             expected,
             found: match node.value {
-                Value::Null => "null",
-                Value::Bool(_) => "true or false",
-                Value::Number(_) => "a number",
-                Value::Text(_) => "a text",
-                Value::List(_) => "a list",
-                Value::Object(_) => "an object",
+                Literal::Null => "null",
+                Literal::Bool(_) => "true or false",
+                Literal::Number(_) => "a number",
+                Literal::Text(_) => "a text",
+                Literal::List(_) => "a list",
+                Literal::Object(_) => "an object",
             },
         }
     }
+}
+
+/// A value in whatever style it was written, as JSON. A key may stand in an object once.
+fn json(node: &Node, path: &Path) -> Result<Value, TreeError> {
+    Ok(match &node.value {
+        Literal::Null => Value::Null,
+        Literal::Bool(value) => Value::Bool(*value),
+        Literal::Number(digits) => serde_json::from_str(digits).unwrap_or(Value::Null),
+        Literal::Text(text) => Value::String(text.clone()),
+        Literal::List(items) => {
+            let items = items.iter().enumerate();
+            Value::Array(
+                items
+                    .map(|(index, item)| json(item, &path.index(index)))
+                    .collect::<Result<_, _>>()?,
+            )
+        }
+        Literal::Object(entries) => {
+            let mut object = Map::new();
+            for Entry { key, node, .. } in entries {
+                let path = path.push(&shorten(key));
+                if object.insert(key.clone(), json(node, &path)?).is_some() {
+                    let message = "stands there twice".to_owned();
+                    return Err(TreeError { path, message });
+                }
+            }
+            Value::Object(object)
+        }
+    })
 }

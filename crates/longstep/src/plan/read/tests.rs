@@ -267,7 +267,7 @@ fn what_is_no_plan_is_told_apart() {
     );
     check("[1, 2]", "the reply is prose, with no plan in it: \"[1, 2]\"");
     check(
-        r#"See {"python_script": "a()", "question": ""}"#,
+        r#"See {"python_code": "a()", "question": ""}"#,
         "line 1, column 5: the reply holds an object but no plan",
     );
     check(
@@ -325,8 +325,8 @@ fn hostile_texts_are_refused_in_time() {
         &" ".repeat((1 << 20) + 1),
         "the reply has 1048577 bytes; at most 1048576 are read",
     );
-    let nested = format!(r#"{{"task_cohesion": {}"#, "[".repeat(100));
-    check(&nested, "line 1, column 82: brackets are nested more than 64 deep");
+    let nested = format!(r#"{{"task_cohesion": {}"#, "[".repeat(150));
+    check(&nested, "line 1, column 138: brackets are nested more than 120 deep");
     for part in [
         "{",
         "'",
@@ -361,4 +361,65 @@ fn hostile_texts_are_refused_in_time() {
     let extra: String = (0..60_000).map(|n| format!("\"{n}\": 0,")).collect();
     let reply = PLAN.replacen('{', &format!("{{{extra}"), 1);
     assert_eq!(read(&reply).unwrap().leniencies.len(), 60_000);
+}
+
+#[test]
+fn trees_and_scripts_are_found_in_replies() {
+    // What is a list of steps is read as one, in whichever notation it comes.
+    check(r#"{"python_script": "a() # A\nb() # B"}"#, "a(); b(); A; B []");
+    check("a() # A\nb() # B", "a(); b(); A; B []");
+    check(
+        "Sure:\n```python\n# now\na() # A\n```\nDone.",
+        "a(); A [Prose*2 CodeFence*2 Comment]",
+    );
+    let tree = |reply: &str| {
+        let draft = read(reply).unwrap();
+        (
+            super::super::script::write(&draft.file.task_cohesion.task_tree.unwrap()),
+            draft.leniencies.len(),
+        )
+    };
+    let branch = ("if a():\n    b()\n".to_owned(), 0);
+    assert_eq!(tree("if a():\n  b()\n"), branch);
+    assert_eq!(tree(r#"{"python_script": "\n    if a():\n        b()\n    "}"#), branch);
+    assert_eq!(
+        tree(r#"{"task_cohesion": {"task_tree": [{"if": {"call": "a()"}, "then": [{"call": "b()"}]}]}}"#),
+        branch
+    );
+    assert_eq!(
+        tree("{'task_tree': ({'if': {'call': 'a()'}, 'then': [{'call': 'b()'}]},)}").0,
+        branch.0
+    );
+    for (reply, told) in [
+        (
+            "```python\na()\n",
+            "line 3, column 1: the reply breaks off; the object that begins at line 1, column 1 does not end",
+        ),
+        (
+            "```\na()\n```\nor\n```\nb()\n```",
+            "the reply holds 2 plans that are not the same, at line 2, column 1 and line 6, column 1",
+        ),
+        (
+            "Look:\n```python\nx = a()\n```",
+            "line 3, column 3: this is an assignment, which no plan has",
+        ),
+        (
+            r#"{"python_script": "a()\nx = 1"}"#,
+            "line 1, column 19: in `python_script`, line 2, column 3: this is an assignment, which no plan has",
+        ),
+        (
+            r#"{"task_cohesion": {"task_tree": [{"if": {"call": "a()"}, "do": []}]}}"#,
+            "line 1, column 33: `task_cohesion.task_tree[0]` has no `then`",
+        ),
+        (
+            r#"{"task_cohesion": {"task_tree": [], "task_sequence": ["a()"]}}"#,
+            "line 1, column 54: `task_cohesion.task_sequence` should be left out beside `task_tree`, but is a list",
+        ),
+        (
+            "If you like, I can do it:",
+            "the reply is prose, with no plan in it: \"If you like, I can do it:\"",
+        ),
+    ] {
+        assert_eq!(read(reply).unwrap_err().to_string(), told, "{reply}");
+    }
 }

@@ -2,12 +2,13 @@
 
 use crate::diagnostic::Position;
 use crate::json::Path;
+use crate::plan::{ScriptError, TreeError};
 
 /// The most bytes that a reply may have. The longest recorded one has under four thousand.
 pub(super) const LARGEST: usize = 1 << 20;
 
-/// The deepest that brackets may be nested. A plan needs four.
-pub(super) const DEEPEST: usize = 64;
+/// The deepest that brackets may be nested. A plain plan needs four, a tree two for each level.
+pub(super) const DEEPEST: usize = 120;
 
 /// A reply that no plan can be read from. Nothing is ever completed or chosen by guesswork.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -81,6 +82,22 @@ pub enum Unreadable {
         /// What it is.
         found: &'static str,
     },
+    /// A tree of steps is not written as one.
+    #[error("{}: {error}", at(.position))]
+    Tree {
+        /// The tree.
+        position: Position,
+        /// What is wrong in it.
+        error: TreeError,
+    },
+    /// A script has what no plan has.
+    #[error("{}{error}", within(.inside))]
+    Script {
+        /// Where the text of JSON begins that holds the script; none if the reply holds it as it is.
+        inside: Option<Position>,
+        /// What is wrong, with its place in the script, or in the reply that holds it as it is.
+        error: ScriptError,
+    },
     /// A key stands there twice and the values differ.
     #[error("{}: `{path}` is given again with another value than at {}", at(.position), at(.first))]
     Contradiction {
@@ -95,7 +112,7 @@ pub enum Unreadable {
 
 impl Unreadable {
     /// What to do about it, in one sentence.
-    pub fn hint(&self) -> &'static str {
+    pub fn hint(&self) -> &str {
         match self {
             Self::Empty => "ask again; if it stays empty, look at the model's token limit and content filter",
             Self::TooLarge { .. } | Self::TooDeep { .. } => "ask again for the plan alone",
@@ -105,9 +122,17 @@ impl Unreadable {
             Self::SeveralPlans { .. } => "ask which of the plans is meant, or ask again for one object",
             Self::Malformed { .. } => "ask again for strict JSON, and say what is wrong",
             Self::WrongShape { .. } => "ask again, and say what the value should be",
+            Self::Tree { .. } => "ask again for a tree as docs/schema/plan.schema.json has it, and say what is wrong",
+            Self::Script { error, .. } => &error.hint,
             Self::Contradiction { .. } => "ask again, and say that every key may stand there once",
         }
     }
+}
+
+fn within(inside: &Option<Position>) -> String {
+    inside.map_or_else(String::new, |position| {
+        format!("{}: in `python_script`, ", at(&position))
+    })
 }
 
 fn at(position: &Position) -> String {

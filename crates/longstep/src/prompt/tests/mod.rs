@@ -2,3 +2,4 @@ mod injected;
 mod large;
 mod parts;
 mod requests;
+mod trees;

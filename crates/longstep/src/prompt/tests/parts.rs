@@ -79,8 +79,9 @@ fn every_answer_that_is_shown_can_be_read() {
             let draft = plan::read(&answer.text).unwrap();
             questions += usize::from(!draft.file.question.is_empty());
             let steps = &draft.file.task_cohesion;
-            assert_eq!(steps.task_sequence.is_empty(), !draft.file.question.is_empty());
-            assert_eq!(steps.task_sequence.len(), steps.step_instructions.len());
+            let written = steps.written().unwrap();
+            assert_eq!(written.steps.is_empty(), !draft.file.question.is_empty());
+            assert!(written.steps.iter().all(|step| !step.explanation.is_empty()));
         }
         assert_eq!(questions, 1);
     }
@@ -134,7 +135,7 @@ fn examples_that_are_none_are_told_with_file_and_line() {
     check(
         "plans.toml",
         &example(""),
-        "mine/plans.toml:2:15: an example has one of `goal`, `reply` and `question`",
+        "mine/plans.toml:2:15: an example has one of `goal`, `script`, `reply` and `question`",
     );
     check(
         "plans.toml",
@@ -149,7 +150,7 @@ fn examples_that_are_none_are_told_with_file_and_line() {
     check(
         "plans.toml",
         &example("gaol = \"put(pear, sill)\""),
-        "mine/plans.toml:3:1: unknown field `gaol`, expected one of `instruction`, `environment`, `goal`, `reply`, \
+        "mine/plans.toml:3:1: unknown field `gaol`, expected one of `instruction`, `environment`, `goal`, `script`, `reply`, \
          `question`, `summary`",
     );
     let pear = "move_hand(), grasp_object(), detach_from_plane(), move_object(), attach_to_plane()";

@@ -118,7 +118,7 @@ fn rounds_follow_the_query_and_are_never_dropped() {
 
 /// What OpenAI's strict mode asks of every object: all keys required, no others.
 #[track_caller]
-fn check_strict(schema: &Value) {
+pub(super) fn check_strict(schema: &Value) {
     match schema {
         Value::Object(fields) => {
             if schema["type"] == "object" {

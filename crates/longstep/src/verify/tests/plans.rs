@@ -1,6 +1,6 @@
 //! Plans in, messages out.
 
-use super::*;
+use super::super::*;
 use crate::domain;
 use crate::json::Path;
 use crate::plan::{TaskCohesion, resolve};

@@ -1,0 +1,170 @@
+//! `longstep compose`: stored plans put together as one plan.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use longstep::answer::{Answer, Status};
+use longstep::compose::{self, Composed, Said, Stored};
+use longstep::domain::Domain;
+use longstep::prompt::{Finish, Usage};
+use longstep::world::World;
+
+use crate::arguments::ComposeArguments;
+use crate::ask::{self, Waiting};
+use crate::failure::{Failure, LIMIT, MODEL, UNREADABLE};
+use crate::plan::said;
+use crate::solve::{finish, stopwatch};
+use crate::{inputs, show};
+
+pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
+    let started = stopwatch();
+    let domain = inputs::domain(&arguments.world.domain)?;
+    let world = inputs::world(&domain, &arguments.world.env)?;
+    let stored = stored(&arguments.plans)?;
+    compose::check_names(&domain, &stored)
+        .map_err(|clash| Failure::unreadable(clash.to_string()).hint("a plan is called like its file: rename one"))?;
+    let wish = arguments.instruction.as_deref().map(said).transpose()?;
+    let mut usage = Usage::default();
+    let composition = match &arguments.script {
+        Some(path) => written(path)?,
+        None => asked(
+            arguments,
+            &domain,
+            &world,
+            &stored,
+            wish.unwrap_or_default(),
+            &mut usage,
+        )?,
+    };
+    let asked = stopwatch();
+    let summary = match wish {
+        Some(wish) => wish.to_owned(),
+        None => summary(&composition, &stored),
+    };
+    let mut answer = match composition.said {
+        Said::Question(question) => Answer::without_plan(Status::Question, &world, &summary, &question),
+        Said::Composition(written) => match compose::inline(&domain, &world, &written, &stored) {
+            Ok(inlined) => {
+                let composed = Composed::new(&domain, &world, inlined, &summary);
+                match arguments.no_repair {
+                    true => composed.verdict(&domain, &world),
+                    false => composed.mended(&domain, &world),
+                }
+            }
+            Err(misfits) => compose::refused(&world, &summary, &misfits),
+        },
+    };
+    answer.usage = usage.into();
+    answer.timings_ms.verify = stopwatch() - asked;
+    if arguments.script.is_none() {
+        answer.timings_ms.model = asked - started;
+    }
+    answer.timings_ms.total = stopwatch() - started;
+    if !arguments.json && answer.status != Status::Question {
+        show::heading("Composition");
+        for line in composition.text.trim().lines() {
+            anstream::println!("  {line}");
+        }
+        anstream::println!();
+    }
+    finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
+}
+
+/// What was written, and what was read in it.
+struct Composition {
+    text: String,
+    said: Said,
+}
+
+/// A composition that a person wrote.
+fn written(path: &Path) -> Result<Composition> {
+    let text = inputs::text(path)?;
+    let said = compose::read(&text)
+        .map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint()))?;
+    Ok(Composition { text, said })
+}
+
+/// A composition that a model writes.
+fn asked(
+    arguments: &ComposeArguments,
+    domain: &Domain,
+    world: &World,
+    stored: &[Stored],
+    wish: &str,
+    usage: &mut Usage,
+) -> Result<Composition> {
+    let mut model = ask::model(&arguments.model.model, &arguments.model)?;
+    let request = compose::request(domain, world, stored, wish, &[], model.constraint_kind());
+    let reply = model.chat(&request, &mut Waiting::new())?;
+    *usage += reply.usage;
+    let hint = "say it in other words, or use another model with --model";
+    match reply.finish {
+        Finish::Stop => {}
+        Finish::Length => return Err(Failure::new("the model's answer was cut off", LIMIT).hint(hint).into()),
+        Finish::Refused => return Err(Failure::new("the model refused to answer", MODEL).hint(hint).into()),
+    }
+    let said = compose::read(&reply.text).map_err(|error| {
+        let message = format!("the model's answer cannot be read: {error}");
+        Failure::new(message, MODEL).hint(hint)
+    })?;
+    Ok(Composition { text: reply.text, said })
+}
+
+/// What a composition without an instruction is for: what its plans are for.
+fn summary(composition: &Composition, stored: &[Stored]) -> String {
+    let Said::Composition(written) = &composition.said else {
+        return String::new();
+    };
+    let plans = written
+        .steps
+        .iter()
+        .filter_map(|step| stored.iter().find(|plan| plan.name == step.call.name));
+    let mut summaries: Vec<&str> = Vec::new();
+    for plan in plans.filter(|plan| !plan.summary.is_empty()) {
+        if !summaries.contains(&plan.summary.as_str()) {
+            summaries.push(&plan.summary);
+        }
+    }
+    summaries.join("; ")
+}
+
+/// The plans of files, and of the plan files in folders, sorted by name.
+fn stored(paths: &[PathBuf]) -> Result<Vec<Stored>> {
+    let mut files = Vec::new();
+    for path in paths {
+        match path.is_dir() {
+            true => files.extend(plan_files(path)?),
+            false => files.push(path.clone()),
+        }
+    }
+    // A file that is named twice, or beside its folder, is one plan.
+    files.sort();
+    files.dedup();
+    let mut stored = Vec::with_capacity(files.len());
+    for file in files {
+        let (draft, _) = inputs::plan(&file)?;
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+        stored.push(Stored::new(&stem, draft.file));
+    }
+    if stored.is_empty() {
+        let failure = Failure::new("there is no stored plan to put together", UNREADABLE);
+        return Err(failure.hint("`longstep plan --save PLAN.json` stores one").into());
+    }
+    Ok(stored)
+}
+
+/// The plan files of a folder; a session's log, which lies beside them, has another ending.
+fn plan_files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let failed = |error: std::io::Error| {
+        Failure::unreadable(format!("cannot read {}: {}", folder.display(), inputs::plain(&error)))
+            .hint("check the path")
+    };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if path.is_file() && path.extension().is_some_and(|ending| ending == "json") {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}

@@ -1,0 +1,136 @@
+//! Plans whose actors work side by side: a column for each, a line for each unit of time.
+
+use longstep::answer::Answer;
+use longstep::arms::{self, Row};
+use longstep::domain::Domain;
+use longstep::plan::{Lane, Node, Plan, StepId};
+use longstep::verify::{Purpose, VerifiedPlan};
+use longstep::world::World;
+use owo_colors::OwoColorize;
+
+/// What a terminal shows in a line, if nobody says otherwise.
+const WIDTH: usize = 80;
+
+/// Room for the numbers of units and what stands between columns.
+const MARGIN: usize = 6;
+
+/// Shares the work of a plan between its actors, and puts what comes out into the answer; returns the lines that show
+/// it, none if nothing can be done side by side.
+pub(crate) fn side_by_side(
+    domain: &Domain,
+    world: &World,
+    plan: &VerifiedPlan,
+    purpose: &Purpose,
+    answer: &mut Answer,
+) -> Vec<String> {
+    match arms::share(domain, world, plan, purpose) {
+        Some(compacted) => {
+            answer.side_by_side(domain, world, &compacted);
+            shown(world, compacted.plan.plan())
+        }
+        None => {
+            let note = format!(
+                "nothing of it can be done side by side: {}",
+                arms::makespan(plan.plan())
+            );
+            answer.notes.push(note);
+            Vec::new()
+        }
+    }
+}
+
+/// The plan in lines.
+fn shown(world: &World, plan: &Plan) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut unit = 0;
+    for node in plan.body() {
+        match node {
+            Node::Step(id) => {
+                unit += 1;
+                let texts = wrapped(&told(plan, *id), WIDTH - MARGIN);
+                lines.extend(line(unit, &[texts], WIDTH - MARGIN));
+            }
+            Node::Parallel { lanes } => lines.extend(beside(world, plan, lanes, &mut unit)),
+            // Nothing else comes of a list.
+            _ => {}
+        }
+    }
+    lines
+}
+
+/// A step by its number and what it does.
+fn told(plan: &Plan, id: StepId) -> String {
+    plan.step(id).explanation.clone()
+}
+
+fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<String> {
+    let column = (WIDTH - MARGIN).saturating_sub(2 * (lanes.len() - 1)) / lanes.len();
+    let heads = lanes.iter().map(|lane| {
+        let name = &world.entity(lane.actor).name;
+        format!(
+            "{}{}",
+            name.bold(),
+            " ".repeat(column.saturating_sub(name.chars().count()))
+        )
+    });
+    let heads: Vec<String> = heads.collect();
+    let mut lines = vec![format!("{}{}", " ".repeat(MARGIN), heads.join("  ").trim_end())];
+    for row in arms::timetable(lanes) {
+        match row {
+            Row::Unit(steps) => {
+                *unit += 1;
+                let cells = steps.iter().map(|step| match step {
+                    Some(id) => wrapped(&told(plan, *id), column),
+                    None => vec![String::new()],
+                });
+                lines.extend(line(*unit, &cells.collect::<Vec<_>>(), column));
+            }
+            Row::Sync { name, lanes: met } => {
+                let cells = (0..lanes.len()).map(|lane| match met.contains(&lane) {
+                    true => format!(
+                        "--- {name} {}",
+                        "-".repeat(column.saturating_sub(name.chars().count() + 5))
+                    ),
+                    false => " ".repeat(column),
+                });
+                let cells: Vec<String> = cells.collect();
+                lines.push(format!(
+                    "{}{}",
+                    " ".repeat(MARGIN),
+                    cells.join("  ").trim_end().dimmed()
+                ));
+            }
+        }
+    }
+    lines
+}
+
+/// One unit of time: its cells, each of some lines, beside each other.
+fn line(unit: usize, cells: &[Vec<String>], column: usize) -> Vec<String> {
+    let height = cells.iter().map(Vec::len).max().unwrap_or(0);
+    let of = |row: usize| {
+        let number = match row {
+            0 => format!("{unit:>3}."),
+            _ => "    ".to_owned(),
+        };
+        let texts = cells.iter().map(|cell| cell.get(row).map_or("", String::as_str));
+        let padded: Vec<String> = texts.map(|text| format!("{text:column$}")).collect();
+        format!("{}  {}", number.dimmed(), padded.join("  ").trim_end())
+    };
+    (0..height).map(of).collect()
+}
+
+/// A text in lines of at most so many characters, broken between words where that can be.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let Some(last) = lines.last_mut() else { break };
+        let indented = last.chars().count() + word.chars().count();
+        match last.is_empty() || indented < width {
+            true if last.is_empty() => last.push_str(word),
+            true => last.extend([" ", word]),
+            false => lines.push(format!("  {word}")),
+        }
+    }
+    lines
+}

@@ -1,0 +1,145 @@
+//! How well a model puts stored plans together: scenes with stored plans, wishes, and the compositions that are right.
+//! `LONGSTEP_MODEL` is a model reference, by default the catalogue's default model, `LONGSTEP_THREADS` its threads (1).
+//!
+//! ```text
+//! cargo test -p longstep-llm --test compositions -- --ignored --nocapture
+//! ```
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+use longstep::compose::{self, Composed, Said, Stored};
+use longstep::domain::{self, Domain};
+use longstep::json;
+use longstep::plan::{Node, PlanFile, Written, script};
+use longstep::world::{self, Environment, World};
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open};
+use serde_json::{Value, json};
+
+fn model() -> Box<dyn ChatModel> {
+    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
+    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
+    let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
+    let options = OpenOptions {
+        threads: Some(threads),
+        ..OpenOptions::new(cache_directory().unwrap())
+    };
+    open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn scene(scene: &Value) -> (Domain, World, Vec<Stored>) {
+    let domain = domain::shipped(scene["domain"].as_str().unwrap()).unwrap().unwrap();
+    let text = scene["environment"].to_string();
+    let environment = Environment::from_json(&text).unwrap();
+    let world = world::read(&domain, &environment, "environment", &text, &json::Path::default()).unwrap();
+    let stored = scene["plans"].as_object().unwrap().iter().map(|(name, plan)| {
+        let column = |column: usize| -> Vec<&Value> {
+            plan["steps"].as_array().unwrap().iter().map(|step| &step[column]).collect()
+        };
+        let before = plan.get("environment").unwrap_or(&scene["environment"]);
+        let file = json!({
+            "task_cohesion": {"task_sequence": column(0), "step_instructions": column(1), "object_name": plan["object"]},
+            "environment_before": before,
+            "instruction_summary": plan["summary"],
+        });
+        Stored::new(name, serde_json::from_value::<PlanFile>(file).unwrap())
+    });
+    let stored = stored.collect();
+    (domain, world, stored)
+}
+
+/// Whether two compositions are the same but for the order in which their lanes are written.
+fn same(right: &Said, said: Option<&Said>) -> bool {
+    let text = |said: &Said| {
+        let Said::Composition(written) = said else {
+            return String::new();
+        };
+        let mut written = written.clone();
+        for node in &mut written.body {
+            if let Node::Parallel { lanes } = node {
+                lanes.sort_by(|one, other| one.actor.cmp(&other.actor));
+            }
+        }
+        script::write(&written)
+    };
+    said.is_some_and(|said| text(said) == text(right))
+}
+
+#[test]
+#[ignore = "asks a real model"]
+fn own_cases() {
+    let file: Value = serde_json::from_str(include_str!("compositions/cases.json")).unwrap();
+    let mut model = model();
+    let (mut verified, mut right, mut all) = (0, 0, 0);
+    for case in file["cases"].as_array().unwrap() {
+        let (domain, world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
+        let instruction = case["instruction"].as_str().unwrap();
+        let request = compose::request(&domain, &world, &stored, instruction, &[], model.constraint_kind());
+        if std::env::var_os("LONGSTEP_SHOW").is_some() {
+            println!("{}\n{:?}", request.messages.last().unwrap().text, request.constraint);
+        }
+        let started = std::time::Instant::now();
+        let reply = model.chat(&request, &mut |_: Progress| {}).unwrap();
+        let seconds = started.elapsed().as_secs_f64();
+        let said = compose::read(&reply.text);
+        let is = |script: &Value| same(&compose::read(script.as_str().unwrap()).unwrap(), said.as_ref().ok());
+        let good = case["right"].as_array().unwrap().iter().any(is);
+        let came = match &said {
+            Ok(Said::Composition(written)) => verdict(&domain, &world, written, &stored, instruction),
+            Ok(Said::Question(question)) => Err(question.clone()),
+            Err(error) => Err(error.to_string()),
+        };
+        all += 1;
+        right += usize::from(good);
+        verified += usize::from(came.is_ok());
+        let came = came.map_or_else(|wrong| format!("not verified: {wrong}"), |_| "verified".to_owned());
+        println!(
+            "{} {seconds:5.1} s  {instruction}\n{}\n  {came}\n",
+            mark(good),
+            reply.text
+        );
+    }
+    println!("== {verified} of {all} verified, {right} of {all} right");
+    assert!(all >= 8 && verified >= right);
+}
+
+fn mark(right: bool) -> &'static str {
+    if right { "ok   " } else { "WRONG" }
+}
+
+/// What verification says of a composition.
+fn verdict(domain: &Domain, world: &World, written: &Written, stored: &[Stored], wish: &str) -> Result<(), String> {
+    let inlined = compose::inline(domain, world, written, stored);
+    let inlined = inlined.map_err(|misfits| misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
+    let composed = Composed::new(domain, world, inlined, wish);
+    if composed.verified(domain, world).is_some() {
+        return Ok(());
+    }
+    let wrong = composed.verdict(domain, world).violations;
+    Err(wrong
+        .iter()
+        .map(|violation| violation.message.clone())
+        .collect::<Vec<_>>()
+        .join("; "))
+}
+
+/// The right compositions are plans: a case whose own answer is not valid would count nothing.
+#[test]
+fn every_right_composition_is_valid() {
+    let file: Value = serde_json::from_str(include_str!("compositions/cases.json")).unwrap();
+    for case in file["cases"].as_array().unwrap() {
+        let (domain, world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
+        for right in case["right"].as_array().unwrap() {
+            let Ok(Said::Composition(written)) = compose::read(right.as_str().unwrap()) else {
+                panic!("{right}")
+            };
+            let verdict = verdict(
+                &domain,
+                &world,
+                &written,
+                &stored,
+                case["instruction"].as_str().unwrap(),
+            );
+            assert_eq!(verdict, Ok(()), "{right}");
+        }
+    }
+}

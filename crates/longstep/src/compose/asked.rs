@@ -1,0 +1,135 @@
+//! What can be asked in a composition: sensing actions with the things that they are about.
+
+use crate::domain::{Action, Domain, Term};
+use crate::plan::WrittenStep;
+use crate::world::{Entity, EntityId, Fact, World};
+
+/// The parameters that a sensing call names in a composition: those that its call shows anyway, and those that its
+/// outcomes are about.
+///
+/// A plan's own steps may hide what they look at, since it is what the step before has grasped. A composition has no
+/// such step before: it says it.
+pub(super) fn asked_of(action: &Action) -> Vec<usize> {
+    let mut all = action.explicit.clone();
+    for term in action.senses.iter().flat_map(|outcome| &outcome.terms) {
+        if let Term::Variable(parameter) = term
+            && !all.contains(parameter)
+        {
+            all.push(*parameter);
+        }
+    }
+    all
+}
+
+/// A call of the composition in the words of the world: identifiers for everyday names, and what the action's call
+/// hides by the parameter's name.
+pub(super) fn spelled_out(domain: &Domain, world: &World, step: &WrittenStep) -> WrittenStep {
+    let mut step = step.clone();
+    for argument in &mut step.call.arguments {
+        if world.find(argument).is_none()
+            && let Some(entity) = world.find_name(argument)
+        {
+            argument.clone_from(&world.entity(entity).identifier);
+        }
+    }
+    let named = |action: &&Action| action.call == step.call.name && !action.senses.is_empty();
+    let Some(action) = domain.actions.iter().find(named) else {
+        return step;
+    };
+    let (asked, shown) = (asked_of(action), action.explicit.len());
+    if step.call.arguments.len() == asked.len() && asked.len() > shown {
+        let hidden = step.call.arguments.split_off(shown).into_iter().zip(&asked[shown..]);
+        let by_name = hidden.map(|(argument, parameter)| (action.parameters[*parameter].name.clone(), argument));
+        step.implicit.extend(by_name);
+    }
+    step
+}
+
+/// A sensing call about things of the world, and the conditions that can be asked after it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Check {
+    /// The action's word.
+    pub(super) call: String,
+    /// What it is about, as a model calls it.
+    pub(super) things: Vec<String>,
+    /// For each outcome, the state's word and what it is about. Empty where the environment has no word for one of
+    /// them: then the call itself is asked.
+    pub(super) outcomes: Vec<(String, Vec<String>)>,
+    /// For each outcome, what it says.
+    pub(super) says: Vec<String>,
+}
+
+/// Every sensing call that tells of a fact that is worth asking for, in the order of the domain and the world.
+pub(super) fn checks(domain: &Domain, world: &World, worth: impl Fn(Fact) -> bool) -> Vec<Check> {
+    let mut all = Vec::new();
+    for action in domain.actions.iter().filter(|action| !action.senses.is_empty()) {
+        let mut choices: Vec<Vec<(usize, EntityId)>> = vec![Vec::new()];
+        for parameter in asked_of(action) {
+            let longer = |given: &Vec<(usize, EntityId)>| {
+                let fitting = world.of_kind(action.parameters[parameter].kind).iter();
+                fitting
+                    .map(|entity| [&given[..], &[(parameter, *entity)]].concat())
+                    .collect::<Vec<_>>()
+            };
+            choices = choices.iter().flat_map(longer).collect();
+        }
+        choices.retain(|given| {
+            let mut outcomes = action.senses.iter();
+            outcomes.any(|outcome| {
+                let terms = outcome.terms.iter().map(|term| about(term, given));
+                let entities = terms.collect::<Option<Vec<EntityId>>>();
+                entities.is_some_and(|entities| worth(Fact::new(outcome.predicate, entities)))
+            })
+        });
+        all.extend(choices.iter().map(|given| check(domain, world, action, given)));
+    }
+    all
+}
+
+/// What a term of an outcome is, given what the call is about.
+fn about(term: &Term, given: &[(usize, EntityId)]) -> Option<EntityId> {
+    match term {
+        Term::Variable(slot) => given
+            .iter()
+            .find(|(parameter, _)| parameter == slot)
+            .map(|(_, entity)| *entity),
+        Term::Constant(entity) => Some(*entity),
+    }
+}
+
+fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, EntityId)]) -> Check {
+    let entity = |term: &Term| about(term, given);
+    let outcomes = action.senses.iter().map(|outcome| {
+        let word = domain
+            .states
+            .iter()
+            .find(|word| word.atom.predicate == outcome.predicate)?;
+        // The entry of the environment in which the word stands comes first.
+        let slots = 0..=word.parameters.len();
+        let things = slots.map(|slot| {
+            let place = word.atom.terms.iter().position(|term| *term == Term::Variable(slot))?;
+            Some(called(world.entity(entity(&outcome.terms[place])?)))
+        });
+        Some((word.word.clone(), things.collect::<Option<Vec<_>>>()?))
+    });
+    let says = action.senses.iter().map(|outcome| {
+        let name =
+            |place: usize| entity(&outcome.terms[place]).map_or(String::new(), |id| world.entity(id).with_article());
+        domain.words(outcome.predicate).says.fill(name)
+    });
+    Check {
+        call: action.call.clone(),
+        things: given.iter().map(|(_, id)| called(world.entity(*id))).collect(),
+        outcomes: outcomes.collect::<Option<Vec<_>>>().unwrap_or_default(),
+        says: says.collect(),
+    }
+}
+
+/// How a model calls a thing: by its everyday name, where that can stand in both notations.
+pub(super) fn called(entity: &Entity) -> String {
+    let plain = |c: char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_' | '\'');
+    match entity.name.chars().all(plain) {
+        true => entity.name.clone(),
+        false => entity.identifier.clone(),
+    }
+}

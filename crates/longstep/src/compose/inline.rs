@@ -1,0 +1,365 @@
+//! A composition with every stored plan's steps in place of its name.
+
+use super::asked::{called, spelled_out};
+use super::{Misfit, Recalled, Stored};
+use crate::diagnostic::nearest;
+use crate::domain::Domain;
+use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Test};
+use crate::plan::{StepId, Written, WrittenNode, WrittenStep};
+use crate::prompt::actors;
+use crate::world::World;
+
+/// A composition as one plan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Inlined {
+    /// The plan, not resolved yet: its things are those of the stored plans, by identifier.
+    pub written: Written,
+    /// For each step of the plan, in reading order and with the sensing steps of conditions: the stored plan that it
+    /// comes from.
+    pub origins: Vec<Option<String>>,
+}
+
+/// Puts the steps of stored plans in place of their names.
+///
+/// A remark before them says which plan they come from, or, in a plain list of steps, each of them does. Each stored plan was bound in the world that it was made for,
+/// so all of its arguments are given, by identifier; whether those things are here is for resolving to find out.
+///
+/// # Errors
+///
+/// Everything that does not fit, in the order of the composition.
+pub fn inline(
+    domain: &Domain,
+    world: &World,
+    composition: &Written,
+    stored: &[Stored],
+) -> Result<Inlined, Vec<Misfit>> {
+    let mut inliner = Inliner {
+        domain,
+        world,
+        composition,
+        recalled: stored
+            .iter()
+            .map(|plan| (plan, Recalled::of(domain, world, plan)))
+            .collect(),
+        steps: Vec::new(),
+        origins: Vec::new(),
+        misfits: Vec::new(),
+    };
+    let body = inliner.nodes(&composition.body);
+    let mut written = Written {
+        steps: inliner.steps,
+        body,
+        objects: Vec::new(),
+    };
+    if written.is_sequence() {
+        tell_in_steps(&mut written, &inliner.origins);
+    }
+    let mut misfits = inliner.misfits;
+    if misfits.is_empty() && !written.is_sound() {
+        misfits.push(Misfit::TooDeep { limit: DEEPEST });
+    }
+    match misfits.is_empty() {
+        true => Ok(Inlined {
+            written,
+            origins: inliner.origins,
+        }),
+        false => {
+            // A name that is wrong twice is told once.
+            let mut told: Vec<Misfit> = Vec::new();
+            misfits.into_iter().for_each(|misfit| {
+                if !told.contains(&misfit) {
+                    told.push(misfit);
+                }
+            });
+            Err(told)
+        }
+    }
+}
+
+/// A plain list of steps is the common case and stays one: where its steps come from is told in their explanations, not
+/// in remarks between them.
+fn tell_in_steps(written: &mut Written, origins: &[Option<String>]) {
+    written.body.retain(|node| matches!(node, Node::Step(_)));
+    for (step, origin) in written.steps.iter_mut().zip(origins) {
+        if let Some(name) = origin {
+            step.explanation = format!("{name}: {}", step.explanation);
+        }
+    }
+}
+
+struct Inliner<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    composition: &'a Written,
+    recalled: Vec<(&'a Stored, Result<Recalled, Misfit>)>,
+    /// The steps of the whole, without those in conditions.
+    steps: Vec<WrittenStep>,
+    origins: Vec<Option<String>>,
+    misfits: Vec<Misfit>,
+}
+
+impl<'a> Inliner<'a> {
+    fn nodes(&mut self, nodes: &[WrittenNode]) -> Vec<WrittenNode> {
+        nodes.iter().flat_map(|node| self.node(node)).collect()
+    }
+
+    fn node(&mut self, node: &WrittenNode) -> Vec<WrittenNode> {
+        let node = match node {
+            Node::Step(id) => {
+                let step = &self.composition.steps[id.index()];
+                let Some((name, recalled)) = self.meant(step) else {
+                    return self.own(step).map(Node::Step).into_iter().collect();
+                };
+                return self.spliced(&name, &recalled);
+            }
+            Node::If {
+                condition,
+                then,
+                otherwise,
+            } => Node::If {
+                condition: self.condition(condition),
+                then: self.nodes(then),
+                otherwise: self.nodes(otherwise),
+            },
+            Node::While { condition, body } => Node::While {
+                condition: self.condition(condition),
+                body: self.nodes(body),
+            },
+            Node::Repeat { times, body } => Node::Repeat {
+                times: *times,
+                body: self.nodes(body),
+            },
+            Node::Parallel { lanes } => Node::Parallel {
+                lanes: lanes.iter().map(|lane| self.lane(lane)).collect(),
+            },
+            Node::Remark(text) => Node::Remark(text.clone()),
+        };
+        vec![node]
+    }
+
+    /// The stored plan that a call means, if it means one that can be used; nothing if it is an action's call. What it
+    /// should mean and does not is told.
+    fn meant(&mut self, step: &WrittenStep) -> Option<(String, Recalled)> {
+        let name = &step.call.name;
+        let (plan, recalled) = self.recalled.iter().find(|(plan, _)| plan.name == *name)?;
+        if !step.call.arguments.is_empty() || !step.implicit.is_empty() {
+            self.misfits.push(Misfit::Arguments { name: name.clone() });
+        }
+        match recalled {
+            Ok(recalled) => Some((plan.name.clone(), recalled.clone())),
+            Err(misfit) => {
+                self.misfits.push(misfit.clone());
+                Some((plan.name.clone(), Recalled::default()))
+            }
+        }
+    }
+
+    /// A step that the composition does itself.
+    fn own(&mut self, step: &WrittenStep) -> Option<StepId> {
+        let calls = self.domain.actions.iter().map(|action| action.call.as_str());
+        if !calls.clone().any(|call| call == step.call.name) {
+            let plans = self.recalled.iter().map(|(plan, _)| plan.name.as_str());
+            let near = nearest(&step.call.name, plans.chain(calls)).map(str::to_owned);
+            self.misfits.push(Misfit::UnknownPlan {
+                name: step.call.name.clone(),
+                near,
+            });
+            return None;
+        }
+        let step = spelled_out(self.domain, self.world, step);
+        Some(self.push(step, None))
+    }
+
+    fn push(&mut self, step: WrittenStep, origin: Option<&str>) -> StepId {
+        self.steps.push(step);
+        self.origins.push(origin.map(str::to_owned));
+        StepId::new(self.steps.len() - 1)
+    }
+
+    /// The nodes of a stored plan, numbered as they are here.
+    fn spliced(&mut self, name: &str, recalled: &Recalled) -> Vec<WrittenNode> {
+        let before = self.steps.len();
+        self.steps.extend(recalled.written.steps.iter().cloned());
+        let mut body = vec![Node::Remark(recalled.remark(name))];
+        for node in &recalled.written.body {
+            body.push(self.renumbered(node, before, name));
+        }
+        body
+    }
+
+    fn renumbered(&mut self, node: &WrittenNode, before: usize, name: &str) -> WrittenNode {
+        let all = |inliner: &mut Self, nodes: &[WrittenNode]| -> Vec<WrittenNode> {
+            nodes
+                .iter()
+                .map(|node| inliner.renumbered(node, before, name))
+                .collect()
+        };
+        match node {
+            Node::Step(id) => {
+                self.origins.push(Some(name.to_owned()));
+                Node::Step(StepId::new(before + id.index()))
+            }
+            Node::If {
+                condition,
+                then,
+                otherwise,
+            } => {
+                self.note_sensing(condition, Some(name));
+                Node::If {
+                    condition: condition.clone(),
+                    then: all(self, then),
+                    otherwise: all(self, otherwise),
+                }
+            }
+            Node::While { condition, body } => {
+                self.note_sensing(condition, Some(name));
+                Node::While {
+                    condition: condition.clone(),
+                    body: all(self, body),
+                }
+            }
+            Node::Repeat { times, body } => Node::Repeat {
+                times: *times,
+                body: all(self, body),
+            },
+            Node::Parallel { lanes } => {
+                let lanes = lanes.iter().map(|lane| {
+                    let items = lane.items.iter().map(|item| match item {
+                        LaneItem::Step(id) => {
+                            self.origins.push(Some(name.to_owned()));
+                            LaneItem::Step(StepId::new(before + id.index()))
+                        }
+                        other => other.clone(),
+                    });
+                    Lane {
+                        items: items.collect(),
+                        actor: lane.actor.clone(),
+                    }
+                });
+                Node::Parallel { lanes: lanes.collect() }
+            }
+            Node::Remark(text) => Node::Remark(text.clone()),
+        }
+    }
+
+    /// What the composition itself asks.
+    fn condition(&mut self, condition: &Test<WrittenStep>) -> Test<WrittenStep> {
+        let condition = self.asked(condition);
+        self.note_sensing(&condition, None);
+        condition
+    }
+
+    fn asked(&mut self, condition: &Test<WrittenStep>) -> Test<WrittenStep> {
+        let mut all = |parts: &[Test<WrittenStep>]| parts.iter().map(|part| self.asked(part)).collect();
+        match condition {
+            Test::All(parts) => Test::All(all(parts)),
+            Test::Any(parts) => Test::Any(all(parts)),
+            Test::Not(inner) => Test::Not(Box::new(self.asked(inner))),
+            Test::Holds(step) => {
+                if self.recalled.iter().any(|(plan, _)| plan.name == step.call.name) {
+                    let name = step.call.name.clone();
+                    self.misfits.push(Misfit::Asked { name });
+                }
+                Test::Holds(spelled_out(self.domain, self.world, step))
+            }
+            // What is written has calls only.
+            Test::Sense(step) => Test::Sense(*step),
+        }
+    }
+
+    /// Resolving makes a step of every sensing call in a condition: it is numbered where it stands.
+    fn note_sensing(&mut self, condition: &Test<WrittenStep>, origin: Option<&str>) {
+        match condition {
+            Test::Holds(step) => {
+                let senses =
+                    |action: &&crate::domain::Action| action.call == step.call.name && !action.senses.is_empty();
+                if self.domain.actions.iter().find(senses).is_some() {
+                    self.origins.push(origin.map(str::to_owned));
+                }
+            }
+            Test::Not(inner) => self.note_sensing(inner, origin),
+            Test::All(parts) | Test::Any(parts) => parts.iter().for_each(|part| self.note_sensing(part, origin)),
+            Test::Sense(_) => {}
+        }
+    }
+
+    fn lane(&mut self, lane: &Lane<String>) -> Lane<String> {
+        let actors: Vec<(String, String)> = actors(self.domain, self.world)
+            .into_iter()
+            .map(|actor| {
+                (
+                    self.world.entity(actor).identifier.clone(),
+                    called(self.world.entity(actor)),
+                )
+            })
+            .collect();
+        if actors.is_empty() {
+            let domain = self.domain.name.clone();
+            self.misfits.push(Misfit::NoLanes { domain });
+        }
+        // A lane may have any name; where it is that of an actor, it is meant.
+        let called = |(identifier, name): &&(String, String)| {
+            identifier.eq_ignore_ascii_case(&lane.actor) || name.eq_ignore_ascii_case(&lane.actor)
+        };
+        let mut actor = actors.iter().find(called).map(|(identifier, _)| identifier.clone());
+        let mut items = Vec::new();
+        for item in &lane.items {
+            let step = match item {
+                LaneItem::Step(id) => &self.composition.steps[id.index()],
+                other => {
+                    items.push(other.clone());
+                    continue;
+                }
+            };
+            let Some((name, recalled)) = self.meant(step) else {
+                items.extend(self.own(step).map(LaneItem::Step));
+                continue;
+            };
+            match self.doer(&name, &recalled, actor.as_deref(), &actors) {
+                Ok(doer) => actor = actor.or(doer),
+                Err(misfit) => self.misfits.push(misfit),
+            }
+            for node in self.spliced(&name, &recalled) {
+                match node {
+                    Node::Step(id) => items.push(LaneItem::Step(id)),
+                    Node::Remark(text) => items.push(LaneItem::Remark(text)),
+                    _ => self.misfits.push(Misfit::NoSequence { name: name.clone() }),
+                }
+            }
+        }
+        Lane {
+            actor: actor.unwrap_or_else(|| lane.actor.clone()),
+            items,
+        }
+    }
+
+    /// Who does a stored plan that stands in a lane; none if it has no steps.
+    fn doer(
+        &self,
+        name: &str,
+        recalled: &Recalled,
+        lane: Option<&str>,
+        all: &[(String, String)],
+    ) -> Result<Option<String>, Misfit> {
+        let name = name.to_owned();
+        match (&recalled.actors[..], recalled.joint) {
+            (_, true) => {
+                let actors = all.iter().map(|(_, name)| name.clone()).collect();
+                Err(Misfit::NoActor { name, actors })
+            }
+            ([], false) => Ok(None),
+            ([actor], false) => match lane {
+                Some(lane) if lane != actor => Err(Misfit::WrongLane {
+                    name,
+                    actor: actor.clone(),
+                    lane: lane.to_owned(),
+                }),
+                _ => Ok(Some(actor.clone())),
+            },
+            (several, false) => Err(Misfit::SeveralActors {
+                name,
+                actors: several.to_vec(),
+            }),
+        }
+    }
+}

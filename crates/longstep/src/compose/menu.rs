@@ -1,0 +1,133 @@
+//! What a model may put together: the stored plans, what can be asked, and who can work side by side.
+//!
+//! Where the person's words tell, it is narrowed: a small model otherwise takes one plan too many, and looks at things
+//! for no reason. This reads English only; where it finds nothing, everything is on offer.
+
+use super::asked::{Check, called, checks};
+use super::{Recalled, Stored};
+use crate::domain::{Domain, plain_words, singular};
+use crate::goal::{Spoken, cannot_be_told, conditions};
+use crate::prompt::actors;
+use crate::world::World;
+
+/// What a composition can be made of here.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Menu {
+    pub(super) plans: Vec<Offered>,
+    pub(super) checks: Vec<Check>,
+    /// Who has a plan that fits into a lane, in the order of the world; empty if fewer than two have.
+    pub(super) lanes: Vec<String>,
+    /// Whether the person asks for a branch, or for lanes.
+    pub(super) fork_wanted: bool,
+}
+
+/// A stored plan as a model is offered it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Offered {
+    pub(super) name: String,
+    pub(super) summary: String,
+    /// Whose lane it fits into.
+    pub(super) lane: Option<String>,
+}
+
+/// How people ask for lanes.
+const SIDE_BY_SIDE: [&str; 12] = [
+    "at once",
+    "same time",
+    "meanwhile",
+    "simultaneously",
+    "in parallel",
+    "side by side",
+    "both arms",
+    "both hands",
+    "each arm",
+    "each hand",
+    "other arm",
+    "other hand",
+];
+/// What can mean so.
+const PERHAPS_SIDE_BY_SIDE: [&str; 6] = ["while", "together", "both robots", "each robot", "other robot", "both"];
+
+impl Menu {
+    pub(super) fn of(domain: &Domain, world: &World, stored: &[Stored], instruction: &str) -> Self {
+        let spoken = Spoken::of(domain, world, instruction);
+        let words = plain_words(instruction);
+        let recalled = stored.iter().map(|plan| (plan, Recalled::of(domain, world, plan).ok()));
+        let mut recalled: Vec<(&Stored, Option<Recalled>)> = recalled.collect();
+        let is_meant = |(stored, recalled): &(&Stored, Option<Recalled>)| {
+            let items = recalled.iter().flat_map(|recalled| &recalled.handled);
+            let mut items = items.filter_map(|identifier| world.find(identifier)).filter(|entity| {
+                let kind = world.entity(*entity).kind;
+                domain.types.is_a(kind, domain.environment.object)
+            });
+            items.any(|item| spoken.entities.contains(&item) || is_named(&world.entity(item).names, &words))
+                || says_verb(&stored.summary, &words)
+        };
+        if recalled.iter().any(is_meant) {
+            recalled.retain(is_meant);
+        }
+        let actors = actors(domain, world);
+        let lane = |recalled: &Recalled| match &recalled.actors[..] {
+            [only] if !recalled.joint && recalled.written.is_sequence() => actors
+                .iter()
+                .map(|actor| world.entity(*actor))
+                .find(|actor| actor.identifier == *only)
+                .map(called),
+            _ => None,
+        };
+        let plans: Vec<Offered> = recalled
+            .iter()
+            .map(|(plan, recalled)| Offered {
+                name: plan.name.clone(),
+                summary: plan.summary.clone(),
+                lane: recalled.as_ref().and_then(lane),
+            })
+            .collect();
+        let text = words.join(" ");
+        let says = |cues: &[&str]| cues.iter().any(|cue| format!(" {text} ").contains(&format!(" {cue} ")));
+        let side_by_side = says(&SIDE_BY_SIDE);
+        let mut lanes: Vec<String> = actors.iter().map(|actor| called(world.entity(*actor))).collect();
+        lanes.retain(|lane| plans.iter().any(|plan| plan.lane.as_ref() == Some(lane)));
+        if lanes.len() < 2 || !(side_by_side || says(&PERHAPS_SIDE_BY_SIDE)) {
+            lanes.clear();
+        }
+        let asked = conditions(domain, world, &spoken);
+        // Of what nothing here tells, perhaps something does that goes by other words.
+        let checks = if !asked.is_empty() {
+            checks(domain, world, |fact| {
+                asked.iter().any(|dependence| dependence.fact == fact)
+            })
+        } else if cannot_be_told(domain, world, &spoken) {
+            checks(domain, world, |fact| {
+                domain.arguments(fact).all(|entity| spoken.entities.contains(&entity))
+            })
+        } else {
+            Vec::new()
+        };
+        Self {
+            fork_wanted: (side_by_side && !lanes.is_empty()) || !asked.is_empty(),
+            plans,
+            checks,
+            lanes,
+        }
+    }
+}
+
+/// Whether the words have a part of one of the names. Short words mean too much: "can" is not the paint can.
+fn is_named(names: &[String], words: &[String]) -> bool {
+    let words: Vec<String> = words.iter().map(|word| singular(word)).collect();
+    let parts = names.iter().flat_map(|name| plain_words(name));
+    let mut parts = parts
+        .map(|part| singular(&part))
+        .filter(|part| part.chars().count() > 3);
+    parts.any(|part| words.contains(&part))
+}
+
+/// Whether the words have the verb with which a summary begins.
+fn says_verb(summary: &str, words: &[String]) -> bool {
+    const COMMON: [&str; 11] = [
+        "put", "place", "set", "lay", "take", "get", "bring", "move", "pick", "fetch", "carry",
+    ];
+    let verb = plain_words(summary).into_iter().next();
+    verb.is_some_and(|verb| !COMMON.contains(&verb.as_str()) && words.contains(&verb))
+}

@@ -1,0 +1,105 @@
+//! A stored plan as it was when it was made: every argument known.
+
+use super::{Misfit, Stored};
+use crate::attempt::Attempt;
+use crate::domain::Domain;
+use crate::json::Path;
+use crate::plan::{Draft, Plan, Step, Written};
+use crate::world::{self, World};
+
+/// A stored plan, bound in the world that it was made for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Recalled {
+    /// The plan with all of its arguments, by identifier.
+    pub(super) written: Written,
+    /// What it does, in a few words.
+    pub(super) summary: String,
+    /// Who does its steps, by identifier, in the order in which they first do something.
+    pub(super) actors: Vec<String>,
+    /// Whether it has a step that no single one of them does, in a domain where others have somebody who does them.
+    pub(super) joint: bool,
+    /// What its steps are about, by identifier.
+    pub(super) handled: Vec<String>,
+}
+
+impl Recalled {
+    /// Reads a stored plan in the world that its file gives, or else in the one at hand, and finds every argument.
+    ///
+    /// Whether it is a good plan is not asked: one that picks a thing up and keeps it breaks a rule by itself, and is a
+    /// good part of another plan.
+    pub(super) fn of(domain: &Domain, world: &World, stored: &Stored) -> Result<Self, Misfit> {
+        let unusable = |why: String| Misfit::Unusable {
+            name: stored.name.clone(),
+            why,
+        };
+        let own = match &stored.file.environment_before {
+            Some(environment) => world::read(domain, environment, "environment_before", "", &Path::default())
+                .map_err(|findings| unusable(joined(findings.0.iter().map(|finding| finding.message.clone()))))?,
+            None => world.clone(),
+        };
+        let draft = Draft {
+            file: stored.file.clone(),
+            leniencies: Vec::new(),
+        };
+        let attempt = Attempt::new(domain, &own, draft, None);
+        let Some((report, _)) = attempt.simulate(domain, &own) else {
+            let issues = attempt.resolved.issues.iter();
+            return Err(unusable(joined(
+                issues.map(|issue| issue.message(domain, &own, &[], None)),
+            )));
+        };
+        if report.plan.steps().len() < attempt.resolved.steps.len() {
+            let told = report.violations.iter();
+            let steps = report.plan.steps();
+            return Err(unusable(joined(
+                told.map(|violation| violation.message(domain, &own, steps, None)),
+            )));
+        }
+        Ok(Self::of_plan(domain, &own, &report.plan, &stored.summary))
+    }
+
+    fn of_plan(domain: &Domain, own: &World, plan: &Plan, summary: &str) -> Self {
+        let mut recalled = Self {
+            written: Written::of_plan(domain, own, plan),
+            summary: summary.to_owned(),
+            ..Self::default()
+        };
+        let some_act = domain.actions.iter().any(|action| action.actor.is_some());
+        for step in plan.steps() {
+            match step.actor(domain) {
+                Some(actor) => add(&mut recalled.actors, &own.entity(actor).identifier),
+                None => recalled.joint |= some_act,
+            }
+            for entity in things(domain, step) {
+                add(&mut recalled.handled, &own.entity(entity).identifier);
+            }
+        }
+        recalled
+    }
+
+    /// What a person is told before its steps.
+    pub(super) fn remark(&self, name: &str) -> String {
+        match self.summary.is_empty() {
+            true => name.to_owned(),
+            false => format!("{name}: {}", self.summary),
+        }
+    }
+}
+
+fn things<'a>(domain: &'a Domain, step: &'a Step) -> impl Iterator<Item = crate::world::EntityId> + 'a {
+    let actor = domain.action(step.action).actor;
+    let arguments = step.arguments.iter().enumerate();
+    arguments
+        .filter(move |(place, _)| Some(*place) != actor)
+        .map(|(_, entity)| *entity)
+}
+
+fn add(list: &mut Vec<String>, identifier: &str) {
+    if !list.iter().any(|known| known == identifier) {
+        list.push(identifier.to_owned());
+    }
+}
+
+fn joined(messages: impl Iterator<Item = String>) -> String {
+    messages.collect::<Vec<_>>().join("; ")
+}

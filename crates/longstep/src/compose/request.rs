@@ -1,0 +1,133 @@
+//! Asking a model for a composition.
+
+use super::Stored;
+use super::examples::{EXAMPLES, Example};
+use super::grammar::{grammar, schema};
+use super::menu::Menu;
+use super::read::in_json;
+use crate::domain::Domain;
+use crate::goal::QUESTION;
+use crate::prompt::{ChatRequest, Constraint, ConstraintKind, Message, Role, Round, plain_line};
+use crate::world::World;
+
+/// Tokens for a script; the longest that the grammar allows and anybody wants is shorter.
+const SCRIPT_TOKENS: u32 = 512;
+/// Tokens for the same as JSON.
+const TREE_TOKENS: u32 = 2048;
+
+/// Asks for a composition of the stored plans that does what is wanted, or for a question.
+///
+/// The task and the examples come first and are the same for every request. A model whose every token we choose is held
+/// to a grammar of exactly what there is, and writes a script; a server is given a schema, and writes the same as a
+/// JSON tree. `rounds` is what was said about earlier answers. [`super::read`] reads the answer.
+pub fn request(
+    domain: &Domain,
+    world: &World,
+    stored: &[Stored],
+    instruction: &str,
+    rounds: &[Round],
+    kind: ConstraintKind,
+) -> ChatRequest {
+    let menu = Menu::of(domain, world, stored, instruction);
+    let mut messages = fixed(kind);
+    let fixed = messages.len();
+    messages.push(Message::new(Role::User, query(&menu, instruction)));
+    for round in rounds {
+        messages.push(Message::new(Role::Assistant, round.replied.clone()));
+        messages.push(Message::new(Role::User, plain_line(&round.said)));
+    }
+    let (constraint, max_tokens) = match kind {
+        ConstraintKind::Grammar => (Constraint::Lark(grammar(&menu)), SCRIPT_TOKENS),
+        ConstraintKind::JsonSchema => (Constraint::JsonSchema(schema(&menu)), TREE_TOKENS),
+    };
+    ChatRequest {
+        messages,
+        fixed,
+        answer_so_far: String::new(),
+        constraint,
+        max_tokens,
+    }
+}
+
+/// What a server is told besides: the task speaks of lines.
+const AS_TREE: &str = "\nWrite the program as a JSON object: \"task_tree\" is the list of its parts, {\"call\": \
+    \"fetch_pear()\"} for a call, {\"if\": {\"call\": \"rotten(pear)\"}, \"then\": [...], \"else\": [...]} for a branch, \
+    {\"parallel\": [{\"lane\": \"left\", \"do\": [...]}, ...]} for arms side by side. \"question\" is empty unless you \
+    have to ask; then the list is.";
+
+fn fixed(kind: ConstraintKind) -> Vec<Message> {
+    let mut task = include_str!("task.md").trim_end().to_owned();
+    if kind == ConstraintKind::JsonSchema {
+        task.push_str(AS_TREE);
+    }
+    let mut messages = vec![Message::new(Role::System, task)];
+    for example in EXAMPLES {
+        messages.push(Message::new(Role::User, example_query(example)));
+        let answer = match kind {
+            ConstraintKind::Grammar => example.answer.to_owned(),
+            ConstraintKind::JsonSchema => in_json(example.answer),
+        };
+        messages.push(Message::new(Role::Assistant, answer));
+    }
+    messages
+}
+
+fn query(menu: &Menu, instruction: &str) -> String {
+    let plans = menu.plans.iter().map(|plan| {
+        let lane = plan.lane.as_deref().filter(|_| !menu.lanes.is_empty());
+        plan_line(&plan.name, &plain_line(&plan.summary), lane.unwrap_or(""))
+    });
+    let checks = menu.checks.iter().map(|check| {
+        let conditions = check.conditions();
+        // Where only the call can be asked, it holds or it does not.
+        let told = conditions
+            .iter()
+            .map(String::as_str)
+            .chain(conditions.last().map(String::as_str).into_iter().cycle());
+        check_line(&check.script(), told.zip(check.says.iter().map(String::as_str)))
+    });
+    whole_query(plans.collect(), checks.collect(), &plain_line(instruction))
+}
+
+fn example_query(example: &Example) -> String {
+    let plans = example
+        .plans
+        .iter()
+        .map(|(name, summary, lane)| plan_line(name, summary, lane));
+    let checks = example
+        .checks
+        .iter()
+        .map(|(call, outcomes)| check_line(call, outcomes.iter().copied()));
+    whole_query(plans.collect(), checks.collect(), example.wish)
+}
+
+fn plan_line(name: &str, summary: &str, lane: &str) -> String {
+    let mut line = format!("- {name}()");
+    if !summary.is_empty() {
+        line.push_str(&format!(": {summary}"));
+    }
+    if !lane.is_empty() {
+        line.push_str(&format!(" [{lane}]"));
+    }
+    line
+}
+
+fn check_line<'a>(call: &str, outcomes: impl Iterator<Item = (&'a str, &'a str)>) -> String {
+    let told: Vec<String> = outcomes
+        .map(|(condition, says)| format!("{condition} if {says}"))
+        .collect();
+    format!("- {call}: {}", told.join(", "))
+}
+
+fn whole_query(plans: Vec<String>, checks: Vec<String>, wish: &str) -> String {
+    let mut text = format!("Plans:\n{}\n", plans.join("\n"));
+    if !checks.is_empty() {
+        text.push_str(&format!("Checks:\n{}\n", checks.join("\n")));
+    }
+    format!("{text}Wish: {wish}")
+}
+
+/// Whether an answer asks back.
+pub(super) fn asks(answer: &str) -> Option<&str> {
+    answer.trim().strip_prefix(QUESTION.trim()).map(str::trim)
+}

@@ -1,0 +1,210 @@
+//! Goals that depend on what sensing tells: how they are written, read, offered and understood.
+
+use super::*;
+use crate::domain;
+use crate::json::Path;
+use crate::prompt::{Constraint, ConstraintKind, Finish, GoalDialogue, Reply, Turn, Usage};
+use crate::world::{self, Environment};
+
+fn kitchen() -> (Domain, World) {
+    let domain = domain::shipped("household-checks").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>", "<fridge>", "<trash_bin>"], "objects": ["<milk>", "<sponge>", "<fridge_handle>"],
+        "object_states": {"<milk>": ["on_something(<table>)"], "<sponge>": ["on_something(<table>)"],
+        "<fridge_handle>": ["closed()"]}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "", text, &Path::default()).unwrap();
+    (domain, world)
+}
+
+/// How a goal is written when it was read, as a model writes it and as a sentence; or why it cannot be read.
+#[track_caller]
+fn check(text: &str, written: &str, sentence: &str) {
+    let (domain, world) = kitchen();
+    match parse(&domain, &world, text) {
+        Ok(goal) => {
+            let everyday: Vec<String> = goal.facts.iter().map(|fact| fact.everyday(&domain, &world)).collect();
+            let sentences: Vec<String> = goal.facts.iter().map(|fact| fact.sentence(&domain, &world)).collect();
+            assert_eq!(
+                (everyday.join(" & ").as_str(), sentences.join("; ").as_str()),
+                (written, sentence),
+                "{text}"
+            );
+            let exact: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&domain, &world)).collect();
+            assert_eq!(parse(&domain, &world, &exact.join(" & ")), Ok(goal), "{text}");
+        }
+        Err(error) => assert_eq!((written, error.to_string().as_str()), ("", sentence), "{text}"),
+    }
+}
+
+#[test]
+fn conditional_goals_are_read_and_written() {
+    let both = "if expired(milk) then put(milk, trash bin) else put(milk, fridge)";
+    check(
+        both,
+        both,
+        "if the milk is past its date, the milk is at the trash bin, and otherwise the milk is at the fridge",
+    );
+    let beside =
+        "closed(fridge) & if dirty(table) then wiped(table, sponge) and put(sponge, fridge) & put(milk, table)";
+    check(
+        beside,
+        beside,
+        "the fridge is closed; if the table is dirty, the table has been wiped with the sponge and the sponge is at the \
+         fridge; the milk is at the table",
+    );
+    // Of two outcomes, not the one is the other.
+    check(
+        "if not expired(<milk>) then put(milk, fridge)",
+        "if fresh(milk) then put(milk, fridge)",
+        "if the milk is not past its date, the milk is at the fridge",
+    );
+    check(
+        "if not empty(milk) then put(milk, fridge)",
+        "if not empty(milk) then put(milk, fridge)",
+        "unless the milk is empty, the milk is at the fridge",
+    );
+    check(
+        "if open(fridge) then put(milk, fridge)",
+        "",
+        "`open(fridge)` is nothing that sensing tells here, so no goal can depend on it; write `fresh(...)`, \
+         `expired(...)`, `empty(...)`, `half_full(...)`, `full(...)`, `intact(...)`, `broken(...)`, `clean(...)`, \
+         `dirty(...)`",
+    );
+    check(
+        "if expired(milk) then",
+        "",
+        "`if expired(milk) then` is not a goal of this domain; write `put(ITEM, PLACE)`, `opened(THING)`, `closed(THING)`, `adjusted(THING)`, `wiped(PLACE, TOOL)`",
+    );
+    check(
+        "if expired(milk) then  else put(milk, fridge)",
+        "",
+        "the goal has an empty part",
+    );
+}
+
+/// What a model may say next, after the answer so far: the grammar's lines that tell.
+#[track_caller]
+fn check_next(instruction: &str, replies: &[&str], expected: &[&str]) {
+    let (domain, world) = kitchen();
+    let mut dialogue = GoalDialogue::new(&domain, &world, instruction, ConstraintKind::Grammar);
+    for text in replies {
+        let reply = Reply {
+            text: (*text).to_owned(),
+            finish: Finish::Stop,
+            usage: Usage::default(),
+        };
+        assert_eq!(dialogue.supply(&domain, &world, &reply), Ok(Turn::GoOn), "{text}");
+    }
+    let Constraint::Lark(grammar) = dialogue.request(&domain, &world).constraint else {
+        panic!("no grammar");
+    };
+    // Of the goals, the first line tells enough.
+    let goals = |line: &&str| {
+        line.starts_with("question:") || line.starts_with("  | \"opened") || line.starts_with("  | \"wiped")
+    };
+    let lines: Vec<&str> = grammar.lines().filter(|line| !goals(line)).collect();
+    assert_eq!(lines, expected, "{instruction} {replies:?}");
+}
+
+#[test]
+fn a_condition_is_offered_where_the_instruction_has_one() {
+    let put = r#"goal: "put(" (("milk") ", " (("fridge" | "trash bin") ")"))"#;
+    let instruction = "If the milk is past its date, throw it away, otherwise put it in the fridge";
+    check_next(
+        instruction,
+        &[],
+        &[
+            "start: question | goal more | condition",
+            "more: \" &\"",
+            "condition: \"if fresh(milk) then\"",
+            "  | \"if expired(milk) then\"",
+            put,
+        ],
+    );
+    check_next(
+        instruction,
+        &["if expired(milk) then"],
+        &["start: \" \" goal more", "more: (\" else\" | \" and\")?", put],
+    );
+    check_next(
+        instruction,
+        &["if expired(milk) then", " put(milk, trash bin) else"],
+        &[
+            "start: \" \" goal more",
+            "more: \" and\"?",
+            r#"goal: "put(" (("milk") ", " (("fridge") ")"))"#,
+        ],
+    );
+    // Without "if", nothing depends on anything.
+    check_next(
+        "Put the milk into the fridge",
+        &[],
+        &[
+            "start: question | goal more",
+            "more: \" &\"?",
+            r#"goal: "put(" (("milk") ", " (("fridge") ")"))"#,
+        ],
+    );
+    // What cannot be found out has to be asked.
+    check_next("If the milk is cold, put it into the fridge", &[], &["start: question"]);
+}
+
+#[track_caller]
+fn check_understood(instruction: &str, replies: &[&str], kind: ConstraintKind, expected: &str) {
+    let (domain, world) = kitchen();
+    let mut dialogue = GoalDialogue::new(&domain, &world, instruction, kind);
+    let mut understood = String::new();
+    for text in replies {
+        let reply = Reply {
+            text: (*text).to_owned(),
+            finish: Finish::Stop,
+            usage: Usage::default(),
+        };
+        if let Turn::Done(done) = dialogue.supply(&domain, &world, &reply).unwrap() {
+            understood = match done {
+                Understanding::Goal(goal, left_out) => {
+                    let all = goal.facts.iter().chain(left_out.iter().map(|left| &left.fact));
+                    let texts: Vec<String> = all.map(|fact| fact.everyday(&domain, &world)).collect();
+                    format!("{} ({} left out)", texts.join(" & "), left_out.len())
+                }
+                Understanding::Question(question) => question,
+            };
+        }
+    }
+    assert_eq!(understood, expected, "{instruction}");
+}
+
+#[test]
+fn conditional_answers_are_understood() {
+    let instruction = "If the milk is past its date, throw it away, otherwise put it in the fridge";
+    let answer = "if expired(milk) then put(milk, trash bin) else put(milk, fridge)";
+    check_understood(
+        instruction,
+        &[
+            "if expired(milk) then",
+            " put(milk, trash bin) else",
+            " put(milk, fridge)",
+        ],
+        ConstraintKind::Grammar,
+        &format!("{answer} (0 left out)"),
+    );
+    check_understood(
+        instruction,
+        &[&format!(r#"{{"question": "", "goals": ["{answer}"]}}"#)],
+        ConstraintKind::JsonSchema,
+        &format!("{answer} (0 left out)"),
+    );
+    // A goal that nobody spoke of goes, the rest stays.
+    check_understood(
+        instruction,
+        &[r#"{"question": "", "goals": ["if expired(milk) then put(milk, trash bin) else put(sponge, fridge)"]}"#],
+        ConstraintKind::JsonSchema,
+        "if expired(milk) then put(milk, trash bin) & put(sponge, fridge) (1 left out)",
+    );
+    check_understood(
+        "If the milk is cold, put it into the fridge",
+        &[r#"{"question": "", "goals": ["put(milk, fridge)"]}"#],
+        ConstraintKind::JsonSchema,
+        "I cannot find out whether that is so. What should I do in any case?",
+    );
+}

@@ -1,0 +1,125 @@
+//! Scripts in a reply: in code blocks, or the reply as a whole.
+
+use std::ops::Range;
+
+use super::leniency::{LeniencyKind, Notes};
+use super::literal::FENCE;
+use super::unreadable::Unreadable;
+use super::{Draft, around};
+use crate::diagnostic::Position;
+use crate::plan::{Node, PlanFile, TaskCohesion, Written, script};
+
+/// Reads the script of a reply; none if nothing in it is meant as one.
+pub(super) fn read(text: &str) -> Option<Result<Draft, Unreadable>> {
+    let blocks: Vec<Block> = blocks(text)
+        .filter(|block| is_meant(&text[block.inside.clone()]))
+        .collect();
+    if blocks.is_empty() {
+        return (!text.contains(FENCE) && is_meant(text)).then(|| whole(text));
+    }
+    Some(fenced(text, &blocks))
+}
+
+fn whole(text: &str) -> Result<Draft, Unreadable> {
+    let written = part(text, 0..text.len())?;
+    Ok(draft(text, written, 0, Notes::default()))
+}
+
+fn fenced(text: &str, blocks: &[Block]) -> Result<Draft, Unreadable> {
+    let mut notes = Notes::default();
+    let mut first: Option<(Written, &Block)> = None;
+    let mut read_to = 0;
+    for block in blocks {
+        if !block.closed {
+            return Err(Unreadable::CutOff {
+                position: Position::of(text, text.len()),
+                opened: Position::of(text, block.opened),
+            });
+        }
+        around(text, read_to..block.inside.start, &mut notes);
+        read_to = block.inside.end;
+        let written = part(text, block.inside.clone())?;
+        match &first {
+            None => first = Some((written, block)),
+            Some((same, _)) if *same == written => notes.add(LeniencyKind::RepeatedPlan, block.inside.start),
+            Some((_, earlier)) => {
+                return Err(Unreadable::SeveralPlans {
+                    count: blocks.len(),
+                    first: Position::of(text, earlier.inside.start),
+                    other: Position::of(text, block.inside.start),
+                });
+            }
+        }
+    }
+    around(text, read_to..text.len(), &mut notes);
+    match first {
+        Some((written, block)) => Ok(draft(text, written, block.inside.start, notes)),
+        None => Err(Unreadable::Empty),
+    }
+}
+
+fn part(text: &str, inside: Range<usize>) -> Result<Written, Unreadable> {
+    script::read_part(text, inside).map_err(|error| Unreadable::Script { inside: None, error })
+}
+
+fn draft(text: &str, written: Written, start: usize, mut notes: Notes) -> Draft {
+    let remarks = written.body.iter().any(|node| matches!(node, Node::Remark(_)));
+    let task_cohesion = TaskCohesion::from_written(written);
+    if remarks && task_cohesion.task_tree.is_none() {
+        notes.add(LeniencyKind::Comment, start);
+    }
+    Draft {
+        file: PlanFile::from(task_cohesion),
+        leniencies: notes.into_leniencies(text),
+    }
+}
+
+/// A code block; places are bytes.
+struct Block {
+    opened: usize,
+    inside: Range<usize>,
+    closed: bool,
+}
+
+fn blocks(text: &str) -> impl Iterator<Item = Block> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let opened = at + text[at..].find(FENCE)?;
+        // What stands behind a fence on its line is the language.
+        let start = text[opened..].find('\n').map_or(text.len(), |end| opened + end + 1);
+        let end = text[start..].find(FENCE).map(|end| start + end);
+        at = end.map_or(text.len(), |end| end + FENCE.len());
+        Some(Block {
+            opened,
+            inside: start..end.unwrap_or(text.len()),
+            closed: end.is_some(),
+        })
+    })
+}
+
+/// Whether the first line that is no comment begins as a statement of a script does, or as code does that no plan has.
+fn is_meant(text: &str) -> bool {
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let Some(line) = lines.find(|line| !line.starts_with('#')) else {
+        return false;
+    };
+    let word_end = line
+        .find(|c: char| !(c.is_alphanumeric() || c == '_'))
+        .unwrap_or(line.len());
+    let (word, rest) = line.split_at(word_end);
+    let code = line.split('#').next().unwrap_or_default().trim_end();
+    match word {
+        "" => false,
+        "if" | "while" | "for" | "with" => rest.starts_with([' ', '(']) && (code.ends_with(':') || code.contains("):")),
+        "def" | "class" | "async" => code.ends_with(':'),
+        "import" | "from" => code.split_whitespace().count() <= 4,
+        "pass" => code == "pass",
+        _ => rest.starts_with('(') || assigned(rest).is_some_and(|value| value.contains('(')),
+    }
+}
+
+/// What is assigned to a name, behind it.
+fn assigned(rest: &str) -> Option<&str> {
+    let value = rest.trim_start().strip_prefix('=')?;
+    (!value.starts_with('=') && !value.contains('{')).then_some(value)
+}

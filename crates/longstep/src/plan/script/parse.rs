@@ -1,0 +1,700 @@
+//! From the tokens of a script to a plan.
+
+use super::super::tree::{DEEPEST, Lane};
+use super::super::written::{Written, WrittenNode, WrittenStep, is_argument, is_reserved};
+use super::super::{LaneItem, Node, StepId, Test};
+use super::token::{Kind, Token};
+use super::write::OBJECTS;
+use super::{Fault, fault};
+use crate::call::Call;
+
+/// Parentheses and `not` in each other: more than any plan that is not too deep needs.
+const DEEPEST_CONDITION: usize = 4 * DEEPEST;
+
+/// What can stand on a line, for hints.
+const STATEMENTS: &str = "a plan has calls such as `grasp(\"<cup>\")`, `if`, `while`, `for _ in range(N)`, \
+                          `with parallel()`, `pass` and comments";
+
+pub(super) fn plan(tokens: Vec<Token<'_>>) -> Result<Written, Fault> {
+    let mut parser = Parser {
+        tokens,
+        next: 0,
+        depth: 0,
+        steps: Vec::new(),
+    };
+    let objects = parser.objects()?;
+    let body = parser.nodes()?;
+    match parser.peek() {
+        Kind::End => {}
+        Kind::Indent => return parser.fail("nothing opens a block here", "indent this line like the one before it"),
+        _ => return parser.unknown(),
+    }
+    Ok(Written {
+        steps: parser.steps,
+        body,
+        objects,
+    })
+}
+
+struct Parser<'t> {
+    tokens: Vec<Token<'t>>,
+    next: usize,
+    /// How many branches and loops are open.
+    depth: usize,
+    steps: Vec<WrittenStep>,
+}
+
+/// The calls of a condition, while it is read.
+#[derive(Default)]
+struct Condition {
+    calls: Vec<WrittenStep>,
+    /// What was said before the first call.
+    early: Vec<String>,
+    depth: usize,
+}
+
+impl Condition {
+    fn say(&mut self, words: String) {
+        match self.calls.last_mut() {
+            Some(call) => join(&mut call.explanation, &words),
+            None => self.early.push(words),
+        }
+    }
+
+    /// The condition with its calls in their places.
+    fn whole(&self, test: Test<usize>) -> Test<WrittenStep> {
+        let parts = |parts: Vec<Test<usize>>| parts.into_iter().map(|part| self.whole(part)).collect();
+        match test {
+            Test::Holds(call) => Test::Holds(self.calls[call].clone()),
+            Test::Sense(step) => Test::Sense(step),
+            Test::Not(inner) => Test::Not(Box::new(self.whole(*inner))),
+            Test::All(all) => Test::All(parts(all)),
+            Test::Any(any) => Test::Any(parts(any)),
+        }
+    }
+}
+
+fn join(words: &mut String, more: &str) {
+    if !words.is_empty() {
+        words.push(' ');
+    }
+    words.push_str(more);
+}
+
+impl<'t> Parser<'t> {
+    fn peek(&self) -> &Kind<'t> {
+        &self.tokens[self.next.min(self.tokens.len() - 1)].kind
+    }
+
+    fn at(&self) -> usize {
+        self.tokens[self.next.min(self.tokens.len() - 1)].at
+    }
+
+    fn fail<T>(&self, message: impl Into<String>, hint: impl Into<String>) -> Result<T, Fault> {
+        fault(self.at(), message, hint)
+    }
+
+    fn take(&mut self, kind: &Kind<'_>) -> bool {
+        let taken = self.peek() == kind;
+        self.next += usize::from(taken);
+        taken
+    }
+
+    fn word(&self) -> Option<&'t str> {
+        match self.peek() {
+            Kind::Name(word) => Some(word),
+            _ => None,
+        }
+    }
+
+    fn take_word(&mut self, word: &str) -> bool {
+        let taken = self.word() == Some(word);
+        self.next += usize::from(taken);
+        taken
+    }
+
+    fn expect(&mut self, sign: &'static str, hint: &str) -> Result<(), Fault> {
+        match self.take(&Kind::Sign(sign)) {
+            true => Ok(()),
+            false => self.unexpected(&format!("`{sign}` is missing before this"), hint),
+        }
+    }
+
+    /// Fails at the next token: with what it is if no plan has it, else with `message`.
+    fn unexpected<T>(&self, message: &str, hint: &str) -> Result<T, Fault> {
+        match self.foreign() {
+            Some((what, instead)) => self.fail(format!("this is {what}, which no plan has"), instead),
+            None => self.fail(message, hint),
+        }
+    }
+
+    fn unknown<T>(&self) -> Result<T, Fault> {
+        self.unexpected("this is nothing that a plan has", STATEMENTS)
+    }
+
+    /// What the next token is, if it belongs to the rest of Python, and what can be written instead.
+    fn foreign(&self) -> Option<(String, &'static str)> {
+        let (what, instead) = match self.peek() {
+            Kind::Name(word) => return foreign_word(word),
+            Kind::Text(_) => ("a text", "say what a step does in a comment, `# ...`"),
+            Kind::Number(_) => ("a number", "numbers stand in `range(N)` alone"),
+            Kind::Sign(sign) => match *sign {
+                "=" | ":=" | "+=" | "-=" | "*=" | "/=" | "%=" | "|=" | "**=" | "//=" => (
+                    "an assignment",
+                    "ask in the condition itself, as in `if not check_date():`",
+                ),
+                "==" | "!=" | "<" | ">" | "<=" | ">=" => (
+                    "a comparison",
+                    "ask what holds, as in `if check_date():` or `if not on(\"<cup>\", \"<table>\"):`",
+                ),
+                "+" | "-" | "*" | "/" | "%" | "**" | "//" | "|" | "&" | "^" | "~" => {
+                    ("arithmetic", "numbers stand in `range(N)` alone")
+                }
+                "." => ("an attribute", "call the action by its name alone"),
+                "[" | "]" => ("a list or an index", "name each thing in a call of its own"),
+                "{" | "}" => ("a set or a dictionary", STATEMENTS),
+                "@" => ("a decorator", STATEMENTS),
+                ";" => ("a second statement on a line", "write each call on a line of its own"),
+                "->" => ("a function's type", STATEMENTS),
+                "..." => ("a gap", "write every step, or `pass`"),
+                _ => return None,
+            },
+            _ => return None,
+        };
+        Some((what.to_owned(), instead))
+    }
+
+    /// The names that the first comment of a plan says are handled.
+    fn objects(&mut self) -> Result<Vec<String>, Fault> {
+        let Kind::Objects(words) = self.peek() else {
+            return Ok(Vec::new());
+        };
+        let Some(list) = words.strip_prefix(OBJECTS) else {
+            return Ok(Vec::new());
+        };
+        match serde_json::from_str(list.trim()) {
+            Ok(objects) => {
+                self.next += 1;
+                Ok(objects)
+            }
+            Err(_) => self.fail(
+                "the list of objects cannot be read",
+                "write it as `# objects: [\"<cup>\", \"<plate>\"]`",
+            ),
+        }
+    }
+
+    /// The statements up to the end of a block.
+    fn nodes(&mut self) -> Result<Vec<WrittenNode>, Fault> {
+        let mut nodes = Vec::new();
+        loop {
+            nodes.extend(self.remarks());
+            match self.word() {
+                None => match self.peek() {
+                    Kind::Dedent | Kind::End => return Ok(nodes),
+                    Kind::Indent => {
+                        return self.fail("nothing opens a block here", "indent this line like the one before it");
+                    }
+                    _ => return self.unknown(),
+                },
+                Some(_) => self.statement(&mut nodes)?,
+            }
+        }
+    }
+
+    /// Takes comments on lines of their own.
+    fn remarks(&mut self) -> Vec<WrittenNode> {
+        self.words_alone().into_iter().map(Node::Remark).collect()
+    }
+
+    fn words_alone(&mut self) -> Vec<String> {
+        let mut words = Vec::new();
+        while let Kind::Remark(said) | Kind::Objects(said) = self.peek() {
+            words.push(said.clone());
+            self.next += 1;
+        }
+        words
+    }
+
+    /// Whether only comments stand before an `else` or `elif`.
+    fn alternative_ahead(&self) -> bool {
+        let mut ahead = self.tokens[self.next..].iter().map(|token| &token.kind);
+        let next = ahead.find(|kind| !matches!(kind, Kind::Remark(_) | Kind::Objects(_)));
+        matches!(next, Some(Kind::Name("else" | "elif")))
+    }
+
+    fn statement(&mut self, nodes: &mut Vec<WrittenNode>) -> Result<(), Fault> {
+        match self.word() {
+            Some("if") => {
+                let node = self.decision()?;
+                nodes.push(node);
+            }
+            Some("while") => {
+                self.next += 1;
+                let (condition, body) = self.guarded("while")?;
+                nodes.push(Node::While { condition, body });
+            }
+            Some("for") => {
+                let times = self.range()?;
+                let body = self.body("for")?;
+                nodes.push(Node::Repeat { times, body });
+            }
+            Some("with") => self.parallel(nodes)?,
+            Some("pass") => {
+                self.next += 1;
+                nodes.extend(self.line_end()?.into_iter().map(Node::Remark));
+            }
+            Some("elif" | "else") => {
+                return self.fail("no `if` stands before this", "write the `if` that it belongs to");
+            }
+            _ => {
+                let step = self.step()?;
+                nodes.push(Node::Step(step));
+            }
+        }
+        Ok(())
+    }
+
+    fn step(&mut self) -> Result<StepId, Fault> {
+        let mut step = self.call()?;
+        for words in self.line_end()? {
+            join(&mut step.explanation, &words);
+        }
+        self.steps.push(step);
+        Ok(StepId::new(self.steps.len() - 1))
+    }
+
+    /// The end of a line, and the comments before it.
+    fn line_end(&mut self) -> Result<Vec<String>, Fault> {
+        let comments = self.comments();
+        match self.take(&Kind::Newline) {
+            true => Ok(comments),
+            false => self.unexpected("the line should end here", "write each call on a line of its own"),
+        }
+    }
+
+    fn comments(&mut self) -> Vec<String> {
+        let mut comments = Vec::new();
+        while let Kind::Comment(words) = self.peek() {
+            comments.push(words.clone());
+            self.next += 1;
+        }
+        comments
+    }
+
+    /// A call with its arguments; what is said between them is its explanation.
+    fn call(&mut self) -> Result<WrittenStep, Fault> {
+        let start = self.at();
+        let Some(name) = self.word().filter(|name| !is_reserved(name) && !name.starts_with('<')) else {
+            return match self.word() {
+                Some("lane") => self.fail("this is a lane outside of `with parallel():`", "put it into one"),
+                Some("sync") => self.fail("only lanes wait for each other", "put it into a `with lane(...):`"),
+                _ => self.unknown(),
+            };
+        };
+        self.next += 1;
+        if !matches!(self.peek(), Kind::Sign("(")) {
+            let message = format!("`{name}` is no call");
+            let hint = format!("write `{name}()`, with its arguments in the parentheses");
+            return match self.foreign().filter(|_| matches!(self.peek(), Kind::Sign(_))) {
+                Some((what, instead)) => self.fail(format!("this is {what}, which no plan has"), instead),
+                None => fault(start, message, hint),
+            };
+        }
+        self.next += 1;
+        let mut step = WrittenStep {
+            call: Call {
+                name: name.to_owned(),
+                arguments: Vec::new(),
+            },
+            implicit: Vec::new(),
+            explanation: String::new(),
+        };
+        loop {
+            self.comments()
+                .iter()
+                .for_each(|words| join(&mut step.explanation, words));
+            if self.take(&Kind::Sign(")")) {
+                return Ok(step);
+            }
+            self.argument(&mut step)?;
+            self.comments()
+                .iter()
+                .for_each(|words| join(&mut step.explanation, words));
+            if !self.take(&Kind::Sign(",")) && !matches!(self.peek(), Kind::Sign(")")) {
+                return match self.peek() {
+                    Kind::Sign("(") => self.fail("this is a call in a call", "name things, as in `grasp(\"<cup>\")`"),
+                    Kind::Text(_) => self.fail("this is a second text", "put a comma between arguments"),
+                    _ => self.unexpected("`,` or `)` is missing before this", "separate arguments by commas"),
+                };
+            }
+        }
+    }
+
+    fn argument(&mut self, step: &mut WrittenStep) -> Result<(), Fault> {
+        const HINT: &str = "an argument is a name, as in `grasp(\"<cup>\")` or `grasp(cup)`";
+        let at = self.at();
+        let following = self.tokens.get(self.next + 1).map(|token| &token.kind);
+        if let (Some(name), Some(Kind::Sign("="))) = (self.word(), following) {
+            self.next += 2;
+            let name = match name.strip_suffix('_') {
+                Some(kept) if is_reserved(kept.trim_end_matches('_')) => kept,
+                _ => name,
+            };
+            if name.starts_with('<') || step.implicit.iter().any(|(before, _)| before == name) {
+                return fault(
+                    at,
+                    "this parameter cannot be given here",
+                    "give each parameter once, by its name",
+                );
+            }
+            let value = self.value(HINT)?;
+            step.implicit.push((name.to_owned(), value));
+            return Ok(());
+        }
+        let argument = self.value(HINT)?.trim().to_owned();
+        if !is_argument(&argument) {
+            return fault(at, "this names nothing", HINT);
+        }
+        if !step.implicit.is_empty() {
+            return fault(
+                at,
+                "this stands behind a parameter that is given by name",
+                "put it first",
+            );
+        }
+        step.call.arguments.push(argument);
+        Ok(())
+    }
+
+    fn value(&mut self, hint: &str) -> Result<String, Fault> {
+        let value = match self.peek() {
+            Kind::Text(text) => text.clone(),
+            Kind::Number(digits) => (*digits).to_owned(),
+            Kind::Name(name) if !is_reserved(name) => {
+                let following = self.tokens.get(self.next + 1).map(|token| &token.kind);
+                if let (1, Some(Kind::Text(_))) = (name.chars().count(), following) {
+                    return self.fail(
+                        format!("this is a text with the prefix `{name}`, which no plan has"),
+                        hint,
+                    );
+                }
+                (*name).to_owned()
+            }
+            _ => return self.unexpected("an argument is missing here", hint),
+        };
+        self.next += 1;
+        Ok(value)
+    }
+
+    fn decision(&mut self) -> Result<WrittenNode, Fault> {
+        self.next += 1;
+        let (condition, then) = self.guarded("if")?;
+        let mut otherwise = Vec::new();
+        if matches!(self.peek(), Kind::Name("else" | "elif")) || self.alternative_ahead() {
+            otherwise.extend(self.remarks());
+            if self.word() == Some("elif") {
+                let another = self.deeper(Self::decision)?;
+                otherwise.push(another);
+            } else {
+                self.next += 1;
+                let mut nodes = self.body("else")?;
+                otherwise.append(&mut nodes);
+            }
+        }
+        Ok(Node::If {
+            condition,
+            then,
+            otherwise,
+        })
+    }
+
+    /// Reads what stands one branch or loop deeper.
+    fn deeper<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
+        if self.depth == DEEPEST {
+            return self.fail(
+                format!("branches and loops stand more than {DEEPEST} deep in each other"),
+                "say the same in fewer branches",
+            );
+        }
+        self.depth += 1;
+        let inside = read(self)?;
+        self.depth -= 1;
+        Ok(inside)
+    }
+
+    /// A condition, and what depends on it.
+    fn guarded(&mut self, word: &str) -> Result<(Test<WrittenStep>, Vec<WrittenNode>), Fault> {
+        let start = self.tokens[self.next - 1].at;
+        let mut condition = Condition::default();
+        let test = self.any(&mut condition)?;
+        self.expect(":", &format!("a line with `{word}` ends with a colon"))?;
+        self.comments().into_iter().for_each(|words| condition.say(words));
+        if let Some(first) = condition.calls.first_mut() {
+            let mut words = condition.early.join(" ");
+            if !words.is_empty() && !first.explanation.is_empty() {
+                words.push(' ');
+            }
+            first.explanation.insert_str(0, &words);
+        }
+        let test = condition.whole(test);
+        if self.depth + 1 + test.depth() > DEEPEST {
+            return fault(
+                start,
+                format!("conditions and branches stand more than {DEEPEST} deep in each other"),
+                "say the same in fewer branches",
+            );
+        }
+        Ok((test, self.block()?))
+    }
+
+    /// The colon, what is said behind it, and the block.
+    fn body(&mut self, word: &str) -> Result<Vec<WrittenNode>, Fault> {
+        self.expect(":", &format!("a line with `{word}` ends with a colon"))?;
+        let mut nodes: Vec<WrittenNode> = self.comments().into_iter().map(Node::Remark).collect();
+        nodes.append(&mut self.block()?);
+        Ok(nodes)
+    }
+
+    /// What stands under a line that ends with a colon, or behind the colon.
+    fn block(&mut self) -> Result<Vec<WrittenNode>, Fault> {
+        self.deeper(|parser| {
+            if !parser.take(&Kind::Newline) {
+                return match parser.word() {
+                    Some("if" | "while" | "for" | "with") => {
+                        parser.fail("this opens a block in a line", "put it on a line of its own, indented")
+                    }
+                    _ => {
+                        let mut nodes = Vec::new();
+                        parser.statement(&mut nodes)?;
+                        Ok(nodes)
+                    }
+                };
+            }
+            parser.indent()?;
+            let nodes = parser.nodes()?;
+            parser.dedent()?;
+            Ok(nodes)
+        })
+    }
+
+    fn indent(&mut self) -> Result<(), Fault> {
+        match self.take(&Kind::Indent) {
+            true => Ok(()),
+            false => self.fail(
+                "a block is missing before this",
+                "indent what belongs to the line before, or write `pass` there",
+            ),
+        }
+    }
+
+    fn dedent(&mut self) -> Result<(), Fault> {
+        match self.take(&Kind::Dedent) {
+            true => Ok(()),
+            false => self.unknown(),
+        }
+    }
+
+    fn any(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
+        let parts = self.parts(condition, "or", Self::all)?;
+        Ok(one_or(parts, Test::Any))
+    }
+
+    fn all(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
+        let parts = self.parts(condition, "and", Self::part)?;
+        Ok(one_or(parts, Test::All))
+    }
+
+    fn parts(
+        &mut self,
+        condition: &mut Condition,
+        word: &str,
+        read: impl Fn(&mut Self, &mut Condition) -> Result<Test<usize>, Fault>,
+    ) -> Result<Vec<Test<usize>>, Fault> {
+        let mut parts = vec![read(self, condition)?];
+        while self.take_word(word) {
+            parts.push(read(self, condition)?);
+        }
+        Ok(parts)
+    }
+
+    /// A call, what follows `not`, or what stands in parentheses.
+    fn part(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
+        self.comments().into_iter().for_each(|words| condition.say(words));
+        if condition.depth == DEEPEST_CONDITION {
+            return self.fail(
+                format!("parentheses and `not` stand more than {DEEPEST_CONDITION} deep in each other"),
+                "take out those that change nothing",
+            );
+        }
+        condition.depth += 1;
+        let test = if self.take_word("not") {
+            Test::Not(Box::new(self.part(condition)?))
+        } else if self.take(&Kind::Sign("(")) {
+            let inside = self.any(condition)?;
+            self.expect(")", "close the parenthesis")?;
+            inside
+        } else {
+            const HINT: &str =
+                "a condition asks with calls, as in `if check_date():` or `if not on(\"<cup>\", \"<table>\"):`";
+            match self.peek() {
+                Kind::Name("True" | "False" | "None") => return self.fail("this is decided already", HINT),
+                Kind::Name(word) if !is_reserved(word) => {}
+                _ => return self.unexpected("a call is missing here", HINT),
+            }
+            let call = self.call()?;
+            condition.calls.push(call);
+            Test::Holds(condition.calls.len() - 1)
+        };
+        condition.depth -= 1;
+        self.comments().into_iter().for_each(|words| condition.say(words));
+        Ok(test)
+    }
+
+    /// `for _ in range(N)`: how often.
+    fn range(&mut self) -> Result<u32, Fault> {
+        const HINT: &str = "a loop that counts is written `for _ in range(3):`";
+        self.next += 1;
+        let named = self.word().is_some_and(|word| !is_reserved(word));
+        self.next += usize::from(named);
+        if !named || !self.take_word("in") || !self.take_word("range") || !self.take(&Kind::Sign("(")) {
+            return self.fail("no plan has a loop like this", HINT);
+        }
+        let Kind::Number(digits) = self.peek() else {
+            return self.fail("a number is missing here", HINT);
+        };
+        let Some(times) = digits
+            .parse()
+            .ok()
+            .filter(|_| digits.bytes().all(|byte| byte.is_ascii_digit()))
+        else {
+            return self.fail("this is no number of times", HINT);
+        };
+        self.next += 1;
+        match self.take(&Kind::Sign(")")) {
+            true => Ok(times),
+            false => self.fail("no plan has a loop like this", HINT),
+        }
+    }
+
+    fn parallel(&mut self, nodes: &mut Vec<WrittenNode>) -> Result<(), Fault> {
+        const HINT: &str = "lanes are written `with parallel():` and in it `with lane(\"left\"):`, each with its calls";
+        let start = self.at();
+        self.next += 1;
+        let opened = self.take_word("parallel") && self.take(&Kind::Sign("(")) && self.take(&Kind::Sign(")"));
+        if !opened || !self.take(&Kind::Sign(":")) {
+            return match self.word() {
+                Some("lane") => fault(start, "this is a lane outside of `with parallel():`", HINT),
+                _ => self.fail("no plan has a `with` like this", HINT),
+            };
+        }
+        nodes.extend(self.line_end()?.into_iter().map(Node::Remark));
+        self.indent()?;
+        if self.depth == DEEPEST {
+            return fault(
+                start,
+                format!("blocks stand more than {DEEPEST} deep in each other"),
+                HINT,
+            );
+        }
+        let mut lanes: Vec<Lane<String>> = Vec::new();
+        loop {
+            let at = self.at();
+            let remarks = self.words_alone();
+            if !self.take_word("with") {
+                let Some(last) = lanes.last_mut().filter(|_| matches!(self.peek(), Kind::Dedent)) else {
+                    return self.fail("a lane is missing here", HINT);
+                };
+                last.items.extend(remarks.into_iter().map(LaneItem::Remark));
+                break;
+            }
+            let opened = self.take_word("lane") && self.take(&Kind::Sign("("));
+            if !opened {
+                return self.fail("a lane is missing here", HINT);
+            }
+            let actor = self.value(HINT)?;
+            if !self.take(&Kind::Sign(")")) || !self.take(&Kind::Sign(":")) {
+                return self.fail("a lane has one actor, and a colon behind it", HINT);
+            }
+            if lanes.iter().any(|lane| lane.actor == actor) {
+                let message = format!("`{actor}` has a lane already");
+                return fault(at, message, "put all that it does into one lane");
+            }
+            let mut items: Vec<LaneItem> = remarks.into_iter().map(LaneItem::Remark).collect();
+            items.extend(self.line_end()?.into_iter().map(LaneItem::Remark));
+            self.indent()?;
+            self.items(&mut items)?;
+            self.dedent()?;
+            lanes.push(Lane { actor, items });
+        }
+        self.dedent()?;
+        nodes.push(Node::Parallel { lanes });
+        Ok(())
+    }
+
+    /// What one lane does.
+    fn items(&mut self, items: &mut Vec<LaneItem>) -> Result<(), Fault> {
+        loop {
+            items.extend(self.words_alone().into_iter().map(LaneItem::Remark));
+            match self.word() {
+                None => return Ok(()),
+                Some("pass") => {
+                    self.next += 1;
+                    items.extend(self.line_end()?.into_iter().map(LaneItem::Remark));
+                }
+                Some("sync") => {
+                    const HINT: &str = "lanes wait for each other at `sync(\"name\")`";
+                    self.next += 1;
+                    self.expect("(", HINT)?;
+                    let name = self.value(HINT)?;
+                    self.expect(")", HINT)?;
+                    let remarks = self.line_end()?;
+                    items.extend(remarks.into_iter().map(LaneItem::Remark));
+                    items.push(LaneItem::Sync(name));
+                }
+                Some("if" | "elif" | "else" | "while" | "for" | "with") => {
+                    return self.fail(
+                        "nothing branches or repeats in a lane",
+                        "branch around `with parallel():`, or write every step",
+                    );
+                }
+                Some(_) => {
+                    let step = self.step()?;
+                    items.push(LaneItem::Step(step));
+                }
+            }
+        }
+    }
+}
+
+fn one_or(mut parts: Vec<Test<usize>>, join: impl FnOnce(Vec<Test<usize>>) -> Test<usize>) -> Test<usize> {
+    match parts.len() {
+        1 => parts.swap_remove(0),
+        _ => join(parts),
+    }
+}
+
+/// What a word of Python's is, if no plan has it, and what can be written instead.
+fn foreign_word(word: &str) -> Option<(String, &'static str)> {
+    let (what, instead) = match word {
+        "def" | "async" => ("a function", "write its steps where they are done"),
+        "class" => ("a class", STATEMENTS),
+        "import" | "from" => ("an import", "call the domain's actions, which are known already"),
+        "lambda" => ("a function", "write its steps where they are done"),
+        "return" | "yield" => ("the end of a function", "put what follows into an `else`"),
+        "break" | "continue" => ("a jump", "say in the loop's condition when it ends"),
+        "try" | "except" | "finally" | "raise" | "assert" => ("error handling", "branch on what is sensed, with `if`"),
+        "match" | "case" => ("a choice of patterns", "write `if`, `elif` and `else`"),
+        "del" | "global" | "nonlocal" => ("a variable", STATEMENTS),
+        "await" => ("waiting", "calls are waited for anyway"),
+        "print" => ("output", "say it in a comment, `# ...`"),
+        "in" | "is" => (
+            "a comparison",
+            "ask what holds, as in `if inside(\"<cup>\", \"<box>\"):`",
+        ),
+        "if" => ("a conditional expression", "put the `if` on a line of its own"),
+        "True" | "False" | "None" => ("a value", STATEMENTS),
+        _ => return None,
+    };
+    Some((what.to_owned(), instead))
+}

@@ -1,0 +1,142 @@
+//! A JSON schema for the tree of a plan, for servers that hold a model to it.
+
+use serde_json::{Value, json};
+
+/// What a tree may be made of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TreeForms<'a> {
+    /// The calls that a step can be; any text if there are too many to list.
+    pub(crate) calls: Option<&'a [String]>,
+    /// What a condition can ask; no branches if nothing can be asked, any text if there is too much to list.
+    pub(crate) asked: Option<&'a [String]>,
+    /// Who can have a lane; no lanes if nobody can.
+    pub(crate) lanes: &'a [String],
+    /// Whether loops are allowed besides branches.
+    pub(crate) loops: bool,
+    /// Whether each step has an explanation.
+    pub(crate) explained: bool,
+    /// How deep branches and loops may stand in each other. Strict servers take no schema that refers to itself, so
+    /// each level is written out.
+    pub(crate) depth: usize,
+}
+
+/// A schema for the list of nodes, and the definitions that it refers to under `#/$defs/`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TreeSchema {
+    pub(crate) nodes: Value,
+    pub(crate) definitions: Value,
+}
+
+/// The schema of a tree.
+pub(crate) fn tree_schema(forms: TreeForms<'_>) -> TreeSchema {
+    let branches = forms.asked.is_none_or(|asked| !asked.is_empty());
+    let mut definitions = serde_json::Map::new();
+    let mut define = |name: &str, schema: Value| {
+        definitions.insert(name.to_owned(), schema);
+    };
+    define("call", one_of(forms.calls));
+    let text = json!({"type": "string"});
+    define(
+        "step",
+        match forms.explained {
+            true => closed(&[("call", refer("call")), ("explanation", text.clone())]),
+            false => closed(&[("call", refer("call"))]),
+        },
+    );
+    if branches {
+        define("asked", closed(&[("call", one_of(forms.asked))]));
+        let conditions = [refer("asked"), closed(&[("not", refer("asked"))])];
+        define("condition", json!({"anyOf": conditions}));
+    }
+    // From the innermost level outwards.
+    for level in (0..=forms.depth).rev() {
+        let mut nodes = vec![refer("step")];
+        if branches && level < forms.depth {
+            let inner = list(refer(&format!("node{}", level + 1)));
+            let condition = refer("condition");
+            nodes.push(closed(&[
+                ("if", condition.clone()),
+                ("then", inner.clone()),
+                ("else", inner.clone()),
+            ]));
+            if forms.loops {
+                nodes.push(closed(&[("while", condition), ("do", inner)]));
+            }
+        }
+        if level == 0 && forms.lanes.len() > 1 {
+            let items = json!({"anyOf": [refer("step"), closed(&[("sync", text.clone())])]});
+            let lane = closed(&[("lane", one_of(Some(forms.lanes))), ("do", list(items))]);
+            nodes.push(closed(&[("parallel", list(lane))]));
+        }
+        define(&format!("node{level}"), json!({"anyOf": nodes}));
+    }
+    TreeSchema {
+        nodes: list(refer("node0")),
+        definitions: Value::Object(definitions),
+    }
+}
+
+fn refer(name: &str) -> Value {
+    json!({"$ref": format!("#/$defs/{name}")})
+}
+
+fn list(items: Value) -> Value {
+    json!({"type": "array", "items": items})
+}
+
+fn one_of(texts: Option<&[String]>) -> Value {
+    match texts {
+        Some(texts) if !texts.is_empty() => json!({"type": "string", "enum": texts}),
+        _ => json!({"type": "string"}),
+    }
+}
+
+/// An object with exactly these keys, all of them always there, as OpenAI's strict mode wants it.
+pub(crate) fn closed(entries: &[(&str, Value)]) -> Value {
+    let required: Vec<&str> = entries.iter().map(|(key, _)| *key).collect();
+    let properties: serde_json::Map<String, Value> = entries
+        .iter()
+        .map(|(key, value)| ((*key).to_owned(), value.clone()))
+        .collect();
+    json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
+}
+
+/// A tree of a plan file as the schema has it: every key there, and nothing besides.
+pub(crate) fn in_schema(tree: &Value, explained: bool) -> Value {
+    let nodes = tree.as_array().map_or(&[][..], Vec::as_slice);
+    let nodes = nodes.iter().filter(|node| node.get("remark").is_none());
+    nodes.map(|node| node_in_schema(node, explained)).collect()
+}
+
+fn node_in_schema(node: &Value, explained: bool) -> Value {
+    let part = |key: &str| in_schema(node.get(key).unwrap_or(&Value::Null), explained);
+    if let Some(call) = node.get("call") {
+        let explanation = node.get("explanation").cloned().unwrap_or_else(|| json!(""));
+        return match explained {
+            true => json!({"call": call, "explanation": explanation}),
+            false => json!({"call": call}),
+        };
+    }
+    if let Some(condition) = node.get("if") {
+        return json!({"if": asked_in_schema(condition), "then": part("then"), "else": part("else")});
+    }
+    if let Some(condition) = node.get("while") {
+        return json!({"while": asked_in_schema(condition), "do": part("do")});
+    }
+    let Some(lanes) = node.get("parallel").and_then(Value::as_array) else {
+        return node.clone();
+    };
+    let lane = |lane: &Value| {
+        let items = in_schema(lane.get("do").unwrap_or(&Value::Null), explained);
+        json!({"lane": lane.get("lane"), "do": items})
+    };
+    json!({"parallel": lanes.iter().map(lane).collect::<Value>()})
+}
+
+fn asked_in_schema(condition: &Value) -> Value {
+    match (condition.get("call"), condition.get("not")) {
+        (Some(call), _) => json!({"call": call}),
+        (_, Some(inner)) => json!({"not": asked_in_schema(inner)}),
+        _ => condition.clone(),
+    }
+}

@@ -1,0 +1,85 @@
+//! Sessions in which a plan can end in several ways.
+
+use super::tests::{goals, reply};
+use super::{Entry, Event, Log, ModelFacts, Need, Session, Settings};
+use crate::domain::{self, Domain};
+use crate::json::Path;
+use crate::prompt::{ConstraintKind, EstimatedTokens};
+use crate::world::{self, Environment};
+
+const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<trash_bin>"], "objects": ["<cheese>"],
+    "object_states": {"<cheese>": "on_something(<worktop>)"}}"#;
+
+fn checks() -> Domain {
+    domain::shipped("household-checks").unwrap().unwrap()
+}
+
+fn session() -> Session {
+    let domain = checks();
+    let environment = Environment::from_json(LARDER).unwrap();
+    let world = world::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let model = ModelFacts {
+        name: "script".to_owned(),
+        kind: ConstraintKind::JsonSchema,
+        context: None,
+    };
+    Session::new("household-checks", domain, world, Settings::default(), model, || 0.0)
+}
+
+fn log(events: &[Event]) -> Log {
+    let line = |event: &Event| {
+        let event = event.clone();
+        Entry {
+            at: String::new(),
+            event,
+        }
+        .line()
+    };
+    Log::read(events.iter().map(line).collect::<String>().as_bytes()).unwrap()
+}
+
+fn where_is_the_cheese(session: &Session) -> Vec<String> {
+    let states = &session.world().environment.object_states["<cheese>"];
+    states.as_slice().to_vec()
+}
+
+#[test]
+fn the_next_instruction_begins_where_the_plan_is_told_to_have_ended() {
+    let mut session = session();
+    session
+        .instruct("If the cheese has expired put it in the trash bin, otherwise on the shelf")
+        .unwrap();
+    let counter = &mut EstimatedTokens::default();
+    assert!(matches!(session.need(counter), Ok(Need::Model(_))));
+    let goal = "if expired(cheese) then put(cheese, trash bin) else put(cheese, shelf)";
+    session.supply(&reply(&goals(&[goal])), 1.0).unwrap();
+    assert!(!session.proposal().unwrap().plan.plan().is_sequence());
+    session.accept().unwrap();
+    let Ok(Need::Ending(endings)) = session.need(counter) else {
+        panic!()
+    };
+    let when: Vec<&[String]> = endings.iter().map(|ending| ending.when.as_slice()).collect();
+    assert_eq!(
+        when.concat(),
+        ["the cheese is not past its date", "the cheese is past its date"]
+    );
+    // Nothing goes on until it is told, and what is told is one of them.
+    assert!(session.instruct("Put the cheese on the worktop").is_err());
+    assert!(session.cancel().is_err());
+    assert!(session.ended(2).is_err());
+    let mut events = session.take_events();
+    let resumed = Session::resume(checks(), &log(&events), || 0.0).unwrap().session;
+    assert_eq!(resumed.endings(), endings);
+
+    session.ended(1).unwrap();
+    assert!(where_is_the_cheese(&session).contains(&"inside_something(<trash_bin>)".to_owned()));
+    events.extend(session.take_events());
+    let resumed = Session::resume(checks(), &log(&events), || 0.0).unwrap().session;
+    assert_eq!(resumed.world().environment, session.world().environment);
+    assert!(resumed.endings().is_empty());
+    let file = session.plan_file(0).unwrap();
+    assert_eq!((file.environment_after, file.endings.len()), (None, 2));
+
+    session.undo().unwrap();
+    assert_eq!(where_is_the_cheese(&session), ["on_something(<worktop>)"]);
+}

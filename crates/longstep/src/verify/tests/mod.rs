@@ -1,0 +1,4 @@
+mod bench;
+mod enumerated;
+mod plans;
+mod trees;

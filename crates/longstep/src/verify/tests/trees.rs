@@ -1,0 +1,245 @@
+//! Branches, loops and lanes.
+
+use super::bench::{Ask, Part, does, domain, messages, not, report, world};
+use crate::verify::{STATES, Violation};
+
+/// What is told of a plan for three lamps of which the first is lit.
+fn check(parts: &[Part], expected: &[&str]) {
+    let domain = domain();
+    let world = world(&domain, 3, &[1]);
+    let report = report(&domain, &world, parts);
+    assert_eq!(messages(&domain, &world, &report), expected, "{parts:?}");
+}
+
+fn all(texts: &[&str]) -> Vec<Part> {
+    texts.iter().map(|text| does(text)).collect()
+}
+
+#[test]
+fn both_sides_of_a_branch_are_followed() {
+    let branch = |then: &[&str], otherwise: &[&str]| Part::If(Ask::Feel(2), all(then), all(otherwise));
+    check(&[branch(&["press left 2"], &["press left 3"])], &[]);
+    check(
+        &[branch(&["press left 1"], &[])],
+        &[
+            "step 2: press(left, <lamp_1>) needs that lamp 1 is not lit (when lamp 2 is warm)",
+            "step 2: press(left, <lamp_1>) changes nothing (when lamp 2 is warm)",
+        ],
+    );
+    // What follows has to be possible whichever side was taken.
+    check(
+        &[branch(&["press left 2"], &[]), does("unpress left 2")],
+        &[
+            "step 3: unpress(left, <lamp_2>) needs that lamp 2 is lit (when lamp 2 is cold)",
+            "step 3: unpress(left, <lamp_2>) changes nothing (when lamp 2 is cold)",
+        ],
+    );
+    // What is wrong on every way is wrong in any case.
+    check(
+        &[branch(&["press left 3"], &["press right 3"]), does("press left 3")],
+        &[
+            "step 4: press(left, <lamp_3>) needs that lamp 3 is not lit; since step 2 (press(left, <lamp_3>)), lamp 3 is lit (when lamp 2 is warm)",
+            "step 4: press(left, <lamp_3>) needs that lamp 3 is not lit; since step 3 (press(right, <lamp_3>)), lamp 3 is lit (when lamp 2 is cold)",
+            "step 4: press(left, <lamp_3>) changes nothing",
+        ],
+    );
+    check(
+        &[branch(&[], &[]), does("press left 1")],
+        &[
+            "step 2: press(left, <lamp_1>) needs that lamp 1 is not lit",
+            "step 2: press(left, <lamp_1>) changes nothing",
+        ],
+    );
+}
+
+#[test]
+fn what_was_sensed_is_known_on_its_way() {
+    check(&[Part::If(Ask::Feel(2), all(&["cool 2"]), vec![])], &[]);
+    check(
+        &[Part::If(not(Ask::Feel(2)), all(&["cool 2"]), vec![])],
+        &[
+            "step 2: cool(<lamp_2>) needs that lamp 2 is warm (when lamp 2 is cold)",
+            "step 2: cool(<lamp_2>) changes nothing (when lamp 2 is cold)",
+        ],
+    );
+    check(&all(&["cool 2"]), &["step 1: cool(<lamp_2>) needs that lamp 2 is warm"]);
+    // Sensed by a step of its own, asked for later.
+    check(
+        &[
+            does("feel 2"),
+            does("press left 2"),
+            Part::If(Ask::Is("warm", 2), all(&["cool 2"]), vec![]),
+        ],
+        &[],
+    );
+    // Feeling what is known tells nothing new, and the other side is dead.
+    check(
+        &[Part::If(
+            Ask::Feel(2),
+            vec![Part::If(Ask::Is("cold", 2), all(&["press left 2"]), all(&["cool 2"]))],
+            vec![],
+        )],
+        &["step 2: press(left, <lamp_2>) is never reached"],
+    );
+}
+
+#[test]
+fn nobody_may_ask_what_was_never_sensed() {
+    check(
+        &[Part::If(Ask::Is("warm", 2), all(&["press left 2"]), vec![])],
+        &["step 1: a condition asks whether lamp 2 is warm, and nothing has sensed that"],
+    );
+    // Sensed on one side only.
+    check(
+        &[
+            Part::If(Ask::Feel(3), all(&["feel 2"]), vec![]),
+            Part::If(Ask::Is("warm", 2), all(&["press left 2"]), vec![]),
+        ],
+        &["step 3: a condition asks whether lamp 2 is warm, and nothing has sensed that (when lamp 3 is cold)"],
+    );
+    // Forgotten.
+    check(
+        &[
+            does("feel 2"),
+            does("wait 2"),
+            Part::If(Ask::Is("warm", 2), all(&["press left 2"]), vec![]),
+        ],
+        &["step 3: a condition asks whether lamp 2 is warm, and nothing has sensed that"],
+    );
+    // Short-circuit: the second is asked only where the first holds.
+    let both = Ask::All(vec![Ask::Feel(2), Ask::Is("warm", 2)]);
+    check(&[Part::If(both, all(&["press left 2"]), vec![])], &[]);
+    let either = Ask::Any(vec![Ask::Feel(2), Ask::Is("cold", 2)]);
+    check(
+        &[Part::If(either, all(&["press left 2"]), all(&["press left 3"]))],
+        &["step 3: press(left, <lamp_3>) is never reached"],
+    );
+    // What nothing senses is known from the start.
+    check(&[Part::If(Ask::Is("lit", 1), all(&["unpress left 1"]), vec![])], &[]);
+}
+
+#[test]
+fn loops_end_or_are_refused() {
+    check(&[Part::While(Ask::Feel(2), all(&["wait 2"]))], &[]);
+    check(
+        &[Part::While(
+            not(Ask::Feel(2)),
+            all(&["wait 2", "press left 2", "unpress left 2"]),
+        )],
+        &[],
+    );
+    check(&[Part::While(Ask::Is("lit", 1), all(&["unpress right 1"]))], &[]);
+    // Once felt, it stays known.
+    check(
+        &[Part::While(Ask::Feel(2), all(&["press left 2", "unpress left 2"]))],
+        &[
+            "step 1: the loop can come to where nothing in it changes what it asks, and never ends (when lamp 2 is warm)",
+        ],
+    );
+    check(
+        &[Part::While(Ask::Is("lit", 1), all(&["press left 2", "unpress left 2"]))],
+        &["step 1: the loop can come to where nothing in it changes what it asks, and never ends"],
+    );
+    // The second time round it is lit already.
+    check(
+        &[Part::While(Ask::Feel(2), all(&["press left 2", "wait 2"]))],
+        &[
+            "step 2: press(left, <lamp_2>) needs that lamp 2 is not lit; since step 2 (press(left, <lamp_2>)), lamp 2 is lit (when lamp 2 is warm)",
+            "step 2: press(left, <lamp_2>) changes nothing (when lamp 2 is warm)",
+        ],
+    );
+    check(&[Part::Repeat(3, all(&["press left 2", "unpress left 2"]))], &[]);
+    check(
+        &[Part::Repeat(4_000_000_000, all(&["press left 2", "unpress left 2"]))],
+        &[],
+    );
+    check(
+        &[Part::Repeat(2, all(&["press left 2"]))],
+        &[
+            "step 1: press(left, <lamp_2>) needs that lamp 2 is not lit; since step 1 (press(left, <lamp_2>)), lamp 2 is lit",
+            "step 1: press(left, <lamp_2>) changes nothing",
+        ],
+    );
+    check(
+        &[Part::Repeat(0, all(&["press left 1"]))],
+        &["step 1: press(left, <lamp_1>) is never reached"],
+    );
+}
+
+fn lanes(left: &[&str], right: &[&str]) -> Part {
+    let owned = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect();
+    Part::Lanes(vec![("left", owned(left)), ("right", owned(right))])
+}
+
+#[test]
+fn lanes_do_not_get_in_each_others_way() {
+    check(
+        &[lanes(
+            &["press left 2", "unpress left 2"],
+            &["unpress right 1", "press right 1"],
+        )],
+        &[],
+    );
+    // Both handle the third one.
+    check(
+        &[lanes(&["press left 3"], &["link right 2 3"])],
+        &[
+            "step 1: press(left, <lamp_3>) may happen at the same time as step 2 (link(right, <lamp_2>, <lamp_3>)), and both handle lamp 3",
+            "step 1: press(left, <lamp_3>) may happen at the same time as step 2 (link(right, <lamp_2>, <lamp_3>)), and which comes first decides whether lamp 2 is linked to lamp 3",
+            "step 2: link(right, <lamp_2>, <lamp_3>) changes nothing",
+        ],
+    );
+    check(
+        &[lanes(&["press left 3", "sync lit"], &["sync lit", "link right 2 3"])],
+        &[],
+    );
+    check(
+        &[lanes(
+            &["sync a", "press left 3", "sync b"],
+            &["sync b", "link right 2 3", "sync a"],
+        )],
+        &[
+            "the lanes wait for each other at `a` for ever",
+            "step 1: press(left, <lamp_3>) is never reached",
+        ],
+    );
+    check(
+        &[lanes(&["press right 3"], &["feel 2"])],
+        &[
+            "step 1: press(right, <lamp_3>) stands in the lane of `left`, and is not its step alone",
+            "step 2: feel(<lamp_2>) stands in the lane of `right`, and is not its step alone",
+            "step 2: feel(<lamp_2>) senses while another lane goes on; sense before or after",
+        ],
+    );
+    check(
+        &[Part::Lanes(vec![
+            ("left", vec!["press left 2".to_owned()]),
+            ("left", vec![]),
+        ])],
+        &["there are two lanes of `left` side by side"],
+    );
+}
+
+/// So many branches one after the other, each on a lamp of its own if `apart`.
+fn branches(count: usize, apart: bool) -> Vec<Part> {
+    let branch = |number: usize| {
+        let lamp = if apart { number + 1 } else { 1 };
+        let again = |text: &str| all(&[text, &format!("wait {}", if apart { 1_000 } else { 1 })]);
+        Part::If(Ask::Feel(lamp), again("link left 2 3"), again("link right 2 3"))
+    };
+    (0..count).map(branch).collect()
+}
+
+#[test]
+fn a_thousand_branches_that_come_together_are_followed() {
+    let domain = domain();
+    let world = world(&domain, 1_000, &[1]);
+    let merging = report(&domain, &world, &branches(1_000, false));
+    assert_eq!((merging.violations.len(), merging.endings.len()), (0, 1));
+
+    let apart = report(&domain, &world, &branches(1_000, true));
+    let [Violation::TooManyStates { step, states }] = apart.violations.as_slice() else {
+        panic!("{:?}", apart.violations);
+    };
+    assert_eq!((*step, *states), (Some(12 * 5), 2 * STATES));
+}

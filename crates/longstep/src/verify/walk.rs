@@ -1,0 +1,508 @@
+//! Every way through a plan.
+//!
+//! The walk carries all states in which a way can be at a node. Sensing splits a state, and ways that come to the same
+//! state are one from there on. Loops are followed until no new state comes up.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::history::{Here, History};
+use super::{StepClaim, Violation, claims, simulate, unmet, violation};
+use crate::domain::{Action, Atom, Domain, PredicateId, RuleTime};
+use crate::plan::{Node, Plan, StepId, Test, tree};
+use crate::verify::broken_bindings;
+use crate::world::{Bindings, ChangedLists, EntityId, Fact, Moment, State, World, ground, holds};
+
+/// States that a plan may be in at one node; a plan that can be in more is refused rather than followed.
+pub const STATES: usize = 4_096;
+/// Steps that are simulated, on all ways together.
+const SIMULATED: usize = 1_000_000;
+
+/// One way through a plan, as far as it has come.
+#[derive(Debug, Clone)]
+pub(super) struct Way {
+    pub(super) state: State,
+    pub(super) here: Here,
+    /// The rules that are broken in the state, so that each is told where it begins to be.
+    broken: Vec<(usize, Bindings)>,
+}
+
+/// What is wrong or odd on one or more ways.
+#[derive(Debug, Clone)]
+struct Found {
+    violation: Violation,
+    /// Whether it is only odd.
+    odd: bool,
+    /// What sensing told on the ways where it is so; nothing if it is so on all of them.
+    when: Vec<Fact>,
+}
+
+/// What is found on the way, and room to work in.
+pub(super) struct Walk<'a> {
+    pub(super) domain: &'a Domain,
+    pub(super) world: &'a World,
+    pub(super) plan: &'a Plan,
+    pub(super) history: History,
+    pub(super) rested: Vec<Fact>,
+    /// What the steps claim, in their order.
+    claims: &'a [StepClaim],
+    found: Vec<Found>,
+    sensed: Vec<PredicateId>,
+    reached: Vec<bool>,
+    simulated: usize,
+    /// Whether there were too many states to go on.
+    stopped: bool,
+    bindings: Bindings,
+    fired: Vec<(Fact, bool)>,
+}
+
+impl<'a> Walk<'a> {
+    pub(super) fn new(domain: &'a Domain, world: &'a World, plan: &'a Plan, claims: &'a [StepClaim]) -> Self {
+        let sensed = domain.actions.iter().flat_map(|action| &action.senses);
+        let mut sensed: Vec<PredicateId> = sensed.map(|atom| atom.predicate).collect();
+        sensed.sort_unstable();
+        sensed.dedup();
+        Self {
+            domain,
+            world,
+            plan,
+            history: History::default(),
+            rested: Vec::new(),
+            claims,
+            found: Vec::new(),
+            sensed,
+            reached: vec![false; plan.steps().len()],
+            simulated: 0,
+            stopped: false,
+            bindings: Vec::new(),
+            fired: Vec::new(),
+        }
+    }
+
+    /// Follows the whole plan; returns the ways that come to its end, of which there is at least one.
+    pub(super) fn run(&mut self) -> Vec<Way> {
+        let start = Way {
+            state: self.world.state.clone(),
+            here: None,
+            broken: Vec::new(),
+        };
+        let mut ends = self.nodes(self.plan.body(), vec![start.clone()]);
+        if !self.stopped {
+            let steps = 0..self.plan.steps().len();
+            let first = |step: &usize| !self.reached[*step] && (*step == 0 || self.reached[*step - 1]);
+            for step in steps.filter(first).collect::<Vec<_>>() {
+                self.odd(Violation::Unreached { step }, Vec::new());
+            }
+        }
+        if ends.is_empty() {
+            ends.push(start);
+        }
+        ends.sort_by_cached_key(|way| self.when(way));
+        ends
+    }
+
+    /// What sensing told on a way, as far as it is known still.
+    pub(super) fn when(&self, way: &Way) -> Vec<Fact> {
+        let known = self
+            .sensed
+            .iter()
+            .flat_map(|predicate| way.state.of_predicate(*predicate));
+        known.copied().filter(|fact| !self.world.state.holds(*fact)).collect()
+    }
+
+    pub(super) fn wrong(&mut self, violation: Violation, when: Vec<Fact>) {
+        self.found.push(Found {
+            violation,
+            odd: false,
+            when,
+        });
+    }
+
+    pub(super) fn odd(&mut self, violation: Violation, when: Vec<Fact>) {
+        self.found.push(Found {
+            violation,
+            odd: true,
+            when,
+        });
+    }
+
+    /// Does something with each way; what is found on all of them is found whatever sensing told.
+    pub(super) fn each<T>(&mut self, ways: Vec<Way>, mut done: impl FnMut(&mut Self, Way) -> Vec<T>) -> Vec<T> {
+        let (count, from) = (ways.len(), self.found.len());
+        let mut all = Vec::with_capacity(count);
+        for way in ways {
+            all.extend(done(self, way));
+        }
+        if count > 1 && self.found.len() > from {
+            let together = joined(self.found.split_off(from), Some(count));
+            self.found.extend(together);
+        }
+        all
+    }
+
+    fn nodes(&mut self, nodes: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
+        for node in nodes {
+            if self.stopped || ways.is_empty() {
+                return ways;
+            }
+            ways = match node {
+                Node::Step(id) => self.steps(*id, ways),
+                Node::If {
+                    condition,
+                    then,
+                    otherwise,
+                } => {
+                    let (yes, no) = self.test(condition, ways, first_of(node));
+                    let mut ends = self.nodes(then, yes);
+                    ends.extend(self.nodes(otherwise, no));
+                    self.merged(ends)
+                }
+                Node::While { condition, body } => self.repeated(condition, body, ways, first_of(node)),
+                Node::Repeat { times, body } => {
+                    for _ in 0..*times {
+                        let before: Vec<State> = ways.iter().map(|way| way.state.clone()).collect();
+                        let ends = self.nodes(body, ways);
+                        ways = self.merged(ends);
+                        // From here on nothing new can come up.
+                        if self.stopped || ways.iter().map(|way| &way.state).eq(before.iter()) {
+                            break;
+                        }
+                    }
+                    ways
+                }
+                Node::Parallel { lanes } => {
+                    self.check_lanes(lanes);
+                    let ends = self.each(ways, |walk, way| vec![walk.side_by_side(lanes, way)]);
+                    self.merged(ends)
+                }
+                Node::Remark(_) => ways,
+            };
+            if ways.len() > STATES {
+                self.stop(first_of(node), ways.len());
+            }
+            if self.stopped {
+                // One of them is enough to show where it was given up.
+                ways.truncate(1);
+            }
+        }
+        ways
+    }
+
+    /// Gives up: there are too many states to follow.
+    fn stop(&mut self, step: Option<usize>, states: usize) {
+        if !self.stopped {
+            self.stopped = true;
+            self.wrong(Violation::TooManyStates { step, states }, Vec::new());
+        }
+    }
+
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
+    fn steps(&mut self, id: StepId, ways: Vec<Way>) -> Vec<Way> {
+        let sensing = !self.domain.action(self.plan.step(id).action).senses.is_empty();
+        self.each(ways, |walk, mut way| {
+            walk.step(id, &mut way);
+            if sensing { walk.outcomes(id, way) } else { vec![way] }
+        })
+    }
+
+    /// Simulates one step.
+    pub(super) fn step(&mut self, id: StepId, way: &mut Way) {
+        self.reached[id.index()] = true;
+        self.simulated += 1;
+        if self.simulated > SIMULATED {
+            self.stop(Some(id.index()), SIMULATED);
+        }
+        let step = self.plan.step(id);
+        let action = self.domain.action(step.action);
+        self.bindings.clear();
+        self.bindings.extend_from_slice(&step.arguments);
+        let moment = Moment {
+            world: self.world,
+            state: &way.state,
+        };
+        if holds(moment, &action.precondition, &mut self.bindings) {
+            let (history, here) = (&self.history, way.here);
+            simulate::rests_on(
+                moment,
+                &action.precondition,
+                &mut self.bindings,
+                &|fact| history.touched(here, fact),
+                &mut self.rested,
+            );
+        } else {
+            let missing = unmet(self.world, &way.state, &action.precondition, &mut self.bindings);
+            let missing = violation::with_culprits(missing, &self.history, way.here);
+            let step = id.index();
+            self.wrong(Violation::Precondition { step, missing }, self.when(way));
+        }
+        let (bindings, fired) = (&mut self.bindings, &mut self.fired);
+        way.here = self.history.add(id, way.here, |changes| {
+            simulate::apply_onto(self.world, &mut way.state, action, bindings, fired, changes);
+        });
+        let changed = self
+            .history
+            .back(way.here)
+            .next()
+            .is_some_and(|(_, changes)| !changes.is_empty());
+        if !changed && !action.effects.is_empty() {
+            self.odd(Violation::NoEffect { step: id.index() }, self.when(way));
+        }
+        for violation in claims::broken(self.claims, id.index(), &way.state) {
+            self.odd(violation, self.when(way));
+        }
+        self.always(id, way);
+    }
+
+    /// Rules that hold in every state: told after the step that breaks them.
+    fn always(&mut self, id: StepId, way: &mut Way) {
+        let rules = self.domain.rules.iter().enumerate();
+        let mut now = Vec::new();
+        for (number, rule) in rules.filter(|(_, rule)| rule.time == RuleTime::Always) {
+            for bindings in broken_bindings(rule, self.world, &way.state) {
+                // What held in the first state has been looked at when the environment was read.
+                let broken = (number, bindings);
+                if !way.broken.contains(&broken) {
+                    let violation = Violation::Rule {
+                        step: Some(id.index()),
+                        rule: number,
+                        bindings: broken.1.clone(),
+                    };
+                    self.wrong(violation, self.when(way));
+                }
+                now.push(broken);
+            }
+        }
+        way.broken = now;
+    }
+
+    /// The ways on from a sensing step that was just done: one for each outcome, unless it is known already.
+    fn outcomes(&mut self, id: StepId, way: Way) -> Vec<Way> {
+        let facts = self.senses(id);
+        if facts.iter().any(|fact| way.state.holds(*fact)) {
+            return vec![way];
+        }
+        let before = self.history.before(way.here);
+        let told = |fact: &Fact| {
+            let mut way = way.clone();
+            way.here = self.history.add(id, before, |changes| {
+                way.state.set(*fact, true);
+                changes.push(super::Change {
+                    fact: *fact,
+                    holds: true,
+                });
+            });
+            way
+        };
+        facts.iter().map(told).collect()
+    }
+
+    /// What a sensing step can tell.
+    fn senses(&self, id: StepId) -> Vec<Fact> {
+        let step = self.plan.step(id);
+        let outcomes = self.domain.action(step.action).senses.iter();
+        outcomes.map(|atom| ground(atom, &step.arguments)).collect()
+    }
+
+    /// The ways on which a condition holds, and those on which it does not. `before` is a step that follows it.
+    fn test(&mut self, condition: &Test, ways: Vec<Way>, before: Option<usize>) -> (Vec<Way>, Vec<Way>) {
+        match condition {
+            Test::Sense(id) => {
+                let ways = self.steps(*id, ways);
+                let first = self.senses(*id).first().copied();
+                ways.into_iter()
+                    .partition(|way| first.is_some_and(|fact| way.state.holds(fact)))
+            }
+            Test::Holds(fact) => {
+                let parts = self.each(ways, |walk, way| walk.asked(*fact, way, before));
+                let (yes, no): (Vec<_>, Vec<_>) = parts.into_iter().partition(|(_, holds)| *holds);
+                let ways = |parts: Vec<(Way, bool)>| parts.into_iter().map(|(way, _)| way).collect();
+                (ways(yes), ways(no))
+            }
+            Test::Not(inner) => {
+                let (yes, no) = self.test(inner, ways, before);
+                (no, yes)
+            }
+            Test::All(parts) => {
+                let (mut yes, mut no) = (ways, Vec::new());
+                for part in parts {
+                    let (holds, fails) = self.test(part, yes, before);
+                    no.extend(fails);
+                    yes = holds;
+                }
+                (yes, no)
+            }
+            Test::Any(parts) => {
+                let (mut yes, mut no) = (Vec::new(), ways);
+                for part in parts {
+                    let (holds, fails) = self.test(part, no, before);
+                    yes.extend(holds);
+                    no = fails;
+                }
+                (yes, no)
+            }
+        }
+    }
+
+    /// A way on which a fact is asked, and whether it holds there. What nobody knows may be either.
+    fn asked(&mut self, fact: Fact, way: Way, before: Option<usize>) -> Vec<(Way, bool)> {
+        if way.state.holds(fact) {
+            return vec![(way, true)];
+        }
+        let known = others(self.domain, fact).is_none_or(|others| others.iter().any(|other| way.state.holds(*other)));
+        if known {
+            return vec![(way, false)];
+        }
+        let step = before;
+        self.wrong(Violation::Unsensed { step, fact }, self.when(&way));
+        vec![(way.clone(), true), (way, false)]
+    }
+
+    /// The ways out of a loop that goes on as long as a condition holds.
+    fn repeated(&mut self, condition: &Test, body: &[Node], ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
+        let start = &self.world.state;
+        let mut heads = Heads::default();
+        for way in ways {
+            heads.meet(way, start);
+        }
+        let mut out = Vec::new();
+        while let Some((number, way)) = heads.next() {
+            let (yes, no) = self.test(condition, vec![way], before);
+            heads.leaves[number] = !no.is_empty();
+            out.extend(no);
+            for end in self.nodes(body, yes) {
+                let next = heads.meet(end, start);
+                heads.follows.push((number, next));
+            }
+            if heads.ways.len() > STATES {
+                self.stop(before, heads.ways.len());
+            }
+            if self.stopped {
+                return self.merged(out);
+            }
+        }
+        if let Some(stuck) = heads.endless() {
+            let when = self.when(&heads.ways[stuck]);
+            self.wrong(Violation::EndlessLoop { step: before }, when);
+        }
+        self.merged(out)
+    }
+
+    /// Ways that came to the same state are one: the first of them.
+    fn merged(&self, ways: Vec<Way>) -> Vec<Way> {
+        if ways.len() < 2 {
+            return ways;
+        }
+        let mut seen = FxHashSet::default();
+        let new = |way: &Way| seen.insert(way.state.changed_lists(&self.world.state));
+        ways.into_iter().filter(new).collect()
+    }
+
+    /// What was found, what is wrong and what is odd, each once.
+    pub(super) fn findings(self) -> (Vec<Violation>, Vec<Violation>) {
+        let (odd, wrong): (Vec<_>, Vec<_>) = joined(self.found, None).into_iter().partition(|found| found.odd);
+        let told = |found: Vec<Found>| {
+            found
+                .into_iter()
+                .map(|found| found.violation.when(found.when))
+                .collect()
+        };
+        (told(wrong), told(odd))
+    }
+}
+
+/// The states at the head of a loop.
+#[derive(Default)]
+struct Heads {
+    numbers: FxHashMap<ChangedLists, usize>,
+    ways: Vec<Way>,
+    /// How many of them have been followed.
+    followed: usize,
+    /// Whether the loop can end at each.
+    leaves: Vec<bool>,
+    /// Which can come after which.
+    follows: Vec<(usize, usize)>,
+}
+
+impl Heads {
+    fn meet(&mut self, way: Way, start: &State) -> usize {
+        let state = way.state.changed_lists(start);
+        if let Some(number) = self.numbers.get(&state) {
+            return *number;
+        }
+        self.numbers.insert(state, self.ways.len());
+        self.ways.push(way);
+        self.leaves.push(false);
+        self.ways.len() - 1
+    }
+
+    fn next(&mut self) -> Option<(usize, Way)> {
+        let way = self.ways.get(self.followed)?.clone();
+        self.followed += 1;
+        Some((self.followed - 1, way))
+    }
+
+    /// One from which the loop can never end.
+    fn endless(&self) -> Option<usize> {
+        let mut before: Vec<Vec<usize>> = vec![Vec::new(); self.ways.len()];
+        for (from, to) in &self.follows {
+            before[*to].push(*from);
+        }
+        let mut ends = self.leaves.clone();
+        let mut open: Vec<usize> = (0..ends.len()).filter(|number| ends[*number]).collect();
+        while let Some(number) = open.pop() {
+            for from in &before[number] {
+                if !std::mem::replace(&mut ends[*from], true) {
+                    open.push(*from);
+                }
+            }
+        }
+        ends.iter().position(|ends| !ends)
+    }
+}
+
+/// The first step of a node, from 0; none if there is none in it.
+fn first_of(node: &Node) -> Option<usize> {
+    tree::steps(std::slice::from_ref(node)).first().map(|step| step.index())
+}
+
+/// Each finding once. One that `count` of them share, or that somewhere is so whatever sensing told, is so in any
+/// case; else what they all know counts.
+fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
+    let mut together: Vec<(Found, usize)> = Vec::with_capacity(found.len());
+    for next in found {
+        let same = |(known, _): &&mut (Found, usize)| known.violation == next.violation && known.odd == next.odd;
+        match together.iter_mut().find(same) {
+            Some((known, times)) => {
+                let common: Vec<Fact> = known
+                    .when
+                    .iter()
+                    .filter(|fact| next.when.contains(fact))
+                    .copied()
+                    .collect();
+                if !common.is_empty() || next.when.is_empty() {
+                    known.when = common;
+                }
+                *times += 1;
+            }
+            None => together.push((next, 1)),
+        }
+    }
+    let plain = |(mut found, times): (Found, usize)| {
+        if count == Some(times) {
+            found.when.clear();
+        }
+        found
+    };
+    together.into_iter().map(plain).collect()
+}
+
+/// The other outcomes of the sensing that tells a fact, if there is one.
+pub(super) fn others(domain: &Domain, fact: Fact) -> Option<Vec<Fact>> {
+    let tells = |action: &&Action| action.senses.iter().any(|atom| atom.predicate == fact.predicate());
+    let action = domain.actions.iter().find(tells)?;
+    let arguments: Vec<EntityId> = domain.arguments(fact).collect();
+    let about = |atom: &Atom| Fact::new(atom.predicate, arguments.iter().copied());
+    Some(action.senses.iter().map(about).filter(|other| *other != fact).collect())
+}
