@@ -7,8 +7,6 @@
 //! domain ([`crate::domain::RepairCosts`]). The result is verified like any other plan, and every edit says why.
 
 mod branches;
-#[cfg(test)]
-mod branches_tests;
 mod compile;
 mod edit;
 mod pins;

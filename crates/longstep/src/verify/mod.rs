@@ -9,6 +9,7 @@ mod claims;
 mod explain;
 mod history;
 mod lanes;
+mod message;
 mod possible;
 mod rules;
 mod simulate;

@@ -1,15 +1,16 @@
 //! From the tokens of a script to a plan.
 
-use super::super::tree::{DEEPEST, Lane};
+mod condition;
+mod foreign;
+mod lanes;
+
+use super::super::tree::DEEPEST;
 use super::super::written::{Written, WrittenNode, WrittenStep, is_argument, is_reserved};
-use super::super::{LaneItem, Node, StepId, Test};
+use super::super::{Node, StepId};
 use super::token::{Kind, Token};
 use super::write::OBJECTS;
 use super::{Fault, fault};
 use crate::call::Call;
-
-/// Parentheses and `not` in each other: more than any plan that is not too deep needs.
-const DEEPEST_CONDITION: usize = 4 * DEEPEST;
 
 /// What can stand on a line, for hints.
 const STATEMENTS: &str = "a plan has calls such as `grasp(\"<cup>\")`, `if`, `while`, `for _ in range(N)`, \
@@ -42,43 +43,6 @@ struct Parser<'t> {
     /// How many branches and loops are open.
     depth: usize,
     steps: Vec<WrittenStep>,
-}
-
-/// The calls of a condition, while it is read.
-#[derive(Default)]
-struct Condition {
-    calls: Vec<WrittenStep>,
-    /// What was said before the first call.
-    early: Vec<String>,
-    depth: usize,
-}
-
-impl Condition {
-    fn say(&mut self, words: String) {
-        match self.calls.last_mut() {
-            Some(call) => join(&mut call.explanation, &words),
-            None => self.early.push(words),
-        }
-    }
-
-    /// The condition with its calls in their places.
-    fn whole(&self, test: Test<usize>) -> Test<WrittenStep> {
-        let parts = |parts: Vec<Test<usize>>| parts.into_iter().map(|part| self.whole(part)).collect();
-        match test {
-            Test::Holds(call) => Test::Holds(self.calls[call].clone()),
-            Test::Sense(step) => Test::Sense(step),
-            Test::Not(inner) => Test::Not(Box::new(self.whole(*inner))),
-            Test::All(all) => Test::All(parts(all)),
-            Test::Any(any) => Test::Any(parts(any)),
-        }
-    }
-}
-
-fn join(words: &mut String, more: &str) {
-    if !words.is_empty() {
-        words.push(' ');
-    }
-    words.push_str(more);
 }
 
 impl<'t> Parser<'t> {
@@ -130,38 +94,6 @@ impl<'t> Parser<'t> {
 
     fn unknown<T>(&self) -> Result<T, Fault> {
         self.unexpected("this is nothing that a plan has", STATEMENTS)
-    }
-
-    /// What the next token is, if it belongs to the rest of Python, and what can be written instead.
-    fn foreign(&self) -> Option<(String, &'static str)> {
-        let (what, instead) = match self.peek() {
-            Kind::Name(word) => return foreign_word(word),
-            Kind::Text(_) => ("a text", "say what a step does in a comment, `# ...`"),
-            Kind::Number(_) => ("a number", "numbers stand in `range(N)` alone"),
-            Kind::Sign(sign) => match *sign {
-                "=" | ":=" | "+=" | "-=" | "*=" | "/=" | "%=" | "|=" | "**=" | "//=" => (
-                    "an assignment",
-                    "ask in the condition itself, as in `if not check_date():`",
-                ),
-                "==" | "!=" | "<" | ">" | "<=" | ">=" => (
-                    "a comparison",
-                    "ask what holds, as in `if check_date():` or `if not on(\"<cup>\", \"<table>\"):`",
-                ),
-                "+" | "-" | "*" | "/" | "%" | "**" | "//" | "|" | "&" | "^" | "~" => {
-                    ("arithmetic", "numbers stand in `range(N)` alone")
-                }
-                "." => ("an attribute", "call the action by its name alone"),
-                "[" | "]" => ("a list or an index", "name each thing in a call of its own"),
-                "{" | "}" => ("a set or a dictionary", STATEMENTS),
-                "@" => ("a decorator", STATEMENTS),
-                ";" => ("a second statement on a line", "write each call on a line of its own"),
-                "->" => ("a function's type", STATEMENTS),
-                "..." => ("a gap", "write every step, or `pass`"),
-                _ => return None,
-            },
-            _ => return None,
-        };
-        Some((what.to_owned(), instead))
     }
 
     /// The names that the first comment of a plan says are handled.
@@ -423,31 +355,6 @@ impl<'t> Parser<'t> {
         Ok(inside)
     }
 
-    /// A condition, and what depends on it.
-    fn guarded(&mut self, word: &str) -> Result<(Test<WrittenStep>, Vec<WrittenNode>), Fault> {
-        let start = self.tokens[self.next - 1].at;
-        let mut condition = Condition::default();
-        let test = self.any(&mut condition)?;
-        self.expect(":", &format!("a line with `{word}` ends with a colon"))?;
-        self.comments().into_iter().for_each(|words| condition.say(words));
-        if let Some(first) = condition.calls.first_mut() {
-            let mut words = condition.early.join(" ");
-            if !words.is_empty() && !first.explanation.is_empty() {
-                words.push(' ');
-            }
-            first.explanation.insert_str(0, &words);
-        }
-        let test = condition.whole(test);
-        if self.depth + 1 + test.depth() > DEEPEST {
-            return fault(
-                start,
-                format!("conditions and branches stand more than {DEEPEST} deep in each other"),
-                "say the same in fewer branches",
-            );
-        }
-        Ok((test, self.block()?))
-    }
-
     /// The colon, what is said behind it, and the block.
     fn body(&mut self, word: &str) -> Result<Vec<WrittenNode>, Fault> {
         self.expect(":", &format!("a line with `{word}` ends with a colon"))?;
@@ -495,62 +402,6 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn any(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
-        let parts = self.parts(condition, "or", Self::all)?;
-        Ok(one_or(parts, Test::Any))
-    }
-
-    fn all(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
-        let parts = self.parts(condition, "and", Self::part)?;
-        Ok(one_or(parts, Test::All))
-    }
-
-    fn parts(
-        &mut self,
-        condition: &mut Condition,
-        word: &str,
-        read: impl Fn(&mut Self, &mut Condition) -> Result<Test<usize>, Fault>,
-    ) -> Result<Vec<Test<usize>>, Fault> {
-        let mut parts = vec![read(self, condition)?];
-        while self.take_word(word) {
-            parts.push(read(self, condition)?);
-        }
-        Ok(parts)
-    }
-
-    /// A call, what follows `not`, or what stands in parentheses.
-    fn part(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
-        self.comments().into_iter().for_each(|words| condition.say(words));
-        if condition.depth == DEEPEST_CONDITION {
-            return self.fail(
-                format!("parentheses and `not` stand more than {DEEPEST_CONDITION} deep in each other"),
-                "take out those that change nothing",
-            );
-        }
-        condition.depth += 1;
-        let test = if self.take_word("not") {
-            Test::Not(Box::new(self.part(condition)?))
-        } else if self.take(&Kind::Sign("(")) {
-            let inside = self.any(condition)?;
-            self.expect(")", "close the parenthesis")?;
-            inside
-        } else {
-            const HINT: &str =
-                "a condition asks with calls, as in `if check_date():` or `if not on(\"<cup>\", \"<table>\"):`";
-            match self.peek() {
-                Kind::Name("True" | "False" | "None") => return self.fail("this is decided already", HINT),
-                Kind::Name(word) if !is_reserved(word) => {}
-                _ => return self.unexpected("a call is missing here", HINT),
-            }
-            let call = self.call()?;
-            condition.calls.push(call);
-            Test::Holds(condition.calls.len() - 1)
-        };
-        condition.depth -= 1;
-        self.comments().into_iter().for_each(|words| condition.say(words));
-        Ok(test)
-    }
-
     /// `for _ in range(N)`: how often.
     fn range(&mut self) -> Result<u32, Fault> {
         const HINT: &str = "a loop that counts is written `for _ in range(3):`";
@@ -576,125 +427,11 @@ impl<'t> Parser<'t> {
             false => self.fail("no plan has a loop like this", HINT),
         }
     }
-
-    fn parallel(&mut self, nodes: &mut Vec<WrittenNode>) -> Result<(), Fault> {
-        const HINT: &str = "lanes are written `with parallel():` and in it `with lane(\"left\"):`, each with its calls";
-        let start = self.at();
-        self.next += 1;
-        let opened = self.take_word("parallel") && self.take(&Kind::Sign("(")) && self.take(&Kind::Sign(")"));
-        if !opened || !self.take(&Kind::Sign(":")) {
-            return match self.word() {
-                Some("lane") => fault(start, "this is a lane outside of `with parallel():`", HINT),
-                _ => self.fail("no plan has a `with` like this", HINT),
-            };
-        }
-        nodes.extend(self.line_end()?.into_iter().map(Node::Remark));
-        self.indent()?;
-        if self.depth == DEEPEST {
-            return fault(
-                start,
-                format!("blocks stand more than {DEEPEST} deep in each other"),
-                HINT,
-            );
-        }
-        let mut lanes: Vec<Lane<String>> = Vec::new();
-        loop {
-            let at = self.at();
-            let remarks = self.words_alone();
-            if !self.take_word("with") {
-                let Some(last) = lanes.last_mut().filter(|_| matches!(self.peek(), Kind::Dedent)) else {
-                    return self.fail("a lane is missing here", HINT);
-                };
-                last.items.extend(remarks.into_iter().map(LaneItem::Remark));
-                break;
-            }
-            let opened = self.take_word("lane") && self.take(&Kind::Sign("("));
-            if !opened {
-                return self.fail("a lane is missing here", HINT);
-            }
-            let actor = self.value(HINT)?;
-            if !self.take(&Kind::Sign(")")) || !self.take(&Kind::Sign(":")) {
-                return self.fail("a lane has one actor, and a colon behind it", HINT);
-            }
-            if lanes.iter().any(|lane| lane.actor == actor) {
-                let message = format!("`{actor}` has a lane already");
-                return fault(at, message, "put all that it does into one lane");
-            }
-            let mut items: Vec<LaneItem> = remarks.into_iter().map(LaneItem::Remark).collect();
-            items.extend(self.line_end()?.into_iter().map(LaneItem::Remark));
-            self.indent()?;
-            self.items(&mut items)?;
-            self.dedent()?;
-            lanes.push(Lane { actor, items });
-        }
-        self.dedent()?;
-        nodes.push(Node::Parallel { lanes });
-        Ok(())
-    }
-
-    /// What one lane does.
-    fn items(&mut self, items: &mut Vec<LaneItem>) -> Result<(), Fault> {
-        loop {
-            items.extend(self.words_alone().into_iter().map(LaneItem::Remark));
-            match self.word() {
-                None => return Ok(()),
-                Some("pass") => {
-                    self.next += 1;
-                    items.extend(self.line_end()?.into_iter().map(LaneItem::Remark));
-                }
-                Some("sync") => {
-                    const HINT: &str = "lanes wait for each other at `sync(\"name\")`";
-                    self.next += 1;
-                    self.expect("(", HINT)?;
-                    let name = self.value(HINT)?;
-                    self.expect(")", HINT)?;
-                    let remarks = self.line_end()?;
-                    items.extend(remarks.into_iter().map(LaneItem::Remark));
-                    items.push(LaneItem::Sync(name));
-                }
-                Some("if" | "elif" | "else" | "while" | "for" | "with") => {
-                    return self.fail(
-                        "nothing branches or repeats in a lane",
-                        "branch around `with parallel():`, or write every step",
-                    );
-                }
-                Some(_) => {
-                    let step = self.step()?;
-                    items.push(LaneItem::Step(step));
-                }
-            }
-        }
-    }
 }
 
-fn one_or(mut parts: Vec<Test<usize>>, join: impl FnOnce(Vec<Test<usize>>) -> Test<usize>) -> Test<usize> {
-    match parts.len() {
-        1 => parts.swap_remove(0),
-        _ => join(parts),
+fn join(words: &mut String, more: &str) {
+    if !words.is_empty() {
+        words.push(' ');
     }
-}
-
-/// What a word of Python's is, if no plan has it, and what can be written instead.
-fn foreign_word(word: &str) -> Option<(String, &'static str)> {
-    let (what, instead) = match word {
-        "def" | "async" => ("a function", "write its steps where they are done"),
-        "class" => ("a class", STATEMENTS),
-        "import" | "from" => ("an import", "call the domain's actions, which are known already"),
-        "lambda" => ("a function", "write its steps where they are done"),
-        "return" | "yield" => ("the end of a function", "put what follows into an `else`"),
-        "break" | "continue" => ("a jump", "say in the loop's condition when it ends"),
-        "try" | "except" | "finally" | "raise" | "assert" => ("error handling", "branch on what is sensed, with `if`"),
-        "match" | "case" => ("a choice of patterns", "write `if`, `elif` and `else`"),
-        "del" | "global" | "nonlocal" => ("a variable", STATEMENTS),
-        "await" => ("waiting", "calls are waited for anyway"),
-        "print" => ("output", "say it in a comment, `# ...`"),
-        "in" | "is" => (
-            "a comparison",
-            "ask what holds, as in `if inside(\"<cup>\", \"<box>\"):`",
-        ),
-        "if" => ("a conditional expression", "put the `if` on a line of its own"),
-        "True" | "False" | "None" => ("a value", STATEMENTS),
-        _ => return None,
-    };
-    Some((what.to_owned(), instead))
+    words.push_str(more);
 }

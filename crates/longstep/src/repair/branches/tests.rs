@@ -1,23 +1,28 @@
 //! Branching plans in, branching plans out.
 
-use super::{Outcome, repair};
-use crate::domain;
+use super::super::{Outcome, repair};
+use crate::domain::{self, Domain};
 use crate::json::Path;
 use crate::plan::{TaskCohesion, resolve, script};
 use crate::verify::Purpose;
-use crate::world::{self, Environment};
+use crate::world::{self, Environment, World};
 
 const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<compost_bin>", "<freezer>"],
     "objects": ["<cheese>", "<soup>", "<freezer_handle>", "<rag>"],
     "object_states": {"<cheese>": "on_something(<worktop>)", "<soup>": "on_something(<shelf>)",
         "<freezer_handle>": "closed()", "<rag>": "on_something(<worktop>)"}}"#;
 
-/// What a script is repaired to, and the edits in a few words.
-#[track_caller]
-fn check(text: &str, expected: &str, edits: &[&str]) {
+fn larder() -> (Domain, World) {
     let domain = domain::shipped("household-checks").unwrap().unwrap();
     let environment = Environment::from_json(LARDER).unwrap();
     let world = world::read(&domain, &environment, "", LARDER, &Path::default()).unwrap();
+    (domain, world)
+}
+
+/// What a script is repaired to, and the edits in a few words.
+#[track_caller]
+fn check(text: &str, expected: &str, edits: &[&str]) {
+    let (domain, world) = larder();
     let written = script::read(text).unwrap();
     let length = written.steps.len();
     let draft = resolve(&domain, &world, &TaskCohesion::from_written(written));
@@ -139,5 +144,22 @@ release_object()
         &[
             "insert check_best_by_date() (check whether the cheese is past its date) before step 4: a condition asks whether the cheese is past its date, and nothing had sensed that",
         ],
+    );
+}
+
+#[test]
+fn branches_that_double_are_given_up() {
+    let (domain, world) = larder();
+    // Nothing senses the date, so the plan is no plan; each branch doubles all that follow it, and none has a step.
+    let text = "if expired('<cheese>'):\n    pass\n".repeat(40);
+    let draft = resolve(
+        &domain,
+        &world,
+        &TaskCohesion::from_written(script::read(&text).unwrap()),
+    );
+    let outcome = repair(&domain, &world, &draft, &Purpose::default());
+    assert!(
+        matches!(&outcome, Outcome::GaveUp { why, .. } if why.contains("too many branches")),
+        "{outcome:?}"
     );
 }
