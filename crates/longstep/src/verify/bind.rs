@@ -9,7 +9,6 @@ use rustc_hash::FxHashSet;
 
 use super::simulate::{apply, unmet};
 use super::violation::{Assumption, Missing};
-use super::walk::others;
 use crate::domain::{Action, Domain, plain_words, singular};
 use crate::plan::claims::told;
 use crate::plan::{DraftStep, Plan, Step};
@@ -377,15 +376,19 @@ fn spoken(step: &DraftStep) -> Vec<String> {
 
 /// Takes a fact to hold, or not, where sensing tells it; what else is so shows without.
 pub(super) fn learn(domain: &Domain, state: &mut State, fact: Fact, holds: bool) {
-    let Some(others) = others(domain, fact) else { return };
+    let outcomes = domain.outcomes(fact);
+    if outcomes.is_empty() {
+        return;
+    }
     state.set(fact, holds);
+    let mut others = outcomes.into_iter().filter(|other| *other != fact);
     if holds {
         for other in others {
             state.set(other, false);
         }
-    } else if !others.iter().any(|other| state.holds(*other))
-        && let Some(other) = others.first()
+    } else if !others.clone().any(|other| state.holds(other))
+        && let Some(other) = others.next()
     {
-        state.set(*other, true);
+        state.set(other, true);
     }
 }

@@ -7,10 +7,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::history::{Here, History};
 use super::{StepClaim, Violation, claims, simulate, unmet, violation};
-use crate::domain::{Action, Atom, Domain, PredicateId, RuleTime};
+use crate::domain::{Domain, PredicateId, RuleTime};
 use crate::plan::{Node, Plan, StepId, Test, tree};
 use crate::verify::broken_bindings;
-use crate::world::{Bindings, ChangedLists, EntityId, Fact, Moment, State, World, ground, holds};
+use crate::world::{Bindings, ChangedLists, Fact, Moment, State, World, ground, holds};
 
 /// States that a plan may be in at one node; a plan that can be in more is refused rather than followed.
 pub const STATES: usize = 4_096;
@@ -130,7 +130,13 @@ impl<'a> Walk<'a> {
         let (count, from) = (ways.len(), self.found.len());
         let mut all = Vec::with_capacity(count);
         for way in ways {
+            let own = self.found.len();
             all.extend(done(self, way));
+            // Lanes find the same in many orders, and a way counts once.
+            if count > 1 && self.found.len() > own + 1 {
+                let together = joined(self.found.split_off(own), None);
+                self.found.extend(together);
+            }
         }
         if count > 1 && self.found.len() > from {
             let together = joined(self.found.split_off(from), Some(count));
@@ -350,7 +356,8 @@ impl<'a> Walk<'a> {
         if way.state.holds(fact) {
             return vec![(way, true)];
         }
-        let known = others(self.domain, fact).is_none_or(|others| others.iter().any(|other| way.state.holds(*other)));
+        let outcomes = self.domain.outcomes(fact);
+        let known = outcomes.is_empty() || outcomes.iter().any(|outcome| way.state.holds(*outcome));
         if known {
             return vec![(way, false)];
         }
@@ -496,13 +503,4 @@ fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
         found
     };
     together.into_iter().map(plain).collect()
-}
-
-/// The other outcomes of the sensing that tells a fact, if there is one.
-pub(super) fn others(domain: &Domain, fact: Fact) -> Option<Vec<Fact>> {
-    let tells = |action: &&Action| action.senses.iter().any(|atom| atom.predicate == fact.predicate());
-    let action = domain.actions.iter().find(tells)?;
-    let arguments: Vec<EntityId> = domain.arguments(fact).collect();
-    let about = |atom: &Atom| Fact::new(atom.predicate, arguments.iter().copied());
-    Some(action.senses.iter().map(about).filter(|other| *other != fact).collect())
 }

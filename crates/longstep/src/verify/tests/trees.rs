@@ -243,3 +243,17 @@ fn a_thousand_branches_that_come_together_are_followed() {
     };
     assert_eq!((*step, *states), (Some(12 * 5), 2 * STATES));
 }
+
+#[test]
+fn what_two_orders_find_on_one_way_is_not_so_on_all() {
+    check(
+        &[
+            Part::If(Ask::Feel(2), all(&["press left 2"]), vec![]),
+            lanes(&["press left 2"], &["press right 3"]),
+        ],
+        &[
+            "step 3: press(left, <lamp_2>) needs that lamp 2 is not lit; since step 2 (press(left, <lamp_2>)), lamp 2 is lit (when lamp 2 is warm)",
+            "step 3: press(left, <lamp_2>) changes nothing (when lamp 2 is warm)",
+        ],
+    );
+}
