@@ -40,6 +40,13 @@ pub fn base_name(identifier: &str) -> String {
     if base.is_empty() { bare } else { base.to_owned() }
 }
 
+/// Whether an identifier's last word is `name`. Identifiers are often run together (`coffeetable`), so a
+/// name of four letters or more may also be the end of a longer word.
+pub(crate) fn ends_with(base: &str, name: &str) -> bool {
+    base.strip_suffix(name)
+        .is_some_and(|rest| rest.is_empty() || rest.ends_with('_') || name.len() >= 4)
+}
+
 /// An identifier as words: `<shelf_top>` is "shelf top", `<table2>` is "table 2". A number behind an
 /// underscore is an id and goes; a number right behind the letters is part of the name and stays.
 fn cleaned(identifier: &str) -> String {

@@ -20,6 +20,7 @@ mod words;
 pub use bare::from_pddl;
 pub use condition::{Atom, Condition, Effect, Slot, Term};
 pub use files::Files;
+pub(crate) use lexicon::ends_with;
 pub use lexicon::{Lexicon, base_name, head, plain_words, singular};
 pub use lint::{Finding, Lint, lint};
 pub use load::load;
@@ -480,8 +481,8 @@ pub struct Domain {
     pub repair: RepairCosts,
     /// Everyday names.
     pub lexicon: Lexicon,
-    /// Stems of words that speak of a thing without naming it, by identifier: who throws something away speaks of
-    /// the bin.
+    /// Stems of words that speak of a thing without naming it, by the last word of its identifier: who throws something
+    /// away speaks of the trash bin.
     pub implied: indexmap::IndexMap<String, Vec<String>>,
     /// What a model is told first: `prompt/goal.md`, rendered.
     pub goal_prompt: String,

@@ -6,7 +6,7 @@
 
 use super::depends::{Clauses, is_word_of_outcomes};
 use super::{Conditional, Goal, GoalFact};
-use crate::domain::{Domain, base_name, head, plain_words, singular};
+use crate::domain::{Domain, base_name, ends_with, head, plain_words, singular};
 use crate::world::{EntityId, World};
 
 /// What was made of a model's answer.
@@ -93,8 +93,9 @@ impl Spoken {
                 && singulars.iter().filter(|word| **word == name).count() == 1
         };
         let implied = |id: EntityId| {
-            let stems = domain.implied.get(&base_name(&world.entity(id).identifier));
-            stems.is_some_and(|stems| begins_with_any(&words, stems))
+            let base = base_name(&world.entity(id).identifier);
+            let mut stems = domain.implied.iter().filter(|(name, _)| ends_with(&base, name));
+            stems.any(|(_, stems)| begins_with_any(&words, stems))
         };
         let names = FullNames::of(world, &singulars);
         let named = |id: EntityId| {

@@ -237,3 +237,18 @@ fn later_words_win() {
     let expected = ["shelf, sofa, mug 1, mug 2, mug 3", "", ""];
     check_correction(instruction, "question: Which mug do you mean?", said, expected);
 }
+
+#[test]
+fn who_throws_something_away_speaks_of_the_bins() {
+    let domain = domain::shipped("household-dual").unwrap().unwrap();
+    let text = r#"{"assets": ["<bench>", "<scrap_bin>", "<cabin>"], "objects": ["<rag>", "<left>", "<right>"]}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "shed", text, &Path::default()).unwrap();
+    let spoken = Spoken::of(&domain, &world, "Throw the rag away");
+    let names: Vec<&str> = spoken
+        .entities
+        .iter()
+        .map(|id| world.entity(*id).name.as_str())
+        .collect();
+    assert_eq!(names, ["scrap bin", "rag"]);
+}

@@ -6,7 +6,7 @@ use super::naming::name_entities;
 use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, Words, World, evaluate, holds};
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
-use crate::domain::{Derivation, Domain, Literal, RuleTime, TypeId, Unknown, base_name};
+use crate::domain::{Derivation, Domain, Literal, RuleTime, TypeId, Unknown, base_name, ends_with};
 use crate::json::{self, Path};
 
 /// More entities than this do not fit into a fact.
@@ -398,11 +398,4 @@ fn derive(
         .filter(|(_, holds)| !holds)
         .map(|(fact, _)| fact)
         .collect()
-}
-
-/// Whether an identifier's last word is `name`. Identifiers are often run together (`coffeetable`), so a
-/// name of four letters or more may also be the end of a longer word.
-fn ends_with(base: &str, name: &str) -> bool {
-    base.strip_suffix(name)
-        .is_some_and(|rest| rest.is_empty() || rest.ends_with('_') || name.len() >= 4)
 }
