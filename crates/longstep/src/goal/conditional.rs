@@ -1,7 +1,7 @@
 //! Goals that depend on what sensing tells: `if expired(milk) then put(milk, bin) else put(milk, fridge)`.
 
 use super::{GoalFact, state_word};
-use crate::domain::{Atom, Condition, Domain, Term};
+use crate::domain::{Atom, Condition, Domain, PredicateId, Term};
 use crate::search::Wanted;
 use crate::world::{EntityId, Fact, Voice, World};
 
@@ -9,7 +9,8 @@ use crate::world::{EntityId, Fact, Voice, World};
 ///
 /// It is reached when it is known which outcome holds and what is asked for in that case holds too. What is asked for in
 /// the other case alone must not have been brought about: nobody wipes the table first and then looks whether it was
-/// dirty.
+/// dirty. And what was only looked at, or would have been needed in the other case, is back where it was: "throw the milk
+/// away if it is past its date" does not say where milk goes that is not.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Conditional {
     /// The fact.
@@ -151,6 +152,7 @@ impl Conditional {
                 };
                 let mut parts = vec![joined.known(outcome)];
                 parts.extend(joined.all(wanted));
+                parts.extend(self.left_alone(domain, wanted, others, &joined.bindings));
                 parts.extend(unwanted.iter().map(|fact| joined.not_brought_about(fact)));
                 Condition::And(parts)
             };
@@ -161,6 +163,57 @@ impl Conditional {
             bindings: joined.bindings,
         }
     }
+
+    /// That what only the other case is about is where it was, and so is what was only looked at. `bindings` are those
+    /// of the whole condition.
+    fn left_alone(
+        &self,
+        domain: &Domain,
+        wanted: &[GoalFact],
+        others: &[GoalFact],
+        bindings: &[EntityId],
+    ) -> Vec<Condition> {
+        let own = GoalFact::If(self.clone());
+        let elsewhere = others.iter().filter(|other| **other != own).flat_map(GoalFact::parts);
+        let spoken: Vec<&GoalFact> = elsewhere.chain(wanted).collect();
+        let looked_at: Vec<EntityId> = domain.arguments(self.condition).collect();
+        let is_free = |thing: &EntityId| match looked_at.contains(thing) {
+            // A place where something is put may have been looked at, too.
+            true => !spoken.iter().any(|fact| fact.subject(domain) == Some(*thing)),
+            false => !spoken.iter().any(|fact| fact.about(domain).contains(thing)),
+        };
+        let slots = (0..bindings.len()).filter(|slot| bindings[..*slot].iter().all(|other| *other != bindings[*slot]));
+        let alone = slots.filter(|slot| is_free(&bindings[*slot]));
+        let stays = |slot: usize| move |predicate: &PredicateId| stays(domain, *predicate, slot, bindings.len());
+        let places = places(domain);
+        alone.flat_map(|slot| places.iter().map(stays(slot))).collect()
+    }
+}
+
+/// The predicates with which an environment says where things are, as far as actions change it.
+fn places(domain: &Domain) -> Vec<PredicateId> {
+    let effects = || domain.actions.iter().flat_map(|action| &action.effects);
+    let brought_about =
+        |predicate: PredicateId| effects().any(|effect| effect.adds && effect.atom.predicate == predicate);
+    let mut places: Vec<PredicateId> = domain.states.iter().map(|word| word.atom.predicate).collect();
+    places.sort_unstable();
+    places.dedup();
+    places.retain(|predicate| domain.predicate(*predicate).parameters.len() == 2 && brought_about(*predicate));
+    places
+}
+
+/// That a thing is still related to whatever it was related to at the start. `free` is a slot that nothing has.
+fn stays(domain: &Domain, predicate: PredicateId, slot: usize, free: usize) -> Condition {
+    let there = |holds: bool, initially: bool| Condition::Atom {
+        atom: Atom {
+            predicate,
+            terms: vec![Term::Variable(slot), Term::Variable(free)],
+        },
+        holds,
+        initially,
+    };
+    let back = Condition::Or(vec![there(false, true), there(true, false)]);
+    Condition::Forall(free, domain.predicate(predicate).parameters[1].kind, Box::new(back))
 }
 
 /// A fact as an environment says it, with `name` called for each entity.

@@ -144,6 +144,21 @@ impl GoalFact {
         }
     }
 
+    /// Everything that it is about.
+    fn about(&self, domain: &Domain) -> Vec<EntityId> {
+        match self {
+            Self::Word { arguments, .. } => arguments.clone(),
+            Self::Plain(fact) => domain.arguments(*fact).collect(),
+            Self::If(conditional) => {
+                let condition = domain.arguments(conditional.condition);
+                let parts = self.parts();
+                condition
+                    .chain(parts.into_iter().flat_map(|part| part.about(domain)))
+                    .collect()
+            }
+        }
+    }
+
     /// What must hold for it, as one of the goals of `all`.
     fn wanted(&self, domain: &Domain, all: &[GoalFact]) -> Wanted {
         match self {

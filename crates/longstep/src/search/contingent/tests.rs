@@ -120,8 +120,7 @@ fn it_looks_before_it_decides() {
     check(
         "",
         "if dirty(table) then wiped(table, sponge)",
-        "move-hand sponge, grasp sponge, detach sponge floor, move-object sponge table, attach sponge table, \
-         [not check-cleanness table ? wipe sponge table : ], release sponge",
+        "move-hand sponge, grasp sponge, detach sponge floor, move-object sponge table, [check-cleanness table ? move-object sponge floor, attach sponge floor : attach sponge table, wipe sponge table], release sponge",
     );
 }
 
@@ -192,5 +191,25 @@ fn two_conditions_are_looked_at_in_turn() {
          attach spam shelf : move-object spam trash bin], release spam, move-hand milk, grasp milk, detach milk table, \
          [check-best-by-date milk ? move-object milk shelf, attach milk shelf : move-object milk trash bin], \
          release milk",
+    );
+}
+
+#[test]
+fn what_was_only_looked_at_is_back_where_it_was() {
+    check(
+        "",
+        "if expired(spam) then put(spam, shelf)",
+        "move-hand spam, grasp spam, detach spam table, [check-best-by-date spam ? move-object spam table, attach spam table : move-object spam shelf, attach spam shelf], release spam",
+    );
+    check(
+        "",
+        "if broken(spam) then put(milk, shelf)",
+        "move-hand spam, grasp spam, detach spam table, move-object spam table, [check-damage spam ? attach spam table, release spam : attach spam table, release spam, move-hand milk, grasp milk, detach milk table, move-object milk shelf, attach milk shelf, release milk]",
+    );
+    // Another wish says where it goes in any case.
+    check(
+        "",
+        "if expired(spam) then put(milk, trash bin) & put(spam, shelf)",
+        "move-hand spam, grasp spam, detach spam table, move-object spam shelf, [check-best-by-date spam ? attach spam shelf, release spam : attach spam shelf, release spam, move-hand milk, grasp milk, detach milk table, move-object milk trash bin, release milk]",
     );
 }
