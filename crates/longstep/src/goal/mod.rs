@@ -145,7 +145,7 @@ impl GoalFact {
     }
 
     /// Everything that it is about.
-    fn about(&self, domain: &Domain) -> Vec<EntityId> {
+    pub fn about(&self, domain: &Domain) -> Vec<EntityId> {
         match self {
             Self::Word { arguments, .. } => arguments.clone(),
             Self::Plain(fact) => domain.arguments(*fact).collect(),

@@ -120,7 +120,7 @@ fn said(domain: &Domain, state: &State) -> Vec<Fact> {
 }
 
 /// The entity in whose entry a fact is written.
-pub(crate) fn subject_of(domain: &Domain, fact: Fact) -> EntityId {
+pub fn subject_of(domain: &Domain, fact: Fact) -> EntityId {
     let word = domain
         .states
         .iter()

@@ -14,7 +14,7 @@ mod tests;
 mod write;
 
 pub use claim::Claim;
-pub(crate) use claim::subject_of;
+pub use claim::subject_of;
 pub use diff::{Difference, differences};
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};

@@ -1,0 +1,183 @@
+//! What went wrong, by kind.
+//!
+//! The rules, in full. They look at the model's first reply, so what was mended later counts as well.
+//!
+//! A plan that the model wrote (direct strategy) is compared with the cheapest repair of it:
+//!
+//! - [`Failure::UnknownName`]: a call, a thing or a parameter that there is not, or of the wrong kind or number.
+//! - [`Failure::WrongVerb`]: repair replaces a step by another action on the same things (the paper's first pattern).
+//! - [`Failure::LeftOutStep`]: repair inserts a step (the paper's second pattern).
+//! - [`Failure::WrongOrder`]: repair moves a step.
+//! - [`Failure::WrongObject`]: repair replaces a step by one on other things.
+//! - [`Failure::NeedlessStep`]: repair drops a step.
+//! - [`Failure::UnmetPrecondition`]: the plan is not valid, and repair finds no way to mend it.
+//! - [`Failure::WrongClaim`]: the environment that the model claims is not the simulated one.
+//!
+//! What the model understood (goal strategy) is compared with the nearest of the expected goals, part by part:
+//!
+//! - [`Failure::WrongObject`]: a part with the same goal word about another thing, or to another place.
+//! - [`Failure::WrongGoalWord`]: a part about the same thing with another word.
+//! - [`Failure::ExtraGoal`]: a part that is not expected. With the direct strategy: something changed that nobody asked
+//!   for.
+//! - [`Failure::MissingGoal`]: a part that is expected and not there. With the direct strategy: a goal that is not
+//!   reached.
+//!
+//! For either strategy:
+//!
+//! - [`Failure::AskedNeedlessly`]: a question where a plan was expected.
+//! - [`Failure::DidNotAsk`]: a plan where a question, or no plan, was expected; or no plan where a question was.
+//! - [`Failure::NoPlan`]: a plan was expected, and none was found for what was understood.
+//! - [`Failure::Unusable`]: a reply that cannot be read, or a prompt that does not fit.
+
+use longstep::attempt::Attempt;
+use longstep::call::Call;
+use longstep::domain::Domain;
+use longstep::goal::{Goal, GoalFact};
+use longstep::plan;
+use longstep::repair::{Edit, EditKind, Outcome, Pins};
+use longstep::world::World;
+use serde::{Deserialize, Serialize};
+
+/// A kind of failure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(missing_docs, reason = "the module says what each of them is")]
+pub enum Failure {
+    WrongVerb,
+    LeftOutStep,
+    WrongOrder,
+    WrongObject,
+    NeedlessStep,
+    UnmetPrecondition,
+    UnknownName,
+    WrongGoalWord,
+    MissingGoal,
+    ExtraGoal,
+    WrongClaim,
+    AskedNeedlessly,
+    DidNotAsk,
+    NoPlan,
+    Unusable,
+}
+
+impl Failure {
+    /// All of them, in the order in which reports show them.
+    pub const ALL: [Self; 15] = [
+        Self::WrongVerb,
+        Self::LeftOutStep,
+        Self::WrongOrder,
+        Self::WrongObject,
+        Self::NeedlessStep,
+        Self::UnmetPrecondition,
+        Self::UnknownName,
+        Self::WrongGoalWord,
+        Self::MissingGoal,
+        Self::ExtraGoal,
+        Self::WrongClaim,
+        Self::AskedNeedlessly,
+        Self::DidNotAsk,
+        Self::NoPlan,
+        Self::Unusable,
+    ];
+
+    /// For a person.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WrongVerb => "wrong verb",
+            Self::LeftOutStep => "left-out step",
+            Self::WrongOrder => "wrong order",
+            Self::WrongObject => "wrong object",
+            Self::NeedlessStep => "needless step",
+            Self::UnmetPrecondition => "unmet precondition",
+            Self::UnknownName => "unknown name",
+            Self::WrongGoalWord => "wrong goal word",
+            Self::MissingGoal => "missing goal",
+            Self::ExtraGoal => "extra goal",
+            Self::WrongClaim => "wrong claim",
+            Self::AskedNeedlessly => "asked needlessly",
+            Self::DidNotAsk => "did not ask",
+            Self::NoPlan => "no plan",
+            Self::Unusable => "unusable reply",
+        }
+    }
+}
+
+/// What is wrong with a plan as the model wrote it; nothing where the reply holds none.
+pub(crate) fn of_draft(domain: &Domain, world: &World, reply: &str, instruction: &str) -> Vec<Failure> {
+    let Ok(draft) = plan::read(reply) else {
+        return Vec::new();
+    };
+    let attempt = Attempt::new(domain, world, draft, Some(instruction));
+    let mut found = Vec::new();
+    if !attempt.resolved.issues.is_empty() {
+        found.push(Failure::UnknownName);
+    }
+    match attempt.repair(domain, world, &Pins::default()) {
+        Outcome::Valid(_) => {}
+        Outcome::Repaired(repaired) => found.extend(repaired.edits.iter().map(of_edit)),
+        _ if found.is_empty() => found.push(Failure::UnmetPrecondition),
+        _ => {}
+    }
+    if !attempt.verdict(domain, world).claims.differing.is_empty() {
+        found.push(Failure::WrongClaim);
+    }
+    found
+}
+
+fn of_edit(edit: &Edit) -> Failure {
+    let things = |call: &Option<String>| {
+        call.as_deref()
+            .and_then(|text| Call::parse(text).ok())
+            .map(|call| call.arguments)
+    };
+    match edit.kind {
+        EditKind::Insert => Failure::LeftOutStep,
+        EditKind::Drop => Failure::NeedlessStep,
+        EditKind::Move => Failure::WrongOrder,
+        EditKind::Replace if things(&edit.before) == things(&edit.after) => Failure::WrongVerb,
+        EditKind::Replace => Failure::WrongObject,
+    }
+}
+
+/// How what was understood differs from the nearest of the goals.
+pub(crate) fn of_goal(domain: &Domain, understood: &Goal, goals: &[Goal]) -> Vec<Failure> {
+    let each = goals
+        .iter()
+        .map(|goal| difference(domain, &understood.facts, &goal.facts));
+    each.min_by_key(Vec::len).unwrap_or_default()
+}
+
+fn difference(domain: &Domain, understood: &[GoalFact], expected: &[GoalFact]) -> Vec<Failure> {
+    let mut extra: Vec<&GoalFact> = understood.iter().filter(|fact| !expected.contains(fact)).collect();
+    let mut found = Vec::new();
+    for missing in expected.iter().filter(|fact| !understood.contains(fact)) {
+        let alike = |fact: &&&GoalFact| word(fact) == word(missing);
+        let same_thing = |fact: &&&GoalFact| fact.subject(domain) == missing.subject(domain);
+        let near = extra
+            .iter()
+            .position(|fact| alike(&fact) && same_thing(&fact))
+            .or_else(|| extra.iter().position(|fact| alike(&fact)))
+            .or_else(|| extra.iter().position(|fact| same_thing(&fact)));
+        match near {
+            Some(place) => {
+                let fact = extra.remove(place);
+                found.push(match word(fact) == word(missing) {
+                    true => Failure::WrongObject,
+                    false => Failure::WrongGoalWord,
+                });
+            }
+            None => found.push(Failure::MissingGoal),
+        }
+    }
+    found.extend(extra.iter().map(|_| Failure::ExtraGoal));
+    found
+}
+
+/// What kind of goal it is.
+fn word(fact: &GoalFact) -> (u8, usize) {
+    match fact {
+        GoalFact::Word { word, .. } => (0, word.index()),
+        GoalFact::Plain(fact) => (1, fact.predicate().index()),
+        GoalFact::If(_) => (2, 0),
+    }
+}

@@ -1,0 +1,80 @@
+//! Was that right?
+
+use longstep::domain::Domain;
+use longstep::goal::Goal;
+use longstep::plan::Plan;
+use longstep::solution;
+use longstep::verify::{Ending, Purpose, VerifiedPlan, check};
+use longstep::world::{EntityId, World, differences, subject_of};
+
+/// Goals that a plan may reach, each with what a plan for it has to change.
+///
+/// What has to change is taken from the plan that search finds for the goal: to put the milk into the fridge, its door
+/// is opened and closed again, so the door may change on the way and must not in the end.
+#[derive(Debug)]
+pub(crate) struct Standard<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    goals: Vec<(&'a Goal, Option<VerifiedPlan>)>,
+}
+
+impl<'a> Standard<'a> {
+    pub(crate) fn new(domain: &'a Domain, world: &'a World, goals: &'a [Goal]) -> Self {
+        let reference = |goal: &'a Goal| (goal, solution::of_goal(domain, world, goal, "", || 0.0).plan);
+        Self {
+            domain,
+            world,
+            goals: goals.iter().map(reference).collect(),
+        }
+    }
+
+    /// The plan that search finds for the first goal, if there is one.
+    pub(crate) fn reference(&self) -> Option<&VerifiedPlan> {
+        self.goals.first()?.1.as_ref()
+    }
+
+    /// Why the plan is not what was wanted, for the goal that it comes closest to; nothing if it is.
+    pub(crate) fn amiss(&self, plan: &Plan) -> Vec<String> {
+        let each = self
+            .goals
+            .iter()
+            .map(|(goal, reference)| self.amiss_for(plan, goal, reference.as_ref()));
+        each.min_by_key(Vec::len).unwrap_or_default()
+    }
+
+    fn amiss_for(&self, plan: &Plan, goal: &Goal, reference: Option<&VerifiedPlan>) -> Vec<String> {
+        let (domain, world) = (self.domain, self.world);
+        let purpose = Purpose {
+            wanted: goal.purpose(domain).wanted,
+            ..Purpose::default()
+        };
+        let report = check(domain, world, plan.clone(), &purpose);
+        let unreached = report.violations.iter().filter(|violation| violation.kind() == "goal");
+        let mut amiss: Vec<String> = unreached
+            .map(|violation| violation.message(domain, world, report.plan.steps(), Some(goal)))
+            .collect();
+        let mut asked: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(domain)).collect();
+        asked.extend(reference.iter().flat_map(|plan| self.changed(plan.endings())));
+        let mut unasked: Vec<EntityId> = self.changed(&report.endings);
+        unasked.retain(|entity| !asked.contains(entity));
+        amiss.extend(unasked.into_iter().map(|entity| {
+            let name = world.entity(entity).with_article();
+            format!("{name} ends as nobody asked for")
+        }));
+        amiss
+    }
+
+    /// The things of which an environment says something else at an end. What was only found out is no change.
+    fn changed(&self, endings: &[Ending]) -> Vec<EntityId> {
+        let of = |ending: &Ending| differences(self.domain, &self.world.state, &ending.after);
+        let mut changed: Vec<EntityId> = endings
+            .iter()
+            .flat_map(of)
+            .filter(|difference| !self.domain.is_sensed(difference.fact.predicate()))
+            .map(|difference| subject_of(self.domain, difference.fact))
+            .collect();
+        changed.sort_unstable();
+        changed.dedup();
+        changed
+    }
+}

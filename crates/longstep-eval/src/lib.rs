@@ -1,0 +1,47 @@
+//! Evaluation for Longstep: how many instructions come out right, and what goes wrong with the others.
+//!
+//! A [`Suite`](suite::Suite) is data: scenes, instructions, and what is meant by them. [`run::run`] gives a case to a
+//! model in a session, as `longstep chat` does, and judges what comes of it against goals that a verifier checks; no
+//! model judges. What came of it is an [`Attempt`](attempt::Attempt); [`folder::RunFolder`] keeps attempts so that a run
+//! can be cut off and taken up again, and [`Summary`] counts them.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use longstep::domain;
+//! use longstep::session::{Settings, Strategy};
+//! use longstep_eval::{Source, Recorded, run, suite};
+//! use longstep_eval::suite::PLAIN;
+//!
+//! let household = Arc::new(domain::shipped("household").unwrap()?);
+//! let files = suite::Files {
+//!     suite: "name = 'desk'\nabout = 'A pen.'\ndomain = 'household'".to_owned(),
+//!     cases: [("cases.toml".to_owned(),
+//!         "[[case]]\nid = 'pen'\nscene = 'desk'\nsays = 'The pen belongs on the shelf.'\ngoal = 'put(pen, shelf)'".to_owned())].into(),
+//!     scenes: [("desk".to_owned(), r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+//!         "object_states": {"<pen>": "on_something(<desk>)"}}"#.to_owned())].into(),
+//!     ..suite::Files::default()
+//! };
+//! let suite = suite::load(&files, &household)?;
+//! // A recording of what a model said to it.
+//! let replies = r#"[{"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}}]"#;
+//! let mut recorded = Recorded::read(replies)?;
+//! let unit = run::Unit { case: &suite.cases[0], wording: PLAIN, trial: 1 };
+//! let model = recorded.model("pen", 1)?;
+//! let lines = run::run(&suite, &household, unit, Settings::default(), model, &mut |_: longstep_llm::Progress| {})?;
+//! assert!(lines[0].0.correct);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod attempt;
+pub mod failure;
+pub mod folder;
+mod judge;
+mod rate;
+pub mod run;
+mod source;
+pub mod suite;
+mod summary;
+
+pub use rate::Rate;
+pub use source::{Opened, Opener, Recorded, RecordedError, Source};
+pub use summary::{Cost, Summary};

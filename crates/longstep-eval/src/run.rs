@@ -1,0 +1,309 @@
+//! One trial of one case: a session with a model, and what came of each of its instructions.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use longstep::domain::Domain;
+use longstep::session::{Event, ModelFacts, Need, Session, Settings, Strategy, Trouble};
+use longstep::verify::VerifiedPlan;
+use longstep::world::{Voice, World};
+use longstep_llm::{AdvanceError, ChatModel, Watch, advance};
+
+use crate::attempt::{Attempt, Edit, Key, Outcome, PlanLine, Timing, Wanted};
+use crate::failure::{self, Failure};
+use crate::judge::Standard;
+use crate::suite::{Case, Expected, Step, Suite};
+
+/// A trial of a case in one wording: what is run at one go, and written at one go.
+#[derive(Debug, Clone, Copy)]
+pub struct Unit<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// In which words.
+    pub wording: &'a str,
+    /// From 1.
+    pub trial: u32,
+}
+
+/// The attempts of a unit, step by step.
+pub type Lines = Vec<(Attempt, Timing)>;
+
+/// Runs a unit.
+///
+/// Each step begins in the world that the one before left. Where that one was not right, the next begins, in a new
+/// session, in the world that the plan of search for the expected goal leaves: so each step is measured by itself.
+///
+/// # Errors
+///
+/// When the model fails or is stopped. Prompts that do not fit are attempts that failed, and no error.
+pub fn run(
+    suite: &Suite,
+    domain: &Arc<Domain>,
+    unit: Unit<'_>,
+    settings: Settings,
+    model: &mut dyn ChatModel,
+    watch: &mut dyn Watch,
+) -> Result<Lines, AdvanceError> {
+    let facts = ModelFacts {
+        name: model.name().to_owned(),
+        kind: model.constraint_kind(),
+        context: model.context_tokens(),
+    };
+    let begin = |world: World| {
+        Session::new(
+            &suite.domain,
+            Arc::clone(domain),
+            world,
+            settings,
+            facts.clone(),
+            || 0.0,
+        )
+    };
+    let mut session = begin(suite.scenes[&unit.case.scene].clone());
+    let mut lines = Lines::new();
+    for (number, step) in unit.case.steps.iter().enumerate() {
+        let says = step.in_words(unit.wording).unwrap_or(&step.says);
+        let key = Key {
+            case: unit.case.id.clone(),
+            step: number,
+            wording: unit.wording.to_owned(),
+            trial: unit.trial,
+        };
+        session.take_events();
+        let started = Instant::now();
+        // A session that has carried out the step before, or given it up, waits for an instruction.
+        let need = match session.instruct(says) {
+            Ok(()) => advance(&mut session, model, None, watch),
+            Err(_) => Ok(Need::Help),
+        };
+        let fits = match need {
+            Ok(_) => true,
+            Err(AdvanceError::Prompt(_)) => false,
+            Err(error) => return Err(error),
+        };
+        let total_ms = started.elapsed().as_secs_f64() * 1000.0;
+        let (_, model_ms) = session.cost();
+        let world = session.world().clone();
+        let standard = Standard::new(domain, &world, step.expected.goals());
+        let events = session.take_events();
+        let attempt = Observed {
+            domain,
+            world: &world,
+            session: &session,
+            events: &events,
+            standard: &standard,
+            fits,
+        }
+        .attempt(key.clone(), unit.case, step, says);
+        let right = attempt.correct;
+        let cached_tokens = session.cost().0.cached_tokens;
+        lines.push((
+            attempt,
+            Timing {
+                key,
+                cached_tokens,
+                model_ms,
+                total_ms,
+            },
+        ));
+        match (right, &step.expected) {
+            (true, Expected::Plan(_)) => {
+                // There is a plan, and of several endings one is as good as another.
+                let _ = session.accept();
+                let _ = session.ended(0);
+            }
+            (true, _) => {
+                let _ = session.cancel();
+            }
+            (false, _) => {
+                let next = standard
+                    .reference()
+                    .map_or_else(|| world.clone(), |plan| world.after(domain, plan.ending()));
+                session = begin(next);
+            }
+        }
+    }
+    Ok(lines)
+}
+
+/// A session after an instruction.
+struct Observed<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    session: &'a Session,
+    events: &'a [Event],
+    standard: &'a Standard<'a>,
+    /// Whether what had to be said fitted into the model.
+    fits: bool,
+}
+
+impl Observed<'_> {
+    fn attempt(&self, key: Key, case: &Case, step: &Step, says: &str) -> Attempt {
+        let (domain, world) = (self.domain, self.world);
+        let proposal = self.session.proposal();
+        let answer = match (proposal, self.session.stuck()) {
+            (Some(proposal), _) => Some(&proposal.answer),
+            (None, Some(stuck)) => stuck.answer.as_deref(),
+            (None, None) => None,
+        };
+        let outcome = self.outcome();
+        let plan = proposal.map(|proposal| &proposal.plan);
+        let why = self.why(step, outcome, plan);
+        let (usage, _) = self.session.cost();
+        let goal = proposal.and_then(|proposal| proposal.goal.as_ref());
+        let understood = goal
+            .iter()
+            .flat_map(|goal| &goal.facts)
+            .map(|fact| fact.everyday(domain, world));
+        let mut attempt = Attempt {
+            key,
+            scene: case.scene.clone(),
+            tags: case.tags.clone(),
+            says: says.to_owned(),
+            expected: self.wanted(&step.expected),
+            outcome,
+            executable: outcome == Outcome::Verified,
+            correct: why.is_empty(),
+            why,
+            failures: Vec::new(),
+            rounds: answer.map_or(0, |answer| answer.usage.rounds),
+            edits: answer.iter().flat_map(|answer| &answer.edits).map(Edit::from).collect(),
+            claim_right: None,
+            understood: understood.collect(),
+            question: self.session.question().unwrap_or_default().to_owned(),
+            replies: Vec::new(),
+            corrections: Vec::new(),
+            plan: self.lines(plan),
+            violations: Vec::new(),
+            calls: usage.calls,
+            prompt_tokens: usage.prompt_tokens,
+            completion_tokens: usage.completion_tokens,
+        };
+        if let Some(answer) = answer {
+            attempt.violations = answer
+                .violations
+                .iter()
+                .map(|violation| violation.message.clone())
+                .collect();
+            let claims = &answer.claims;
+            attempt.claim_right =
+                (claims.agreed > 0 || !claims.differing.is_empty()).then_some(claims.differing.is_empty());
+        }
+        for event in self.events {
+            match event {
+                Event::Reply { text, .. } => attempt.replies.push(text.clone()),
+                Event::Correction { text } => attempt.corrections.push(text.clone()),
+                _ => {}
+            }
+        }
+        attempt.failures = self.failures(&attempt, step);
+        attempt
+    }
+
+    fn outcome(&self) -> Outcome {
+        if !self.fits {
+            return Outcome::Limit;
+        }
+        if self.session.question().is_some() {
+            return Outcome::Question;
+        }
+        match (self.session.proposal(), self.session.stuck()) {
+            (Some(_), _) => Outcome::Verified,
+            (None, Some(stuck)) => match &stuck.answer {
+                Some(answer) => answer.status.into(),
+                None if stuck.trouble == Trouble::Limit => Outcome::Limit,
+                None => Outcome::Unusable,
+            },
+            (None, None) => Outcome::Unusable,
+        }
+    }
+
+    /// Why it is not what was expected; nothing if it is.
+    fn why(&self, step: &Step, outcome: Outcome, plan: Option<&VerifiedPlan>) -> Vec<String> {
+        let one = |text: &str| vec![text.to_owned()];
+        let refused = matches!(outcome, Outcome::Unsolvable);
+        match (&step.expected, plan) {
+            (Expected::Plan(_), Some(plan)) => self.standard.amiss(plan.plan()),
+            (Expected::Plan(_), None) => match outcome {
+                Outcome::Question => one("it asked back, and everything was said"),
+                Outcome::Invalid => one("the plan is not valid"),
+                _ => one("there is no plan"),
+            },
+            (_, Some(_)) => one("it planned, and there was nothing to plan"),
+            (Expected::Question | Expected::Either, None) if outcome == Outcome::Question => Vec::new(),
+            (Expected::Refusal | Expected::Either, None) if refused => Vec::new(),
+            (Expected::Question, None) => one("it did not ask back"),
+            (Expected::Refusal, None) => one("it did not find out that there is no plan"),
+            (Expected::Either, None) => one("it neither asked back nor found out that there is no plan"),
+        }
+    }
+
+    fn wanted(&self, expected: &Expected) -> Wanted {
+        match expected {
+            Expected::Plan(goals) => Wanted::Plan(
+                goals
+                    .iter()
+                    .map(|goal| {
+                        let facts = goal.facts.iter().map(|fact| fact.everyday(self.domain, self.world));
+                        facts.collect::<Vec<_>>().join(" & ")
+                    })
+                    .collect(),
+            ),
+            Expected::Question => Wanted::Question,
+            Expected::Refusal => Wanted::Refusal,
+            Expected::Either => Wanted::Either,
+        }
+    }
+
+    fn lines(&self, plan: Option<&VerifiedPlan>) -> Vec<PlanLine> {
+        let Some(plan) = plan else { return Vec::new() };
+        let (domain, world) = (self.domain, self.world);
+        let mut changes: Vec<Vec<String>> = vec![Vec::new(); plan.steps().len()];
+        for (step, changed) in plan.ending().trace.steps() {
+            changes[step.index()] = changed
+                .iter()
+                .map(|change| Voice::Person.fact(domain, world, change.fact, change.holds))
+                .collect();
+        }
+        let outline = longstep::plan::outline(domain, world, plan.plan());
+        let line = |line: longstep::plan::OutlineLine| PlanLine {
+            changes: line.step.map(|step| changes[step].clone()).unwrap_or_default(),
+            step: line.step,
+            depth: line.depth,
+            text: line.text,
+            explanation: line.explanation,
+        };
+        outline.into_iter().map(line).collect()
+    }
+
+    fn failures(&self, attempt: &Attempt, step: &Step) -> Vec<Failure> {
+        let mut found = Vec::new();
+        let wants_plan = attempt.wants_plan();
+        match attempt.outcome {
+            Outcome::Unusable | Outcome::Limit => found.push(Failure::Unusable),
+            Outcome::Question if wants_plan => found.push(Failure::AskedNeedlessly),
+            Outcome::Unsolvable | Outcome::GaveUp if wants_plan => found.push(Failure::NoPlan),
+            _ if !wants_plan && !attempt.correct => found.push(Failure::DidNotAsk),
+            _ => {}
+        }
+        let direct = self.session.settings().strategy == Strategy::Direct;
+        if wants_plan && direct {
+            if let Some(reply) = attempt.replies.first() {
+                found.extend(failure::of_draft(self.domain, self.world, reply, &attempt.says));
+            }
+            if attempt.outcome == Outcome::Verified && !attempt.correct {
+                let unasked = attempt.why.iter().any(|why| why.ends_with("as nobody asked for"));
+                let unreached = attempt.why.iter().any(|why| !why.ends_with("as nobody asked for"));
+                found.extend(unasked.then_some(Failure::ExtraGoal));
+                found.extend(unreached.then_some(Failure::MissingGoal));
+            }
+        }
+        let goal = self.session.proposal().and_then(|proposal| proposal.goal.as_ref());
+        if let Some(goal) = goal.filter(|_| wants_plan && !attempt.correct) {
+            found.extend(failure::of_goal(self.domain, goal, step.expected.goals()));
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+}

@@ -1,0 +1,201 @@
+//! Where replies come from: a model that is opened for each trial, or replies that were recorded.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use longstep::prompt::{
+    ChatRequest, ConstraintKind, Counting, EstimatedTokens, Finish, Message, Reply, TokenCounter, Usage,
+};
+use longstep_llm::{ChatModel, ModelError, Watch};
+use serde::Deserialize;
+use serde_json::Value;
+
+/// Gives a model for each trial of each case.
+pub trait Source {
+    /// The model for this trial of the case. Trials come in order; a model may serve all cases of one.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be opened.
+    fn model(&mut self, case: &str, trial: u32) -> Result<&mut dyn ChatModel, ModelError>;
+
+    /// How often a model can be told what is wrong, if the source knows: recorded replies end some time.
+    fn rounds(&self, case: &str, trial: u32) -> Option<u32> {
+        let _ = (case, trial);
+        None
+    }
+}
+
+/// How a model is opened for a trial, which decides the seed.
+pub type Opener = Box<dyn FnMut(u32) -> Result<Box<dyn ChatModel>, ModelError> + Send>;
+
+/// A model that is opened anew for each trial, so that each has a seed of its own.
+pub struct Opened {
+    open: Opener,
+    current: Option<(u32, Box<dyn ChatModel>)>,
+}
+
+impl Opened {
+    /// Nothing is opened before it is needed.
+    pub fn new(open: Opener) -> Self {
+        Self { open, current: None }
+    }
+}
+
+impl Source for Opened {
+    fn model(&mut self, _: &str, trial: u32) -> Result<&mut dyn ChatModel, ModelError> {
+        // The old one goes first: two large models may not fit into memory.
+        let kept = self.current.take().filter(|(of, _)| *of == trial);
+        let model = match kept {
+            Some(kept) => kept,
+            None => (trial, (self.open)(trial)?),
+        };
+        Ok(self.current.insert(model).1.as_mut())
+    }
+}
+
+/// Replies that were recorded, by case and trial, in the order of their rounds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Recorded {
+    replies: BTreeMap<(String, u32), Vec<String>>,
+    current: Script,
+}
+
+/// Why recorded replies cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordedError {
+    /// It is no list of replies.
+    #[error("this is no list of recorded replies: {0}")]
+    NoList(#[from] serde_json::Error),
+    /// A reply is missing or comes twice.
+    #[error("{entry}: {what}")]
+    Entry {
+        /// Which entry, from 1.
+        entry: String,
+        /// What is wrong with it.
+        what: String,
+    },
+}
+
+#[derive(Debug, Deserialize)]
+struct Entry {
+    #[serde(alias = "scenario")]
+    case: Value,
+    #[serde(default = "first")]
+    trial: u32,
+    #[serde(default)]
+    round: u32,
+    reply: Value,
+}
+
+fn first() -> u32 {
+    1
+}
+
+impl Recorded {
+    /// Reads a JSON array of `{"case": "1", "trial": 1, "round": 0, "reply": ...}`: a case's id, or the number of a
+    /// scenario as `scenario`; the trial from 1 (1 if it is missing), the round from 0 (0 if it is missing); and what
+    /// the model replied, as a text or as the JSON object that it was.
+    ///
+    /// # Errors
+    ///
+    /// When it is no such array, or when a case lacks a round or has one twice.
+    pub fn read(text: &str) -> Result<Self, RecordedError> {
+        let entries: Vec<Entry> = serde_json::from_str(text)?;
+        let mut replies: BTreeMap<(String, u32), Vec<String>> = BTreeMap::new();
+        for (number, entry) in entries.into_iter().enumerate() {
+            let word = |value: Value| match value {
+                Value::String(text) => text,
+                other => other.to_string(),
+            };
+            let case = word(entry.case);
+            let known = replies.entry((case.clone(), entry.trial)).or_default();
+            if known.len() != entry.round as usize {
+                return Err(RecordedError::Entry {
+                    entry: format!("entry {}", number + 1),
+                    what: format!(
+                        "round {} of case `{case}`, trial {}, comes where round {} should",
+                        entry.round,
+                        entry.trial,
+                        known.len()
+                    ),
+                });
+            }
+            known.push(word(entry.reply));
+        }
+        Ok(Self {
+            replies,
+            current: Script::default(),
+        })
+    }
+
+    /// The cases and trials that there are replies for, in order.
+    pub fn keys(&self) -> impl Iterator<Item = (&str, u32)> {
+        self.replies.keys().map(|(case, trial)| (case.as_str(), *trial))
+    }
+}
+
+impl Source for Recorded {
+    fn model(&mut self, case: &str, trial: u32) -> Result<&mut dyn ChatModel, ModelError> {
+        let replies = self.replies.get(&(case.to_owned(), trial)).cloned().unwrap_or_default();
+        self.current = Script {
+            replies: replies.into(),
+        };
+        Ok(&mut self.current)
+    }
+
+    fn rounds(&self, case: &str, trial: u32) -> Option<u32> {
+        let replies = self.replies.get(&(case.to_owned(), trial));
+        Some(replies.map_or(0, |replies| replies.len().saturating_sub(1) as u32))
+    }
+}
+
+/// A model that says what it is to say, whatever it is asked.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Script {
+    replies: VecDeque<String>,
+}
+
+impl TokenCounter for Script {
+    fn message_tokens(&mut self, message: &Message) -> u64 {
+        EstimatedTokens::default().message_tokens(message)
+    }
+
+    fn frame_tokens(&mut self) -> u64 {
+        EstimatedTokens::default().frame_tokens()
+    }
+
+    fn counting(&self) -> Counting {
+        EstimatedTokens::default().counting()
+    }
+}
+
+impl ChatModel for Script {
+    fn name(&self) -> &str {
+        "recorded replies"
+    }
+
+    fn constraint_kind(&self) -> ConstraintKind {
+        ConstraintKind::JsonSchema
+    }
+
+    fn chat(&mut self, _: &ChatRequest, _: &mut dyn Watch) -> Result<Reply, ModelError> {
+        let Some(text) = self.replies.pop_front() else {
+            return Err(ModelError::Unsupported {
+                model: "recorded replies".to_owned(),
+                reason: "there are no more of them".to_owned(),
+            });
+        };
+        Ok(Reply {
+            text,
+            finish: Finish::Stop,
+            usage: Usage {
+                calls: 1,
+                ..Usage::default()
+            },
+        })
+    }
+
+    fn context_tokens(&self) -> Option<u64> {
+        None
+    }
+}

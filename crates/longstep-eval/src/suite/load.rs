@@ -1,0 +1,325 @@
+//! From the files of a suite's folder to a [`Suite`].
+
+use std::collections::BTreeMap;
+
+use longstep::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
+use longstep::domain::Domain;
+use longstep::goal::{self, Goal};
+use longstep::json::Path;
+use longstep::world::{self, Environment, World};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{Case, Expected, PLAIN, Step, Suite};
+
+/// The texts of a suite's folder.
+#[derive(Debug, Clone, Default)]
+pub struct Files {
+    /// The folder as faults name it, with a slash at its end.
+    pub folder: String,
+    /// `suite.toml`.
+    pub suite: String,
+    /// The other `.toml` files, by name.
+    pub cases: BTreeMap<String, String>,
+    /// The environments in `scenes/`, by name without `.json`.
+    pub scenes: BTreeMap<String, String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SuiteFile {
+    name: String,
+    about: String,
+    domain: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CasesFile {
+    #[serde(default)]
+    case: Vec<Spanned<CaseEntry>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CaseEntry {
+    id: Spanned<String>,
+    scene: Spanned<String>,
+    says: Option<String>,
+    #[serde(default)]
+    wordings: BTreeMap<Spanned<String>, String>,
+    goal: Option<Spanned<Goals>>,
+    expect: Option<Spanned<String>>,
+    steps: Option<Vec<Spanned<StepEntry>>>,
+    #[serde(default)]
+    tags: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StepEntry {
+    says: String,
+    goal: Option<Spanned<Goals>>,
+    expect: Option<Spanned<String>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Goals {
+    One(String),
+    AnyOf(Vec<String>),
+}
+
+/// What a step is expected to come to, as it is written.
+struct Wished<'a> {
+    goal: Option<&'a Spanned<Goals>>,
+    expect: Option<&'a Spanned<String>>,
+    /// Where the step begins.
+    at: usize,
+}
+
+fn parse<T: serde::de::DeserializeOwned>(file: &str, text: &str) -> Result<T, Diagnostic> {
+    toml::from_str(text).map_err(|error| {
+        let position = Position::of(text, error.span().map_or(0, |span| span.start));
+        Diagnostic::at(file, position, error.message().trim().replace('\n', "; "))
+    })
+}
+
+/// Which domain the suite is for: its name, or a folder relative to the suite's.
+///
+/// # Errors
+///
+/// When `suite.toml` cannot be read.
+pub fn domain_name(files: &Files) -> Result<String, Diagnostics> {
+    let file = format!("{}suite.toml", files.folder);
+    let suite: SuiteFile = parse(&file, &files.suite).map_err(|fault| Diagnostics(vec![fault]))?;
+    Ok(suite.domain)
+}
+
+/// Reads a suite for its domain.
+///
+/// # Errors
+///
+/// Everything that is wrong with it, at once: files that are no TOML or no environment, ids that come twice, scenes
+/// that are not there, goals that name nothing, cases without an instruction or without what is meant by it.
+pub fn load(files: &Files, domain: &Domain) -> Result<Suite, Diagnostics> {
+    let mut faults = Vec::new();
+    let suite_file = format!("{}suite.toml", files.folder);
+    let suite: Option<SuiteFile> = keep(parse(&suite_file, &files.suite), &mut faults);
+    let mut scenes = BTreeMap::new();
+    for (name, text) in &files.scenes {
+        let file = format!("{}scenes/{name}.json", files.folder);
+        scenes.extend(read_scene(domain, &file, text, &mut faults).map(|world| (name.clone(), world)));
+    }
+    let mut loader = Loader {
+        domain,
+        files,
+        scenes: &scenes,
+        faults,
+        file: String::new(),
+        text: "",
+        seen: BTreeMap::new(),
+    };
+    let mut cases = Vec::new();
+    for (name, text) in &files.cases {
+        loader.file = format!("{}{name}", files.folder);
+        loader.text = text;
+        let read: Result<CasesFile, Diagnostic> = parse(&loader.file, text);
+        match read {
+            Ok(entries) => cases.extend(entries.case.iter().filter_map(|entry| loader.case(entry))),
+            Err(fault) => loader.faults.push(fault),
+        }
+    }
+    let mut faults = loader.faults;
+    if cases.is_empty() && faults.is_empty() {
+        faults.push(
+            Diagnostic::whole(&suite_file, "the suite has no cases")
+                .hint("put `[[case]]` entries into any other .toml file of the folder"),
+        );
+    }
+    match suite {
+        Some(suite) if faults.is_empty() => Ok(Suite {
+            name: suite.name,
+            about: suite.about,
+            domain: suite.domain,
+            scenes,
+            cases,
+        }),
+        _ => Err(Diagnostics::sorted(faults)),
+    }
+}
+
+fn keep<T>(read: Result<T, Diagnostic>, faults: &mut Vec<Diagnostic>) -> Option<T> {
+    read.map_err(|fault| faults.push(fault)).ok()
+}
+
+fn read_scene(domain: &Domain, file: &str, text: &str, faults: &mut Vec<Diagnostic>) -> Option<World> {
+    match Environment::from_json(text) {
+        Ok(environment) => match world::read(domain, &environment, file, text, &Path::default()) {
+            Ok(world) => Some(world),
+            Err(found) => {
+                faults.extend(found.0);
+                None
+            }
+        },
+        Err(error) => {
+            faults.push(Diagnostic::whole(file, error.to_string()));
+            None
+        }
+    }
+}
+
+struct Loader<'a> {
+    domain: &'a Domain,
+    files: &'a Files,
+    scenes: &'a BTreeMap<String, World>,
+    faults: Vec<Diagnostic>,
+    /// The file at hand.
+    file: String,
+    text: &'a str,
+    /// Where each id was met first.
+    seen: BTreeMap<String, String>,
+}
+
+impl Loader<'_> {
+    fn fault(&mut self, at: usize, message: impl Into<String>) -> &mut Diagnostic {
+        let position = Position::of(self.text, at);
+        self.faults.push(Diagnostic::at(&self.file, position, message));
+        let last = self.faults.len() - 1;
+        &mut self.faults[last]
+    }
+
+    fn hinted(&mut self, at: usize, message: impl Into<String>, hint: impl Into<String>) {
+        self.fault(at, message).hint = Some(hint.into());
+    }
+
+    fn case(&mut self, entry: &Spanned<CaseEntry>) -> Option<Case> {
+        let begin = entry.span().start;
+        let entry = entry.get_ref();
+        let at = |place: &Spanned<String>| place.span().start;
+        let place = Position::of(self.text, at(&entry.id));
+        let here = format!("{}:{}", self.file, place.line);
+        if let Some(first) = self.seen.insert(entry.id.get_ref().clone(), here) {
+            let message = format!("the id `{}` is taken by the case at {first}", entry.id.get_ref());
+            self.hinted(at(&entry.id), message, "give each case an id of its own");
+        }
+        let scene = entry.scene.get_ref();
+        let world = self.scenes.get(scene);
+        // A scene that cannot be read has been told of already.
+        if world.is_none() && !self.files.scenes.contains_key(scene) {
+            let near = nearest(scene, self.files.scenes.keys().map(String::as_str));
+            let hint = match near {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("put the environment into {}scenes/{scene}.json", self.files.folder),
+            };
+            self.hinted(at(&entry.scene), format!("there is no scene `{scene}`"), hint);
+        }
+        let steps = match (&entry.says, &entry.steps) {
+            (Some(says), None) => {
+                let wished = Wished {
+                    goal: entry.goal.as_ref(),
+                    expect: entry.expect.as_ref(),
+                    at: begin,
+                };
+                let step = self.step(says, &wished, world);
+                let plain = entry.wordings.keys().find(|key| key.get_ref() == PLAIN);
+                if let Some(plain) = plain {
+                    self.fault(at(plain), format!("`{PLAIN}` is the wording of `says`"));
+                }
+                let wordings = entry.wordings.iter();
+                step.into_iter()
+                    .map(|step| Step {
+                        wordings: wordings
+                            .clone()
+                            .map(|(key, says)| (key.get_ref().clone(), says.clone()))
+                            .collect(),
+                        ..step
+                    })
+                    .collect()
+            }
+            (None, Some(steps)) if !steps.is_empty() => {
+                if entry.goal.is_some() || entry.expect.is_some() || !entry.wordings.is_empty() {
+                    self.fault(begin, "a chain says what it expects, and in which words, step by step");
+                }
+                let step = |step: &Spanned<StepEntry>| {
+                    let (at, step) = (step.span().start, step.get_ref());
+                    let wished = Wished {
+                        goal: step.goal.as_ref(),
+                        expect: step.expect.as_ref(),
+                        at,
+                    };
+                    self.step(&step.says, &wished, world)
+                };
+                steps.iter().filter_map(step).collect()
+            }
+            _ => {
+                self.hinted(
+                    begin,
+                    "a case has either `says` or `steps`",
+                    "`steps` is for a chain of instructions",
+                );
+                Vec::new()
+            }
+        };
+        (!steps.is_empty()).then(|| Case {
+            id: entry.id.get_ref().clone(),
+            scene: scene.clone(),
+            steps,
+            tags: entry.tags.clone(),
+        })
+    }
+
+    fn step(&mut self, says: &str, wished: &Wished<'_>, world: Option<&World>) -> Option<Step> {
+        if says.trim().is_empty() {
+            self.fault(wished.at, "the instruction is empty");
+        }
+        let expected = match (wished.goal, wished.expect) {
+            (Some(goals), None) => self.goals(goals, world?),
+            (None, Some(expect)) => match expect.get_ref().as_str() {
+                "question" => Some(Expected::Question),
+                "refusal" => Some(Expected::Refusal),
+                "either" => Some(Expected::Either),
+                other => {
+                    let message = format!("`{other}` is nothing that can be expected");
+                    self.hinted(expect.span().start, message, "write question, refusal or either");
+                    None
+                }
+            },
+            _ => {
+                let hint = "`goal` is what must hold in the end; `expect` is question, refusal or either";
+                self.hinted(wished.at, "an instruction has either `goal` or `expect`", hint);
+                None
+            }
+        };
+        Some(Step {
+            says: says.to_owned(),
+            wordings: BTreeMap::new(),
+            expected: expected?,
+        })
+    }
+
+    fn goals(&mut self, written: &Spanned<Goals>, world: &World) -> Option<Expected> {
+        let at = written.span().start;
+        let texts: Vec<&String> = match written.get_ref() {
+            Goals::One(text) => vec![text],
+            Goals::AnyOf(texts) => texts.iter().collect(),
+        };
+        if texts.is_empty() {
+            self.fault(at, "the list of goals is empty");
+            return None;
+        }
+        let mut goals: Vec<Goal> = Vec::new();
+        for text in &texts {
+            match goal::parse(self.domain, world, text) {
+                Ok(goal) if !goal.facts.is_empty() => goals.push(goal),
+                Ok(_) => {
+                    self.fault(at, "the goal is empty");
+                }
+                Err(error) => {
+                    self.fault(at, format!("`{text}`: {error}"));
+                }
+            }
+        }
+        (goals.len() == texts.len()).then_some(Expected::Plan(goals))
+    }
+}

@@ -1,0 +1,42 @@
+//! The suites that come with the library.
+
+use std::collections::BTreeMap;
+
+use include_dir::{Dir, include_dir};
+
+use super::Files;
+
+static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../suites");
+
+/// The names of the shipped suites, sorted.
+pub fn shipped_names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = SHIPPED.dirs().filter_map(|dir| dir.path().to_str()).collect();
+    names.sort_unstable();
+    names
+}
+
+/// The files of the shipped suite of that name, or none if there is none.
+pub fn shipped(name: &str) -> Option<Files> {
+    let folder = SHIPPED
+        .get_dir(name)
+        .filter(|dir| dir.path().components().count() == 1)?;
+    let texts = |dir: &'static Dir<'static>, ending: &str| -> BTreeMap<String, String> {
+        let named = dir.files().filter_map(|file| {
+            let name = file.path().file_name()?.to_str()?;
+            Some((name.strip_suffix(ending)?.to_owned(), file.contents_utf8()?.to_owned()))
+        });
+        named.collect()
+    };
+    let mut cases = texts(folder, ".toml");
+    let suite = cases.remove("suite").unwrap_or_default();
+    let scenes = SHIPPED.get_dir(folder.path().join("scenes"));
+    Some(Files {
+        folder: format!("suites/{name}/"),
+        suite,
+        cases: cases
+            .into_iter()
+            .map(|(name, text)| (format!("{name}.toml"), text))
+            .collect(),
+        scenes: scenes.map(|dir| texts(dir, ".json")).unwrap_or_default(),
+    })
+}
