@@ -36,6 +36,8 @@ pub(crate) enum Command {
     Solve(SolveArguments),
     /// Put stored plans together: one after the other, in branches, side by side
     Compose(ComposeArguments),
+    /// Measure how many instructions of a suite come out right
+    Eval(EvalArguments),
     /// Look at domains, check one, begin a new one
     #[command(subcommand)]
     Domain(DomainCommand),
@@ -55,7 +57,7 @@ pub(crate) struct WorldArguments {
 }
 
 /// Which language model, and how it is asked.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct ModelArguments {
     /// Which language model: a name of `longstep model list`, a .gguf file, openai:NAME, azure:DEPLOYMENT,
     /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE
@@ -233,6 +235,85 @@ pub(crate) struct ComposeArguments {
     /// Write one JSON object for programs
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A suite, and how it is run; or what is done with runs.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub(crate) struct EvalArguments {
+    #[command(subcommand)]
+    pub(crate) command: Option<EvalCommand>,
+    /// The suite: a shipped one's name, a folder, or `paper` with --corpus
+    #[arg(required = true)]
+    pub(crate) suite: Option<String>,
+    /// Where the run is kept; a run that was cut off goes on from where it was [default: eval/SUITE]
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
+    /// The folder of the paper's recordings, for the suite `paper`
+    #[arg(long, value_name = "FOLDER", env = "LONGSTEP_CORPUS")]
+    pub(crate) corpus: Option<PathBuf>,
+    /// Recorded replies instead of a model: a JSON array of {"case", "trial", "round", "reply"}
+    #[arg(long, value_name = "REPLIES.json")]
+    pub(crate) replies: Option<PathBuf>,
+    /// For the suite `paper`: the recorded trials and the recorded feedback, judged as the paper does
+    #[arg(long, conflicts_with = "replies")]
+    pub(crate) recorded: bool,
+    /// How often each case is run; each trial has the next seed
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) trials: u32,
+    /// Only cases with this tag; several tags must all be there
+    #[arg(long = "tag", value_name = "TAG")]
+    pub(crate) tags: Vec<String>,
+    /// Only the case with this id
+    #[arg(long = "case", value_name = "ID")]
+    pub(crate) cases: Vec<String>,
+    /// Only this wording: `plain`, or one that cases name, such as `goal_level` [default: all that there are]
+    #[arg(long = "wording", value_name = "WORDING")]
+    pub(crate) wordings: Vec<String>,
+    /// Requests to a server at the same time
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub(crate) jobs: u16,
+    /// Call an action by another word in prompts and plans: Put=PutSurface
+    #[arg(long = "rename", value_name = "OLD=NEW", value_parser = renaming)]
+    pub(crate) renamed: Vec<(String, String)>,
+    /// Show the model at most so many worked examples
+    #[arg(long, value_name = "N")]
+    pub(crate) examples: Option<usize>,
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    #[command(flatten)]
+    pub(crate) strategy: StrategyArguments,
+    /// Write the measures as one JSON object for programs
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum EvalCommand {
+    /// List the shipped suites
+    List,
+    /// Write the report of a run anew, and print its summary
+    Report {
+        /// The run's folder
+        run: PathBuf,
+    },
+    /// Show two runs side by side, and what became right or wrong
+    Compare {
+        /// The run's folder
+        before: PathBuf,
+        /// The other one's
+        after: PathBuf,
+        /// Also write the comparison as a page
+        #[arg(long, value_name = "FILE.html")]
+        html: Option<PathBuf>,
+    },
+}
+
+fn renaming(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((old, new)) if !old.is_empty() && !new.is_empty() => Ok((old.to_owned(), new.to_owned())),
+        _ => Err("it is written OLD=NEW, for example Put=PutSurface".to_owned()),
+    }
 }
 
 /// A plan and the world that it is for.

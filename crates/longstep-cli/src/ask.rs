@@ -5,13 +5,29 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Result;
 use longstep::session::ModelFacts;
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, Sampling, Watch, cache_directory, open};
+use longstep_llm::{
+    ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, Watch, cache_directory, open,
+};
 
 use crate::arguments::ModelArguments;
 use crate::progress::Spinner;
 
 /// Opens the model that is meant.
 pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn ChatModel>> {
+    let spinner = Spinner::new();
+    Ok(opened(name, arguments, &mut |progress| spinner.show(&progress))?)
+}
+
+/// The same where something else shows what goes on.
+pub(crate) fn open_quietly(arguments: &ModelArguments) -> Result<Box<dyn ChatModel>, ModelError> {
+    opened(&arguments.model, arguments, &mut |_| {})
+}
+
+fn opened(
+    name: &str,
+    arguments: &ModelArguments,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Box<dyn ChatModel>, ModelError> {
     let reference: ModelReference = name.parse()?;
     let mut options = OpenOptions::new(cache_directory()?);
     options.threads = arguments.threads.map(usize::from);
@@ -22,8 +38,7 @@ pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn Ch
         top_p: arguments.top_p,
         seed: arguments.seed,
     };
-    let spinner = Spinner::new();
-    Ok(open(&reference, &options, &mut |progress| spinner.show(&progress))?)
+    open(&reference, &options, progress)
 }
 
 /// What a session has to know of it. The address of a server may hold a password and stays out of the log.
@@ -65,7 +80,8 @@ pub(crate) fn watch_for_interrupts() {
     let _ = ctrlc::set_handler(|| interrupted().store(true, Ordering::Relaxed));
 }
 
-fn interrupted() -> &'static AtomicBool {
+/// Whether Ctrl-C was pressed.
+pub(crate) fn interrupted() -> &'static AtomicBool {
     static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
     INTERRUPTED.get_or_init(|| AtomicBool::new(false))
 }

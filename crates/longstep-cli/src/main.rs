@@ -9,6 +9,7 @@ mod chat;
 mod compose;
 mod domain;
 mod draft;
+mod eval;
 mod explain;
 mod export;
 mod failure;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         Command::Export(arguments) => export::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Compose(arguments) => compose::run(&arguments),
+        Command::Eval(arguments) => eval::run(&arguments),
         Command::Domain(command) => domain::run(&command),
         Command::Model(command) => model::run(&command),
     };

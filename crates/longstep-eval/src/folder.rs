@@ -50,6 +50,8 @@ pub struct Plan {
     pub trials: u32,
     /// Only cases with all of these tags; every case if there are none.
     pub tags: Vec<String>,
+    /// Only these cases; every case if there are none.
+    pub cases: Vec<String>,
     /// Only these wordings; all that a case has if there are none.
     pub wordings: Vec<String>,
     /// What was changed in the domain or its prompts for this run, in words.

@@ -32,7 +32,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod ablation;
 pub mod attempt;
+mod campaign;
 pub mod failure;
 pub mod folder;
 mod judge;
@@ -42,6 +44,8 @@ mod source;
 pub mod suite;
 mod summary;
 
+pub use ablation::{AblationError, Changes, domain_sha256};
+pub use campaign::{Campaign, Choice, lengths, units};
 pub use rate::Rate;
 pub use source::{Opened, Opener, Recorded, RecordedError, Source};
 pub use summary::{Cost, Summary};

@@ -26,7 +26,7 @@ pub trait Source {
 }
 
 /// How a model is opened for a trial, which decides the seed.
-pub type Opener = Box<dyn FnMut(u32) -> Result<Box<dyn ChatModel>, ModelError> + Send>;
+pub type Opener = Box<dyn FnMut(u32) -> Result<Box<dyn ChatModel>, ModelError>>;
 
 /// A model that is opened anew for each trial, so that each has a seed of its own.
 pub struct Opened {

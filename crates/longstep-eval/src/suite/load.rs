@@ -11,6 +11,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Case, Expected, PLAIN, Step, Suite};
+use crate::ablation::digest;
 
 /// The texts of a suite's folder.
 #[derive(Debug, Clone, Default)]
@@ -23,6 +24,16 @@ pub struct Files {
     pub cases: BTreeMap<String, String>,
     /// The environments in `scenes/`, by name without `.json`.
     pub scenes: BTreeMap<String, String>,
+}
+
+impl Files {
+    /// SHA-256 of all of them.
+    pub fn sha256(&self) -> String {
+        let suite = ("suite.toml", self.suite.as_str());
+        let cases = self.cases.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+        let scenes = self.scenes.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+        digest([suite].into_iter().chain(cases).chain(scenes))
+    }
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,0 +1,265 @@
+//! `longstep eval`: suites, runs, reports.
+
+mod inputs;
+mod progress;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::Result;
+use longstep::answer::Status;
+use longstep::domain::{Domain, Files};
+use longstep::session::{RepairPolicy, Settings, Strategy};
+use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
+use longstep_eval::suite::{self, PLAIN, Suite};
+use longstep_eval::{Campaign, Changes, Choice, Opened, Recorded, Source, Summary, domain_sha256, lengths, units};
+use longstep_llm::{AdvanceError, ModelError, ModelReference, catalogue};
+
+use crate::arguments::{EvalArguments, EvalCommand, ModelArguments};
+use crate::ask;
+use crate::failure::{Failure, MODEL};
+use progress::Bar;
+
+pub(crate) fn run(arguments: &EvalArguments) -> Result<u8> {
+    match &arguments.command {
+        Some(EvalCommand::List) => list(),
+        Some(EvalCommand::Report { run }) => report(&folder::read(run)?, run),
+        Some(EvalCommand::Compare { before, after, html }) => compare(before, after, html.as_deref()),
+        None => evaluate(arguments),
+    }
+}
+
+fn list() -> Result<u8> {
+    for name in suite::shipped_names() {
+        let files = inputs::suite_files(name)?;
+        let domain = inputs::domain_files(name, &files)?;
+        let suite = suite::load(&files, &longstep::domain::load(&domain)?)?;
+        let steps: usize = suite.cases.iter().map(|case| case.steps.len()).sum();
+        anstream::println!("{name:<12} {steps:>4} instructions  {}", suite.about);
+    }
+    Ok(Status::Verified.exit_code())
+}
+
+/// What is run, and how.
+struct Task {
+    suite: Suite,
+    domain: Arc<Domain>,
+    plan: Plan,
+    choice: Choice,
+    /// Where the run is kept.
+    out: PathBuf,
+}
+
+fn evaluate(arguments: &EvalArguments) -> Result<u8> {
+    let name = arguments.suite.as_deref().unwrap_or_default();
+    let out = arguments.out.clone().unwrap_or_else(|| inputs::default_folder(name));
+    if arguments.recorded {
+        return paper_tables(arguments, name, &out);
+    }
+    let recorded = arguments.replies.as_deref().map(inputs::replies).transpose()?;
+    let settings = arguments.strategy.settings();
+    let mut task = task(arguments, name, settings, out, recorded.as_ref())?;
+    let results = match recorded {
+        Some(recorded) => perform(&mut task, 1, &|| Box::new(recorded.clone()))?,
+        None => {
+            let reference: ModelReference = arguments.model.model.parse()?;
+            let embedded = matches!(reference, ModelReference::Catalogue(_) | ModelReference::File(_));
+            if embedded && arguments.jobs > 1 {
+                return Err(Failure::unreadable("an embedded model answers one request at a time")
+                    .hint("leave --jobs out; it is for servers")
+                    .into());
+            }
+            perform(&mut task, arguments.jobs.into(), &|| Box::new(opened(&arguments.model)))?
+        }
+    };
+    if arguments.json {
+        return print_json(&results);
+    }
+    report(&results, &task.out)
+}
+
+/// A model that is opened for each trial with the next seed.
+fn opened(arguments: &ModelArguments) -> Opened {
+    let mut arguments = arguments.clone();
+    let first = arguments.seed.unwrap_or_default();
+    Opened::new(Box::new(move |trial| {
+        arguments.seed = Some(first + u64::from(trial - 1));
+        ask::open_quietly(&arguments)
+    }))
+}
+
+/// The two tables of the paper, from the replies that were recorded for them.
+fn paper_tables(arguments: &EvalArguments, name: &str, out: &Path) -> Result<u8> {
+    if name != "paper" {
+        return Err(Failure::unreadable("--recorded is for the suite `paper`")
+            .hint("for recorded replies of your own there is --replies FILE")
+            .into());
+    }
+    // The paper's plans are judged as they were written, and its model was told what was wrong at most three times.
+    for (table, file, rounds) in [
+        ("trials", "recorded_trials.json", 0),
+        ("feedback", "recorded_feedback.json", 3),
+    ] {
+        let settings = Settings {
+            strategy: Strategy::Direct,
+            repair: RepairPolicy::Never,
+            rounds,
+            ..Settings::default()
+        };
+        let recorded = inputs::replies(&inputs::corpus(arguments)?.join("virtualhome14").join(file))?;
+        let mut task = task(arguments, name, settings, out.join(table), Some(&recorded))?;
+        let results = perform(&mut task, 1, &|| Box::new(recorded.clone()))?;
+        report(&results, &task.out)?;
+    }
+    Ok(Status::Verified.exit_code())
+}
+
+fn task(
+    arguments: &EvalArguments,
+    name: &str,
+    settings: Settings,
+    out: PathBuf,
+    recorded: Option<&Recorded>,
+) -> Result<Task> {
+    let mut files = Files::default();
+    let mut told = Vec::new();
+    let changes = Changes {
+        renamed: arguments.renamed.clone(),
+        examples: arguments.examples,
+    };
+    let mut load = |domain_files: Files| -> Result<Domain> {
+        files = domain_files;
+        if let Some(prompt) = &arguments.strategy.prompt {
+            inputs::overlay(&mut files, prompt)?;
+        }
+        told = changes
+            .apply(&mut files)
+            .map_err(|error| Failure::unreadable(error.to_string()))?;
+        Ok(longstep::domain::load(&files)?)
+    };
+    let (suite, suite_sha256, domain) = inputs::suite(arguments, name, &mut load)?;
+    let trials = match recorded {
+        Some(recorded) => recorded.keys().map(|(_, trial)| trial).max().unwrap_or(1),
+        None => arguments.trials,
+    };
+    let choice = Choice {
+        tags: arguments.tags.clone(),
+        cases: arguments.cases.clone(),
+        wordings: match recorded {
+            Some(_) => vec![PLAIN.to_owned()],
+            None => arguments.wordings.clone(),
+        },
+        trials,
+    };
+    let model = &arguments.model;
+    let plan = Plan {
+        version: VERSION,
+        longstep: env!("CARGO_PKG_VERSION").to_owned(),
+        suite: suite.name.clone(),
+        suite_sha256,
+        domain: suite.domain.clone(),
+        domain_sha256: domain_sha256(&files),
+        model: match recorded {
+            Some(_) => "recorded replies".to_owned(),
+            None => inputs::without_address(&model.model),
+        },
+        model_sha256: match recorded {
+            Some(_) => None,
+            None => catalogue::find(&model.model).map(|entry| entry.sha256.to_owned()),
+        },
+        settings,
+        temperature: model.temperature,
+        top_p: model.top_p,
+        seed: model.seed.unwrap_or_default(),
+        trials,
+        tags: choice.tags.clone(),
+        cases: choice.cases.clone(),
+        wordings: choice.wordings.clone(),
+        changes: told,
+    };
+    Ok(Task {
+        suite,
+        domain: Arc::new(domain),
+        plan,
+        choice,
+        out,
+    })
+}
+
+/// Runs what has not been run yet.
+fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> + Sync)) -> Result<Results> {
+    let all = units(&task.suite, &task.choice);
+    if all.is_empty() {
+        return Err(
+            Failure::unreadable("no case of the suite has these tags, ids and wordings")
+                .hint("`longstep eval list` shows the suites; their tags stand in their .toml files")
+                .into(),
+        );
+    }
+    let (mut folder, mut results) = RunFolder::open(&task.out, &task.plan, &lengths(&all))?;
+    let known = results.attempts.len();
+    let mut skipped = 0;
+    let from = all.iter().position(|unit| {
+        let there = skipped < known;
+        skipped += if there { unit.case.steps.len() } else { 0 };
+        !there
+    });
+    let rest = from.map_or(&[][..], |from| &all[from..]);
+    let bar = Bar::new(all.len(), all.len() - rest.len(), &results.attempts);
+    ask::watch_for_interrupts();
+    let campaign = Campaign {
+        suite: &task.suite,
+        domain: Arc::clone(&task.domain),
+        settings: task.plan.settings,
+        jobs,
+    };
+    let outcome = campaign.run(
+        rest,
+        source,
+        ask::interrupted(),
+        &|progress| bar.tell(&progress),
+        |lines| {
+            folder.add(&lines)?;
+            bar.done(&lines);
+            for (attempt, timing) in lines {
+                results.timings.insert(timing.key.clone(), timing);
+                results.attempts.push(attempt);
+            }
+            anyhow::Ok(())
+        },
+    );
+    drop(bar);
+    let done = results.attempts.len();
+    outcome.map_err(|error| match error.downcast_ref::<AdvanceError>() {
+        Some(AdvanceError::Model(ModelError::Stopped)) => {
+            let message = format!(
+                "stopped after {done} instructions, which are kept in {}",
+                task.out.display()
+            );
+            Failure::new(message, MODEL)
+                .hint("the same command goes on from there")
+                .into()
+        }
+        _ => error,
+    })?;
+    Ok(results)
+}
+
+fn print_json(results: &Results) -> Result<u8> {
+    let summary = Summary::of(&results.attempts, &results.timings);
+    anstream::println!(
+        "{}",
+        serde_json::to_string(&serde_json::json!({"run": results.plan, "summary": summary}))?
+    );
+    Ok(Status::Verified.exit_code())
+}
+
+fn report(results: &Results, _folder: &Path) -> Result<u8> {
+    let summary = Summary::of(&results.attempts, &results.timings);
+    anstream::println!("{}", serde_json::to_string_pretty(&summary)?);
+    Ok(Status::Verified.exit_code())
+}
+
+fn compare(_before: &Path, _after: &Path, _html: Option<&Path>) -> Result<u8> {
+    Ok(Status::Verified.exit_code())
+}

@@ -1,0 +1,141 @@
+//! Finding suites, recordings, and the domains that they are for.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use longstep::diagnostic::nearest;
+use longstep::domain::{self, Domain, Files as DomainFiles};
+use longstep_eval::Recorded;
+use longstep_eval::suite::{self, Files, Suite, paper};
+
+use crate::arguments::EvalArguments;
+use crate::failure::Failure;
+use crate::inputs;
+
+/// Where a run is kept if nobody says.
+pub(super) fn default_folder(suite: &str) -> PathBuf {
+    let name = Path::new(suite).file_name().unwrap_or_default();
+    Path::new("eval").join(name)
+}
+
+/// Reads a suite, and loads its domain with `load`. With both: SHA-256 of what the suite was read from.
+pub(super) fn suite(
+    arguments: &EvalArguments,
+    name: &str,
+    load: &mut dyn FnMut(DomainFiles) -> Result<Domain>,
+) -> Result<(Suite, String, Domain)> {
+    if name == "paper" {
+        let file = corpus(arguments)?.join("virtualhome14/scenarios.json");
+        let text = inputs::text(&file)?;
+        let domain = load(inputs::domain_files("virtualhome")?)?;
+        let suite = paper::load(&domain, &file.display().to_string(), &text)?;
+        let files = Files {
+            suite: text,
+            ..Files::default()
+        };
+        return Ok((suite, files.sha256(), domain));
+    }
+    let files = suite_files(name)?;
+    let domain = load(domain_files(name, &files)?)?;
+    Ok((suite::load(&files, &domain)?, files.sha256(), domain))
+}
+
+/// The folder of the paper's recordings.
+pub(super) fn corpus(arguments: &EvalArguments) -> Result<&Path> {
+    arguments.corpus.as_deref().ok_or_else(|| {
+        Failure::unreadable("the suite `paper` is read from the paper's recordings, which are not part of longstep")
+            .hint("say where they are with --corpus FOLDER")
+            .into()
+    })
+}
+
+/// The files of a shipped suite by name, or of any suite by folder.
+pub(super) fn suite_files(name: &str) -> Result<Files> {
+    if let Some(shipped) = suite::shipped(name) {
+        return Ok(shipped);
+    }
+    let folder = Path::new(name);
+    if !folder.is_dir() {
+        let mut known = suite::shipped_names();
+        known.push("paper");
+        let hint = match nearest(name, known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("suites are {}; or give the path of a suite's folder", known.join(", ")),
+        };
+        return Err(Failure::unreadable(format!("there is no suite `{name}`"))
+            .hint(hint)
+            .into());
+    }
+    let mut cases = texts(folder, "toml")?;
+    let suite = cases.remove("suite").ok_or_else(|| {
+        Failure::unreadable(format!("{} has no suite.toml", folder.display()))
+            .hint("it says `name`, `about` and `domain`")
+    })?;
+    let scenes = folder.join("scenes");
+    if !scenes.is_dir() {
+        return Err(
+            Failure::unreadable(format!("{} has no folder `scenes`", folder.display()))
+                .hint("put the environments there, as NAME.json")
+                .into(),
+        );
+    }
+    Ok(Files {
+        folder: format!("{}/", name.trim_end_matches('/')),
+        suite,
+        cases: cases
+            .into_iter()
+            .map(|(name, text)| (format!("{name}.toml"), text))
+            .collect(),
+        scenes: texts(&scenes, "json")?,
+    })
+}
+
+/// The texts of the files of a folder that end so, by their names without the ending.
+fn texts(folder: &Path, ending: &str) -> Result<BTreeMap<String, String>> {
+    let failed = |error: std::io::Error| {
+        Failure::unreadable(format!("cannot read {}: {}", folder.display(), inputs::plain(&error)))
+    };
+    let mut texts = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else {
+            continue;
+        };
+        let fits = path.extension().is_some_and(|extension| extension == ending);
+        if fits && path.is_file() && !stem.starts_with('.') {
+            texts.insert(stem.to_owned(), inputs::text(&path)?);
+        }
+    }
+    Ok(texts)
+}
+
+/// The files of a suite's domain: a shipped one's, or those of a folder next to the suite or from here.
+pub(super) fn domain_files(suite: &str, files: &Files) -> Result<DomainFiles> {
+    let name = suite::domain_name(files)?;
+    let beside = Path::new(suite).join(&name);
+    if domain::shipped_files(&name).is_none() && beside.is_dir() {
+        return inputs::domain_files(&beside.display().to_string());
+    }
+    inputs::domain_files(&name)
+}
+
+/// Lays prompt files of somebody's own over a domain's.
+pub(super) fn overlay(files: &mut DomainFiles, prompt: &Path) -> Result<()> {
+    let shown = format!("{}/", prompt.display().to_string().trim_end_matches('/'));
+    Ok(files.overlay(&shown, inputs::prompt_files(prompt)?)?)
+}
+
+/// Reads recorded replies.
+pub(super) fn replies(path: &Path) -> Result<Recorded> {
+    let text = inputs::text(path)?;
+    Recorded::read(&text).map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).into())
+}
+
+/// A model's reference as results may say it: the address of a server may hold a password.
+pub(super) fn without_address(reference: &str) -> String {
+    match reference.rsplit_once('#') {
+        Some((_, name)) if reference.contains("://") => format!("server#{name}"),
+        _ => reference.to_owned(),
+    }
+}

@@ -1,0 +1,67 @@
+//! How far a run is, on stderr.
+
+use std::sync::Mutex;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use longstep_eval::attempt::Attempt;
+use longstep_eval::run::Lines;
+use longstep_llm::Progress;
+use owo_colors::OwoColorize;
+
+/// A bar with what came out right so far and how long it will take; not there when stderr is no terminal.
+pub(super) struct Bar {
+    bar: ProgressBar,
+    /// Right, and all.
+    counts: Mutex<(usize, usize)>,
+}
+
+impl Bar {
+    pub(super) fn new(units: usize, done: usize, known: &[Attempt]) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(units as u64), ProgressDrawTarget::stderr());
+        let template = "{msg} {wide_bar} {pos}/{len}, {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        // What was there already says nothing about how long the rest takes.
+        bar.set_position(done as u64);
+        bar.reset_eta();
+        if done > 0 {
+            anstream::eprintln!("going on after {done} of {units}");
+        }
+        let right = known.iter().filter(|attempt| attempt.correct).count();
+        let shown = Self {
+            bar,
+            counts: Mutex::new((right, known.len())),
+        };
+        shown.show();
+        shown
+    }
+
+    pub(super) fn done(&self, lines: &Lines) {
+        if let Ok(mut counts) = self.counts.lock() {
+            counts.0 += lines.iter().filter(|(attempt, _)| attempt.correct).count();
+            counts.1 += lines.len();
+        }
+        self.bar.inc(1);
+        self.show();
+    }
+
+    pub(super) fn tell(&self, progress: &Progress) {
+        if let Progress::Warning(text) = progress {
+            self.bar
+                .suspend(|| anstream::eprintln!("{} {text}", "warning:".yellow().bold()));
+        }
+    }
+
+    fn show(&self) {
+        if let Ok(counts) = self.counts.lock() {
+            self.bar.set_message(format!("{} of {} right", counts.0, counts.1));
+        }
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

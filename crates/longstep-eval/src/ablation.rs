@@ -1,0 +1,138 @@
+//! The same domain with something changed, to see what difference it makes.
+//!
+//! The paper blames two of its failure patterns on the prompt: `Put` and `PutIn` are alike in name, and one example is
+//! too few to show how fine steps are. Both are changes to a domain's texts, made before it is loaded, so that prompt,
+//! grammar and reader change together.
+
+use longstep::domain::Files;
+use sha2::{Digest, Sha256};
+
+/// What is changed.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Changes {
+    /// Words of calls, and what they are called instead.
+    pub renamed: Vec<(String, String)>,
+    /// Only so many worked examples.
+    pub examples: Option<usize>,
+}
+
+/// Why a change cannot be made.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum AblationError {
+    /// No action is called so.
+    #[error("no action of the domain is called `{0}`")]
+    NoSuchCall(String),
+    /// The new word cannot be called.
+    #[error("`{0}` is no word for a call: letters, digits and `_`, no digit first")]
+    NoWord(String),
+    /// The examples cannot be read.
+    #[error("{file} cannot be read: {reason}")]
+    Examples {
+        /// The file.
+        file: &'static str,
+        /// Why not.
+        reason: String,
+    },
+}
+
+impl Changes {
+    /// Changes the texts of a domain; returns what was changed, in words.
+    ///
+    /// ```
+    /// use longstep::domain::shipped_files;
+    /// use longstep_eval::Changes;
+    /// let mut files = shipped_files("virtualhome").unwrap();
+    /// let changes = Changes { renamed: vec![("PutIn".to_owned(), "PutInside".to_owned())], examples: Some(1) };
+    /// assert_eq!(changes.apply(&mut files)?, ["PutIn is called PutInside", "1 example at most"]);
+    /// assert!(files.words.contains("PutInside(?item, ?container)"));
+    /// # Ok::<(), longstep_eval::AblationError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// When there is no such call, or when examples are no TOML.
+    pub fn apply(&self, files: &mut Files) -> Result<Vec<String>, AblationError> {
+        let mut told = Vec::new();
+        for (from, to) in &self.renamed {
+            if !is_word(to) {
+                return Err(AblationError::NoWord(to.clone()));
+            }
+            if !is_word(from) || !files.words.contains(&format!("\"{from}(")) {
+                return Err(AblationError::NoSuchCall(from.clone()));
+            }
+            for text in [&mut files.words, &mut files.feedback]
+                .into_iter()
+                .chain(files.parts.values_mut())
+            {
+                *text = renamed(text, from, to);
+            }
+            told.push(format!("{from} is called {to}"));
+        }
+        if let Some(most) = self.examples {
+            files.examples = first_examples("prompt/examples.toml", &files.examples, most)?;
+            if let Some(plans) = files.parts.get_mut("plans.toml") {
+                *plans = first_examples("prompt/plans.toml", plans, most)?;
+            }
+            let examples = if most == 1 { "example" } else { "examples" };
+            told.push(format!("{most} {examples} at most"));
+        }
+        Ok(told)
+    }
+}
+
+fn is_word(text: &str) -> bool {
+    let first = text.chars().next();
+    first.is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// Every call of that word under another one. The word alone may be English ("Put the cup ...") and stays.
+fn renamed(text: &str, from: &str, to: &str) -> String {
+    let call = format!("{from}(");
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(&call) {
+        let before = rest[..at].chars().next_back();
+        out.push_str(&rest[..at]);
+        let inside = before.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        out.push_str(if inside { from } else { to });
+        out.push('(');
+        rest = &rest[at + call.len()..];
+    }
+    out.push_str(rest);
+    out
+}
+
+fn first_examples(file: &'static str, text: &str, most: usize) -> Result<String, AblationError> {
+    let unreadable = |reason: String| AblationError::Examples { file, reason };
+    let mut table: toml::Table = text
+        .parse()
+        .map_err(|error: toml::de::Error| unreadable(error.message().to_owned()))?;
+    if let Some(toml::Value::Array(examples)) = table.get_mut("example") {
+        examples.truncate(most);
+    }
+    toml::to_string(&table).map_err(|error| unreadable(error.to_string()))
+}
+
+/// SHA-256 of texts with their names, in hexadecimal.
+pub(crate) fn digest<'a>(texts: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    let mut hash = Sha256::new();
+    for (name, text) in texts {
+        hash.update(format!("{name}\n{}\n", text.len()));
+        hash.update(text);
+    }
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// SHA-256 of a domain's files.
+pub fn domain_sha256(files: &Files) -> String {
+    let own = [
+        ("domain.pddl", files.pddl.as_str()),
+        ("domain.toml", &files.words),
+        ("goal.md", &files.goal_prompt),
+        ("examples.toml", &files.examples),
+        ("feedback.toml", &files.feedback),
+    ];
+    let parts = files.parts.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+    digest(own.into_iter().chain(parts))
+}
