@@ -4,7 +4,9 @@
 //! see that: a goal whose subject the instruction does not speak of is left out, and shown as left out. When
 //! nothing is left, or when the instruction speaks of a thing that is not there, the person is asked.
 
+use super::ambiguous::which;
 use super::depends::{Clauses, is_word_of_outcomes};
+use super::negated::asserted;
 use super::{Conditional, Goal, GoalFact};
 use crate::domain::{Domain, base_name, ends_with, head, plain_words, singular};
 use crate::world::{EntityId, World};
@@ -46,19 +48,19 @@ impl Understanding {
 }
 
 /// Words that end a noun phrase, or name no thing by themselves.
-const NOT_THINGS: &str = "a about above after again all an and another any anything around as at away back be before \
+pub(super) const NOT_THINGS: &str = "a about above after again all an and another any anything around as at away back be before \
     beside bit both bottom but by can could down each every everything first for from front half here in inside into \
     is it its last left little lower me middle my near next not now of off on one onto or other our out over place \
     please rest rid right room same second should side so some somewhere spot still that the them then there these \
     thing this those through time to together too top two under until up upper use using way where which while will \
     with work would you your";
 
-const DETERMINERS: &str = "the a an that this my your some those these our";
+pub(super) const DETERMINERS: &str = "the a an that this my your some those these our";
 
 /// Words that speak of several things at once.
 const SEVERAL: &str = "all both each every everything two three four five six several many";
 
-fn among(list: &str, word: &str) -> bool {
+pub(super) fn among(list: &str, word: &str) -> bool {
     list.split_whitespace().any(|entry| entry == word)
 }
 
@@ -67,17 +69,19 @@ fn among(list: &str, word: &str) -> bool {
 pub struct Spoken {
     /// The things that its words can mean.
     pub entities: Vec<EntityId>,
-    /// Its words, in lower case.
+    /// Its words, in lower case, without what it says only to rule it out.
     words: Vec<String>,
     /// What it makes its wishes depend on.
     clauses: Clauses,
+    /// Whether something was said later, as an answer or about a plan.
+    later: bool,
 }
 
 impl Spoken {
     /// Reads an instruction. Of things that share their last word, those that fit better are meant: "the water
     /// glass" is not the wine glass.
     pub fn of(domain: &Domain, world: &World, instruction: &str) -> Self {
-        let words = plain_words(instruction);
+        let words = asserted(instruction);
         let singulars: Vec<String> = words.iter().map(|word| singular(word)).collect();
         let scored: Vec<(EntityId, usize)> = world
             .entities()
@@ -108,6 +112,7 @@ impl Spoken {
             entities,
             words,
             clauses: Clauses::of(instruction),
+            later: false,
         }
     }
 
@@ -118,6 +123,7 @@ impl Spoken {
         self.entities.dedup();
         self.words.extend(later.words);
         self.clauses.add(later.clauses);
+        self.later = true;
     }
 
     pub(super) fn words(&self) -> &[String] {
@@ -278,7 +284,13 @@ pub(crate) fn understand_spoken(
                 fact,
             })
             .collect();
-        return Understanding::Goal(Goal { facts: kept }, left_out);
+        let goal = Goal { facts: kept };
+        // Asked once: what was answered is for the model to understand.
+        let unclear = (!spoken.later).then(|| which(domain, world, spoken, &goal)).flatten();
+        return match unclear {
+            Some(question) => Understanding::Question(question),
+            None => Understanding::Goal(goal, left_out),
+        };
     }
     // The instruction does not name what the goal is about. A guess is asked about rather than acted on, unless
     // the instruction names nothing at all and has a word for the wish ("It is dark in here").

@@ -4,6 +4,7 @@
 //! it say what makes sense ([`offers`], [`grammar()`]); [`understand`] then looks at the answer once more
 //! against what the instruction speaks of; search turns the goal into steps.
 
+mod ambiguous;
 mod begun;
 mod conditional;
 #[cfg(test)]
@@ -13,6 +14,7 @@ mod depends;
 mod grammar;
 mod language;
 mod mention;
+mod negated;
 mod offer;
 mod pronoun;
 #[cfg(test)]

@@ -256,8 +256,10 @@ fn may_follow(
             return true;
         };
         let said = domain.goal_word(*said);
+        // Who fills the dishwasher may well want it to run: that is about something else than where things are.
+        let apart = said.exclusive.is_some() && word.exclusive.is_some() && said.exclusive != word.exclusive;
         arguments.iter().enumerate().all(|(parameter, entity)| {
-            let same_role = said.subject == Some(parameter) || said.disturbs.contains(&parameter);
+            let same_role = apart || said.subject == Some(parameter) || said.disturbs.contains(&parameter);
             // "The plate" is one plate; and what a thing was put on stays where it is.
             let another =
                 *entity != subject && kind(*entity) == kind(subject) && !spoken.several(&world.entity(subject).names);

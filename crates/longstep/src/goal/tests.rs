@@ -252,3 +252,40 @@ fn who_throws_something_away_speaks_of_the_bins() {
         .collect();
     assert_eq!(names, ["scrap bin", "rag"]);
 }
+
+#[track_caller]
+fn check_which(instruction: &str, goal: &str, expected: &str) {
+    let (domain, world) = flat();
+    let goal = parse(&domain, &world, goal).unwrap();
+    let came = match understand(&domain, &world, instruction, goal) {
+        Understanding::Question(question) => question,
+        Understanding::Goal(goal, _) => {
+            let facts = goal.facts.iter().map(|fact| fact.everyday(&domain, &world));
+            facts.collect::<Vec<_>>().join(" & ")
+        }
+    };
+    assert_eq!(came, expected, "{instruction}");
+}
+
+#[test]
+fn which_of_two_is_asked_where_it_makes_a_difference() {
+    let question = "Which mug do you mean: mug 1 on the desk, or mug 2 on the shelf, or mug 3 on the shelf?";
+    check_which("Put the mug on the sofa", "put(mug 1, sofa)", question);
+    check_which(
+        "Put my old mug on the sofa",
+        "put(mug 3, sofa)",
+        "Which mug do you mean: mug 1 on the desk, or mug 3 on the shelf?",
+    );
+    // Any will do, all are meant, or it is said which.
+    check_which("Put a mug on the sofa", "put(mug 1, sofa)", "put(mug 1, sofa)");
+    check_which("Put the mugs on the sofa", "put(mug 1, sofa)", "put(mug 1, sofa)");
+    check_which(
+        "Put the mug from the desk on the sofa",
+        "put(mug 1, sofa)",
+        "put(mug 1, sofa)",
+    );
+    check_which("Put mug 2 on the sofa", "put(mug 2, sofa)", "put(mug 2, sofa)");
+    // The others are there already.
+    check_which("Put the mug on the shelf", "put(mug 1, shelf)", "put(mug 1, shelf)");
+    check_which("Put the apple on the sofa", "put(apple, sofa)", "put(apple, sofa)");
+}
