@@ -143,19 +143,18 @@ fn another_hand_does_it_where_the_sentence_means_it() {
     check_mended(&words(&agreed), on_sill, &["insert move_hand(left)"]);
 }
 
-/// The instructions that models are measured with, each with its world and what it means.
+/// The instructions of the suite `two-arms`, each with its world and what it means.
 fn instructions(domain: &Domain) -> Vec<(World, String, String)> {
-    let scenes: Vec<Value> =
-        serde_json::from_str(include_str!("../../longstep-llm/tests/two_arms/cases.json")).unwrap();
-    let mut all = Vec::new();
-    for scene in scenes {
-        let world = world_of(domain, &scene["environment"]);
-        for case in scene["cases"].as_array().unwrap() {
-            let text = |key: &str| case[key].as_str().unwrap().to_owned();
-            all.push((world.clone(), text("says"), text("goal")));
-        }
-    }
-    all
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../suites/two-arms");
+    let text = |file: &str| std::fs::read_to_string(format!("{folder}/{file}")).unwrap();
+    let cases: toml::Table = text("cases.toml").parse().unwrap();
+    let case = |case: &toml::Value| {
+        let word = |key: &str| case[key].as_str().unwrap().to_owned();
+        let scene = text(&format!("scenes/{}.json", word("scene")));
+        let world = world_of(domain, &serde_json::from_str(&scene).unwrap());
+        (world, word("says"), word("goal"))
+    };
+    cases["case"].as_array().unwrap().iter().map(case).collect()
 }
 
 #[test]

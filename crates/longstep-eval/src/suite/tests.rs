@@ -1,1 +1,175 @@
+//! Suites that are right, and everything that is wrong with those that are not.
 
+use std::collections::BTreeMap;
+
+use longstep::domain::{self, Domain};
+use longstep::solution;
+
+use super::*;
+
+const DESK: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+    "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+
+fn files(suite: &str, cases: &str, scenes: &[(&str, &str)]) -> Files {
+    let scene = |(name, text): &(&str, &str)| ((*name).to_owned(), (*text).to_owned());
+    Files {
+        folder: "mine/".to_owned(),
+        suite: suite.to_owned(),
+        cases: [("cases.toml".to_owned(), cases.to_owned())].into(),
+        scenes: scenes.iter().map(scene).collect(),
+    }
+}
+
+fn household() -> Domain {
+    domain::shipped("household").unwrap().unwrap()
+}
+
+/// What is told of a suite with these cases; nothing if it is right.
+#[track_caller]
+fn check(cases: &str, expected: &[&str]) {
+    let suite = "name = 'mine'\nabout = 'A pen.'\ndomain = 'household'";
+    let told = match load(&files(suite, cases, &[("desk", DESK)]), &household()) {
+        Ok(_) => Vec::new(),
+        Err(faults) => faults.0.iter().map(ToString::to_string).collect(),
+    };
+    assert_eq!(told, expected, "{cases}");
+}
+
+#[test]
+fn good_cases_are_read() {
+    check(
+        "[[case]]\nid = 'a'\nscene = 'desk'\nsays = 'Shelve the pen.'\ngoal = 'put(pen, shelf)'",
+        &[],
+    );
+    check(
+        "[[case]]\nid = 'a'\nscene = 'desk'\nsays = 'Shelve the comb.'\nexpect = 'question'",
+        &[],
+    );
+    check(
+        "[[case]]\nid = 'a'\nscene = 'desk'\nsteps = [{ says = 'x', goal = ['put(pen, shelf)', 'put(pen, desk)'] }]",
+        &[],
+    );
+}
+
+#[test]
+fn everything_that_is_wrong_is_told_with_its_place() {
+    check(
+        "[[case]]\nid = 'a'\nscene = 'dest'\nsays = 'x'\ngoal = 'put(pen, shelf)'\n\
+         [[case]]\nid = 'a'\nscene = 'desk'\nsays = ' '\ngoal = 'put(comb, shelf)'\n\
+         [[case]]\nid = 'c'\nscene = 'desk'\nsays = 'x'\nexpect = 'nothing'\n\
+         [[case]]\nid = 'd'\nscene = 'desk'\nsays = 'x'\ngoal = 'put(pen, shelf)'\nexpect = 'question'\n\
+         [[case]]\nid = 'e'\nscene = 'desk'\n",
+        &[
+            "mine/cases.toml:3:9: there is no scene `dest`\n  hint: did you mean `desk`?",
+            "mine/cases.toml:6:1: the instruction is empty",
+            "mine/cases.toml:7:6: the id `a` is taken by the case at mine/cases.toml:2\n  hint: give each case an id of its own",
+            "mine/cases.toml:10:8: `put(comb, shelf)`: `comb` in `put(comb, shelf)` is nothing in the environment",
+            "mine/cases.toml:15:10: `nothing` is nothing that can be expected\n  hint: write question, refusal or either",
+            "mine/cases.toml:16:1: an instruction has either `goal` or `expect`\n  hint: `goal` is what must hold in the end; `expect` is question, refusal or either",
+            "mine/cases.toml:22:1: a case has either `says` or `steps`\n  hint: `steps` is for a chain of instructions",
+        ],
+    );
+    check(
+        "",
+        &[
+            "mine/suite.toml: the suite has no cases\n  hint: put `[[case]]` entries into any other .toml file of the folder",
+        ],
+    );
+    check(
+        "[[case]]\nid = 'a'\nscene = 'desk'\nsaid = 'x'",
+        &[
+            "mine/cases.toml:4:1: unknown field `said`, expected one of `id`, `scene`, `says`, `wordings`, `goal`, `expect`, `steps`, `tags`",
+        ],
+    );
+}
+
+#[test]
+fn broken_files_are_told_together() {
+    let broken = files(
+        "name = 'mine'",
+        "[[case]",
+        &[("desk", "{"), ("hall", "{\"assets\": 1}")],
+    );
+    let told = load(&broken, &household()).unwrap_err();
+    let places: Vec<String> = told.0.iter().map(|fault| fault.file.clone()).collect();
+    assert_eq!(
+        places,
+        [
+            "mine/cases.toml",
+            "mine/scenes/desk.json",
+            "mine/scenes/hall.json",
+            "mine/suite.toml"
+        ]
+    );
+}
+
+fn load_shipped(name: &str) -> (Domain, Suite) {
+    let files = shipped(name).unwrap();
+    let domain = domain::shipped(&domain_name(&files).unwrap()).unwrap().unwrap();
+    let suite = load(&files, &domain).unwrap_or_else(|faults| panic!("{faults}"));
+    assert_eq!(suite.name, name);
+    (domain, suite)
+}
+
+/// Every goal of the shipped suites can be reached, and something has to be done for it, in the world that the steps
+/// before it leave.
+#[test]
+fn every_expected_goal_can_be_reached() {
+    for name in shipped_names() {
+        let (domain, suite) = load_shipped(name);
+        for case in &suite.cases {
+            let mut world = suite.scenes[&case.scene].clone();
+            for step in &case.steps {
+                let mut next = None;
+                for goal in step.expected.goals() {
+                    let solution = solution::of_goal(&domain, &world, goal, &step.says, || 0.0);
+                    let plan = solution
+                        .plan
+                        .unwrap_or_else(|| panic!("{name}/{}: {}", case.id, step.says));
+                    assert!(!plan.steps().is_empty(), "{name}/{}: {}", case.id, step.says);
+                    next.get_or_insert_with(|| world.after(&domain, plan.ending()));
+                }
+                world = next.unwrap_or(world);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_shipped_suites_are_as_large_as_they_say() {
+    let counts: BTreeMap<&str, (usize, usize)> = shipped_names()
+        .into_iter()
+        .map(|name| {
+            let (_, suite) = load_shipped(name);
+            (
+                name,
+                (suite.cases.len(), suite.cases.iter().map(|case| case.steps.len()).sum()),
+            )
+        })
+        .collect();
+    assert_eq!(
+        counts,
+        [
+            ("branching", (25, 25)),
+            ("household", (5, 15)),
+            ("kitchen", (132, 132)),
+            ("long", (4, 185)),
+            ("two-arms", (25, 25)),
+        ]
+        .into()
+    );
+    let (_, kitchen) = load_shipped("kitchen");
+    let asks = kitchen
+        .cases
+        .iter()
+        .filter(|case| case.steps[0].expected.goals().is_empty());
+    assert_eq!((asks.count(), kitchen.scenes.len()), (22, 5));
+    let half = |tag: &str| {
+        kitchen
+            .cases
+            .iter()
+            .filter(|case| case.tags.iter().any(|own| own == tag))
+            .count()
+    };
+    assert_eq!((half("development"), half("held-out")), (67, 65));
+}

@@ -1,0 +1,161 @@
+//! A run that is cut off at any byte and taken up again is the run that was not cut off.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use longstep::domain::{self, Domain};
+use longstep::session::{Settings, Strategy};
+use longstep_eval::folder::{self, FolderError, Plan, RunFolder, VERSION};
+use longstep_eval::suite::{self, Files, Suite};
+use longstep_eval::{Campaign, Choice, Recorded, Source, lengths, units};
+use longstep_llm::AdvanceError;
+
+const DESK: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<cup>"],
+    "object_states": {"<pen>": "on_something(<desk>)", "<cup>": "on_something(<desk>)"}}"#;
+
+const CASES: &str = "
+[[case]]
+id = 'pen'
+scene = 'desk'
+says = 'The pen belongs on the shelf.'
+goal = 'put(pen, shelf)'
+[[case]]
+id = 'chain'
+scene = 'desk'
+steps = [{ says = 'Shelve the cup.', goal = 'put(cup, shelf)' }, { says = 'Put the cup back on the desk.', goal = 'put(cup, desk)' }]
+[[case]]
+id = 'comb'
+scene = 'desk'
+says = 'Shelve the comb.'
+expect = 'question'
+";
+
+/// Two trials. In the second one another thing than the pen is spoken of, and the chain's first reply is no reply.
+const REPLIES: &str = r#"[
+    {"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}},
+    {"case": "chain", "round": 0, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
+    {"case": "chain", "round": 1, "reply": {"question": "", "goals": ["put(cup, desk)"]}},
+    {"case": "comb", "reply": {"question": "Which comb?", "goals": []}},
+    {"case": "pen", "trial": 2, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
+    {"case": "chain", "trial": 2, "round": 0, "reply": "no idea"},
+    {"case": "chain", "trial": 2, "round": 1, "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
+    {"case": "chain", "trial": 2, "round": 2, "reply": {"question": "", "goals": ["put(cup, desk)"]}},
+    {"case": "comb", "trial": 2, "reply": {"question": "", "goals": ["put(cup, shelf)"]}}
+]"#;
+
+fn suite() -> (Arc<Domain>, Suite) {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let files = Files {
+        folder: "mine/".to_owned(),
+        suite: "name = 'mine'\nabout = 'A desk.'\ndomain = 'household'".to_owned(),
+        cases: [("cases.toml".to_owned(), CASES.to_owned())].into(),
+        scenes: [("desk".to_owned(), DESK.to_owned())].into(),
+    };
+    let suite = suite::load(&files, &domain).unwrap_or_else(|faults| panic!("{faults}"));
+    (Arc::new(domain), suite)
+}
+
+fn plan(trials: u32) -> Plan {
+    Plan {
+        version: VERSION,
+        longstep: "0".to_owned(),
+        suite: "mine".to_owned(),
+        suite_sha256: String::new(),
+        domain: "household".to_owned(),
+        domain_sha256: String::new(),
+        model: "recorded replies".to_owned(),
+        model_sha256: None,
+        settings: Settings {
+            strategy: Strategy::Goal,
+            ..Settings::default()
+        },
+        temperature: 0.0,
+        top_p: None,
+        seed: 0,
+        trials,
+        tags: Vec::new(),
+        cases: Vec::new(),
+        wordings: Vec::new(),
+        changes: Vec::new(),
+    }
+}
+
+/// Runs what is missing in the folder, with so many workers; returns how many units that were.
+fn go_on(folder: &Path, jobs: usize) -> usize {
+    let (domain, suite) = suite();
+    let choice = Choice {
+        trials: 2,
+        ..Choice::default()
+    };
+    let all = units(&suite, &choice);
+    let plan = plan(2);
+    let (mut run, known) = RunFolder::open(folder, &plan, &lengths(&all)).unwrap();
+    let mut steps = 0;
+    let done = all.iter().take_while(|unit| {
+        steps += unit.case.steps.len();
+        steps <= known.attempts.len()
+    });
+    let rest = &all[done.count()..];
+    let campaign = Campaign {
+        suite: &suite,
+        domain,
+        settings: plan.settings,
+        jobs,
+    };
+    let source = || Box::new(Recorded::read(REPLIES).unwrap()) as Box<dyn Source>;
+    let outcome: Result<(), AdvanceError> = campaign.run(rest, &source, &AtomicBool::new(false), &|_| {}, |lines| {
+        run.add(&lines).unwrap();
+        Ok(())
+    });
+    outcome.unwrap();
+    rest.len()
+}
+
+fn bytes(folder: &Path) -> Vec<u8> {
+    std::fs::read(folder.join("results.jsonl")).unwrap()
+}
+
+#[test]
+fn cut_off_anywhere() {
+    let whole = tempfile::tempdir().unwrap();
+    assert_eq!(go_on(whole.path(), 1), 6);
+    let results = folder::read(whole.path()).unwrap();
+    let right: Vec<bool> = results.attempts.iter().map(|attempt| attempt.correct).collect();
+    assert_eq!(right, [true, true, true, true, false, false, false, true]);
+    let timings = std::fs::read(whole.path().join("timings.jsonl")).unwrap();
+    let all = bytes(whole.path());
+    // Nothing is left to do, and nothing changes.
+    assert_eq!((go_on(whole.path(), 1), bytes(whole.path())), (0, all.clone()));
+
+    // The timings of a unit are written first, so they may be ahead; every fifth place is plenty.
+    for cut in (0..all.len()).step_by(all.len() / 40) {
+        let part = tempfile::tempdir().unwrap();
+        std::fs::copy(whole.path().join("run.json"), part.path().join("run.json")).unwrap();
+        std::fs::write(part.path().join("results.jsonl"), &all[..cut]).unwrap();
+        std::fs::write(part.path().join("timings.jsonl"), &timings).unwrap();
+        go_on(part.path(), 1 + cut % 3);
+        assert_eq!(bytes(part.path()), all, "cut off at byte {cut}");
+        assert_eq!(folder::read(part.path()).unwrap().timings.len(), 8);
+    }
+}
+
+#[test]
+fn several_workers_write_the_same() {
+    let (one, several) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    go_on(one.path(), 1);
+    go_on(several.path(), 4);
+    assert_eq!(bytes(one.path()), bytes(several.path()));
+}
+
+#[test]
+fn another_run_is_not_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    go_on(folder.path(), 1);
+    let before = bytes(folder.path());
+    let error = RunFolder::open(folder.path(), &plan(3), &[]).unwrap_err();
+    assert!(matches!(&error, FolderError::Another { differing, .. } if differing == &["trials was 2 and is 3"]));
+    assert_eq!(bytes(folder.path()), before);
+}
