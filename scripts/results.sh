@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# Writes docs/results.md: every shipped suite with a model, and the paper's scenarios where LONGSTEP_CORPUS names the
+# folder of its recordings. Runs are kept in eval/results and go on where they were cut off.
+#
+#   LONGSTEP_CORPUS=../shared/corpus scripts/results.sh [MODEL]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+model=${1:-qwen2.5-coder-1.5b}
+runs=eval/results
+target=${CARGO_TARGET_DIR:-target}
+cargo build --release --locked --quiet -p longstep-cli
+longstep=$target/release/longstep
+"$longstep" model pull "$model" >/dev/null
+
+page=$(mktemp)
+trap 'rm -f "$page"' EXIT
+
+say() { printf '%s\n' "$@" >>"$page"; }
+
+# section TITLE FOLDER ARGUMENTS...: runs a suite and adds its tables.
+section() {
+    local title=$1 folder=$2
+    shift 2
+    echo "== $title" >&2
+    "$longstep" eval "$@" --out "$runs/$folder" >/dev/null
+    say "" "## $title" "" "    longstep eval $*" ""
+    # The run's own title is not needed twice.
+    sed '/^# /d' "$runs/$folder/report.md" >>"$page"
+}
+
+say "# Results" "" \
+    "Written by \`scripts/results.sh\`; what the measures mean is told in [evaluation.md](evaluation.md)." "" \
+    "- longstep $("$longstep" --version | cut -d' ' -f2), model \`$model\`" \
+    "- $(uname -sm), $(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | xargs), $(nproc) cores" \
+    "- $(rustc --version)"
+
+if [ -n "${LONGSTEP_CORPUS:-}" ]; then
+    echo "== the paper's recorded replies" >&2
+    "$longstep" eval paper --recorded --out "$runs/recorded" >/dev/null
+    for table in trials feedback; do
+        say "" "## The paper's recorded $table" "" "    longstep eval paper --recorded" ""
+        sed '/^# /d' "$runs/recorded/$table/report.md" >>"$page"
+    done
+    section "The fourteen scenarios, greedy" paper paper --model "$model"
+    section "The fourteen scenarios, five seeds at temperature 0.7" paper-seeds paper --model "$model" --trials 5 --temperature 0.7
+fi
+section "Household: the paper's five scenes" household household --model "$model"
+section "Kitchen, development half" kitchen-development kitchen --model "$model" --tag development
+section "Kitchen, held-out half" kitchen-held-out kitchen --model "$model" --tag held-out
+section "Branching" branching branching --model "$model"
+section "Two arms" two-arms two-arms --model "$model"
+section "Long chains" long long --model "$model"
+mv "$page" docs/results.md
+chmod 644 docs/results.md
+trap - EXIT
