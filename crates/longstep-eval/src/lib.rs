@@ -37,6 +37,7 @@ pub mod failure;
 pub mod folder;
 mod judge;
 mod rate;
+pub mod report;
 pub mod run;
 mod source;
 pub mod suite;
