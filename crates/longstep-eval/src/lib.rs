@@ -33,6 +33,7 @@
 //! ```
 
 pub mod attempt;
+pub mod compare;
 pub mod failure;
 pub mod folder;
 mod judge;

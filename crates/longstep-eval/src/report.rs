@@ -14,8 +14,9 @@ mod markup;
 mod page;
 mod paper;
 mod settings;
+mod tables;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod text;
 mod words;
 
@@ -28,7 +29,7 @@ pub(crate) use groups::label;
 pub(crate) use markdown::{escaped as markdown_escaped, row as markdown_row};
 pub(crate) use markup::{Page, escaped, whole};
 pub(crate) use settings::settings;
-pub(crate) use words::{amount, duration, interval, percent, points, reason};
+pub(crate) use words::{amount, came, duration, interval, percent, points, reason};
 
 /// A page of its own, as one HTML file.
 pub fn html(results: &Results) -> String {

@@ -1,6 +1,6 @@
 //! Attempts by what they have in common, and what each is called.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::attempt::Attempt;
 use crate::folder::Results;
@@ -48,7 +48,13 @@ pub(super) fn groupings(results: &Results) -> Vec<(&'static str, Vec<Group>)> {
     let by_scene = groups(results, |attempt| vec![attempt.scene.clone()]);
     let by_wording = groups(results, |attempt| vec![attempt.key.wording.replace('_', " ")]);
     let mut all = vec![("By tag", by_tag), ("By scene", by_scene), ("By wording", by_wording)];
-    all.retain(|(_, groups)| groups.len() > 1);
+    // Where each case has a scene of its own, the grid says all that scenes can.
+    let cases: BTreeSet<&str> = results
+        .attempts
+        .iter()
+        .map(|attempt| attempt.key.case.as_str())
+        .collect();
+    all.retain(|(heading, groups)| groups.len() > 1 && (*heading != "By scene" || groups.len() < cases.len()));
     all
 }
 

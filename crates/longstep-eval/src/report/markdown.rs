@@ -2,8 +2,8 @@
 
 use super::grid::{self, Grid};
 use super::mark::Mark;
-use super::words::{came, expected};
-use super::{amount, duration, groups, interval, label, measures, not_correct, paper, percent, reason, settings};
+use super::words::expected;
+use super::{amount, came, duration, groups, interval, label, measures, not_correct, paper, percent, reason, settings};
 use crate::attempt::Attempt;
 use crate::folder::Results;
 use crate::summary::Summary;
@@ -96,7 +96,7 @@ fn table(results: &Results) -> Vec<String> {
         results,
         "",
         |attempt| Mark::of(attempt).sign().to_owned(),
-        ("The paper", |case| {
+        (paper::first_row(results), |case| {
             paper::trials(case).map(|right| format!("{right}/5"))
         }),
     ));

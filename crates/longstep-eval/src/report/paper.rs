@@ -27,6 +27,14 @@ pub(super) fn trials(case: &str) -> Option<u8> {
     TRIALS.get(place(case)?).copied()
 }
 
+/// What the paper's row in the table of trials is called. It is about what came before any feedback.
+pub(super) fn first_row(results: &Results) -> &'static str {
+    match has_rounds(results) {
+        true => "The paper, at first",
+        false => "The paper",
+    }
+}
+
 /// How many rounds the paper's model needed for a scenario.
 pub(super) fn rounds(case: &str) -> Option<u32> {
     ROUNDS.get(place(case)?).copied()

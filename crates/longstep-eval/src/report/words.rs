@@ -15,7 +15,7 @@ pub(crate) fn percent(rate: Rate) -> String {
 pub(crate) fn interval(rate: Rate) -> String {
     let (low, high) = rate.interval();
     let digits = digits(rate.of);
-    format!("{:.digits$} to {:.digits$} %", low * 100.0, high * 100.0)
+    format!("{:.digits$}–{:.digits$} %", low * 100.0, high * 100.0)
 }
 
 /// A difference of shares in percentage points, with its sign.
@@ -67,7 +67,7 @@ pub(super) fn expected(wanted: &Wanted) -> String {
 }
 
 /// What came instead: what was understood, or else how it ended.
-pub(super) fn came(attempt: &Attempt) -> String {
+pub(crate) fn came(attempt: &Attempt) -> String {
     if attempt.asked() {
         return format!("the question \u{201c}{}\u{201d}", attempt.question);
     }
