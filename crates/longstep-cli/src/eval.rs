@@ -13,6 +13,7 @@ use longstep::session::{RepairPolicy, Settings, Strategy};
 use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
 use longstep_eval::suite::{self, PLAIN, Suite};
 use longstep_eval::{Campaign, Changes, Choice, Opened, Recorded, Source, Summary, domain_sha256, lengths, units};
+use longstep_eval::{compare, report};
 use longstep_llm::{AdvanceError, ModelError, ModelReference, catalogue};
 
 use crate::arguments::{EvalArguments, EvalCommand, ModelArguments};
@@ -23,8 +24,8 @@ use progress::Bar;
 pub(crate) fn run(arguments: &EvalArguments) -> Result<u8> {
     match &arguments.command {
         Some(EvalCommand::List) => list(),
-        Some(EvalCommand::Report { run }) => report(&folder::read(run)?, run),
-        Some(EvalCommand::Compare { before, after, html }) => compare(before, after, html.as_deref()),
+        Some(EvalCommand::Report { run }) => tell(&folder::read(run)?, run),
+        Some(EvalCommand::Compare { before, after, html }) => compare_runs(before, after, html.as_deref()),
         None => evaluate(arguments),
     }
 }
@@ -75,7 +76,7 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
     if arguments.json {
         return print_json(&results);
     }
-    report(&results, &task.out)
+    tell(&results, &task.out)
 }
 
 /// A model that is opened for each trial with the next seed.
@@ -109,7 +110,7 @@ fn paper_tables(arguments: &EvalArguments, name: &str, out: &Path) -> Result<u8>
         let recorded = inputs::replies(&inputs::corpus(arguments)?.join("virtualhome14").join(file))?;
         let mut task = task(arguments, name, settings, out.join(table), Some(&recorded))?;
         let results = perform(&mut task, 1, &|| Box::new(recorded.clone()))?;
-        report(&results, &task.out)?;
+        tell(&results, &task.out)?;
     }
     Ok(Status::Verified.exit_code())
 }
@@ -132,9 +133,9 @@ fn task(
         if let Some(prompt) = &arguments.strategy.prompt {
             inputs::overlay(&mut files, prompt)?;
         }
-        told = changes
-            .apply(&mut files)
-            .map_err(|error| Failure::unreadable(error.to_string()))?;
+        told = changes.apply(&mut files).map_err(|error| {
+            Failure::unreadable(error.to_string()).hint("`longstep domain show DOMAIN` lists the actions")
+        })?;
         Ok(longstep::domain::load(&files)?)
     };
     let (suite, suite_sha256, domain) = inputs::suite(arguments, name, &mut load)?;
@@ -254,12 +255,21 @@ fn print_json(results: &Results) -> Result<u8> {
     Ok(Status::Verified.exit_code())
 }
 
-fn report(results: &Results, _folder: &Path) -> Result<u8> {
-    let summary = Summary::of(&results.attempts, &results.timings);
-    anstream::println!("{}", serde_json::to_string_pretty(&summary)?);
+/// Writes the report of a run beside its results, and prints what it comes to.
+fn tell(results: &Results, folder: &Path) -> Result<u8> {
+    let page = folder.join("report.html");
+    inputs::write(&page, &report::html(results))?;
+    inputs::write(&folder.join("report.md"), &report::markdown(results))?;
+    anstream::print!("{}", report::text(results));
+    anstream::eprintln!("report: {}", page.display());
     Ok(Status::Verified.exit_code())
 }
 
-fn compare(_before: &Path, _after: &Path, _html: Option<&Path>) -> Result<u8> {
+fn compare_runs(before: &Path, after: &Path, html: Option<&Path>) -> Result<u8> {
+    let (before, after) = (folder::read(before)?, folder::read(after)?);
+    if let Some(page) = html {
+        inputs::write(page, &compare::html(&before, &after))?;
+    }
+    anstream::print!("{}", compare::text(&before, &after));
     Ok(Status::Verified.exit_code())
 }

@@ -99,6 +99,9 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     if let Some(error) = folder {
         return (error.hint(), UNREADABLE);
     }
+    if let Some(error) = error.downcast_ref::<longstep_eval::folder::FolderError>() {
+        return (error.hint().map(str::to_owned), UNREADABLE);
+    }
     if let Some(AdvanceError::Prompt(PromptError::OverBudget(_))) = advance {
         let hint = "use a model with a larger context, or shorter prompt parts with --prompt FOLDER";
         return (Some(hint.to_owned()), LIMIT);

@@ -102,6 +102,21 @@ pub enum FolderError {
     },
 }
 
+impl FolderError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::File { .. } => None,
+            Self::Damaged { .. } => {
+                Some("it was written by something else, or by hand; begin a new run with --out FOLDER")
+            }
+            Self::Another { .. } => {
+                Some("keep this run in a folder of its own with --out FOLDER, or delete the other one")
+            }
+        }
+    }
+}
+
 const PLAN: &str = "run.json";
 const RESULTS: &str = "results.jsonl";
 const TIMINGS: &str = "timings.jsonl";

@@ -35,10 +35,12 @@
 mod ablation;
 pub mod attempt;
 mod campaign;
+pub mod compare;
 pub mod failure;
 pub mod folder;
 mod judge;
 mod rate;
+pub mod report;
 pub mod run;
 mod source;
 pub mod suite;

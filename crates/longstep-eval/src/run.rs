@@ -221,7 +221,7 @@ impl Observed<'_> {
     /// Why it is not what was expected; nothing if it is.
     fn why(&self, step: &Step, outcome: Outcome, plan: Option<&VerifiedPlan>) -> Vec<String> {
         let one = |text: &str| vec![text.to_owned()];
-        let refused = matches!(outcome, Outcome::Unsolvable);
+        let proven = outcome == Outcome::Unsolvable;
         match (&step.expected, plan) {
             (Expected::Plan(_), Some(plan)) => self.standard.amiss(plan.plan()),
             (Expected::Plan(_), None) => match outcome {
@@ -231,10 +231,12 @@ impl Observed<'_> {
             },
             (_, Some(_)) => one("it planned, and there was nothing to plan"),
             (Expected::Question | Expected::Either, None) if outcome == Outcome::Question => Vec::new(),
-            (Expected::Refusal | Expected::Either, None) if refused => Vec::new(),
+            (Expected::Refusal | Expected::Either, None) if proven => Vec::new(),
+            // Nothing was done, and the person was told that no plan was found.
+            (Expected::Either, None) if outcome == Outcome::GaveUp => Vec::new(),
             (Expected::Question, None) => one("it did not ask back"),
             (Expected::Refusal, None) => one("it did not find out that there is no plan"),
-            (Expected::Either, None) => one("it neither asked back nor found out that there is no plan"),
+            (Expected::Either, None) => one("it neither asked back nor said that it has no plan"),
         }
     }
 

@@ -64,9 +64,9 @@ pub enum Expected {
     Plan(Vec<Goal>),
     /// A question back.
     Question,
-    /// No plan, since there is none.
+    /// The proof that there is no plan.
     Refusal,
-    /// A question back or no plan.
+    /// A question back, or word that there is no plan, proven or not.
     Either,
 }
 

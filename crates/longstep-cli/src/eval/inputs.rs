@@ -8,6 +8,7 @@ use longstep::diagnostic::nearest;
 use longstep::domain::{self, Domain, Files as DomainFiles};
 use longstep_eval::Recorded;
 use longstep_eval::suite::{self, Files, Suite, paper};
+use longstep_llm::write_whole;
 
 use crate::arguments::EvalArguments;
 use crate::failure::Failure;
@@ -138,4 +139,11 @@ pub(super) fn without_address(reference: &str) -> String {
         Some((_, name)) if reference.contains("://") => format!("server#{name}"),
         _ => reference.to_owned(),
     }
+}
+
+/// Writes a file, whole or not at all.
+pub(super) fn write(path: &Path, text: &str) -> Result<()> {
+    write_whole(path, text.as_bytes()).map_err(|error| {
+        Failure::unreadable(format!("cannot write {}: {}", path.display(), inputs::plain(&error))).into()
+    })
 }

@@ -1,0 +1,190 @@
+//! `longstep eval`: suites, runs that go on, refusals.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SUITE: &str = "name = \"desk\"\nabout = \"A pen and a cup.\"\ndomain = \"household\"\n";
+const CASES: &str = r#"[[case]]
+id = "pen"
+scene = "desk"
+says = "The pen belongs on the shelf."
+goal = "put(pen, shelf)"
+tags = ["easy"]
+
+[[case]]
+id = "comb"
+scene = "desk"
+says = "Shelve the comb."
+expect = "question"
+"#;
+const DESK: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<cup>"],
+    "object_states": {"<pen>": "on_something(<desk>)", "<cup>": "on_something(<desk>)"}}"#;
+const REPLIES: &str = r#"[{"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}},
+    {"case": "comb", "reply": {"question": "", "goals": ["put(cup, shelf)"]}},
+    {"case": "comb", "trial": 2, "reply": {"question": "Which comb?", "goals": []}},
+    {"case": "pen", "trial": 2, "reply": "I would rather not."}]"#;
+
+/// A folder with a suite and replies for it.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    std::fs::create_dir_all(folder.path().join("desk/scenes")).unwrap();
+    write("desk/suite.toml", SUITE);
+    write("desk/cases.toml", CASES);
+    write("desk/scenes/desk.json", DESK);
+    write("replies.json", REPLIES);
+    folder
+}
+
+fn longstep(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_longstep"));
+    command
+        .current_dir(folder)
+        .env_remove("LONGSTEP_CORPUS")
+        .args(arguments);
+    command.output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+const RUN: [&str; 6] = ["eval", "desk", "--replies", "replies.json", "--out", "run"];
+
+#[test]
+fn a_run_is_kept_shown_and_not_run_twice() {
+    let folder = folder();
+    let output = longstep(folder.path(), &RUN);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let results = std::fs::read(folder.path().join("run/results.jsonl")).unwrap();
+    assert_eq!(results.iter().filter(|byte| **byte == b'\n').count(), 4);
+    let page = std::fs::read_to_string(folder.path().join("run/report.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
+    assert!(folder.path().join("run/report.md").exists());
+
+    // Nothing is left to do: the replies are not looked at again.
+    let again = longstep(folder.path(), &RUN);
+    assert_eq!(again.status.code(), Some(0));
+    assert_eq!(std::fs::read(folder.path().join("run/results.jsonl")).unwrap(), results);
+    assert_eq!(stderr(&again).lines().next(), Some("going on after 4 of 4"));
+
+    // Cut off in the middle of a line.
+    std::fs::write(folder.path().join("run/results.jsonl"), &results[..results.len() - 30]).unwrap();
+    let resumed = longstep(folder.path(), &RUN);
+    assert_eq!(resumed.status.code(), Some(0));
+    assert_eq!(std::fs::read(folder.path().join("run/results.jsonl")).unwrap(), results);
+
+    // Of a run of its own, the report is written anew, and it is compared with another.
+    let report = longstep(folder.path(), &["eval", "report", "run"]);
+    assert_eq!(report.status.code(), Some(0));
+    assert!(stdout(&report).contains("recorded replies"), "{}", stdout(&report));
+    let compared = longstep(folder.path(), &["eval", "compare", "run", "run", "--html", "both.html"]);
+    assert_eq!(compared.status.code(), Some(0), "{}", stderr(&compared));
+    assert!(folder.path().join("both.html").exists());
+}
+
+#[test]
+fn measures_for_programs() {
+    let folder = folder();
+    let output = longstep(folder.path(), &[&RUN[..], &["--json"]].concat());
+    let object: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let summary = &object["summary"];
+    // Of the pen, the first trial; of the comb, both: a goal about something else leads to a question.
+    assert_eq!(summary["correct"], serde_json::json!({"hits": 3, "of": 4}));
+    assert_eq!(summary["executable"], serde_json::json!({"hits": 1, "of": 2}));
+    assert_eq!(object["run"]["trials"], 2);
+}
+
+#[track_caller]
+fn check_refused(folder: &Path, arguments: &[&str], expected: &str) {
+    let output = longstep(folder, arguments);
+    assert_eq!((output.status.code(), stderr(&output).trim()), (Some(30), expected));
+    assert!(!folder.join("run").exists(), "something was written");
+}
+
+#[test]
+fn what_cannot_be_run_is_told_and_nothing_is_written() {
+    let folder = folder();
+    let path = folder.path();
+    check_refused(
+        path,
+        &["eval", "kitchn"],
+        "error: there is no suite `kitchn`\nhint: did you mean `kitchen`?",
+    );
+    check_refused(
+        path,
+        &["eval", "paper"],
+        "error: the suite `paper` is read from the paper's recordings, which are not part of longstep\n\
+         hint: say where they are with --corpus FOLDER",
+    );
+    check_refused(
+        path,
+        &["eval", "desk", "--jobs", "2", "--out", "run"],
+        "error: an embedded model answers one request at a time\nhint: leave --jobs out; it is for servers",
+    );
+    check_refused(
+        path,
+        &[&RUN[..], &["--tag", "hard"]].concat(),
+        "error: no case of the suite has these tags, ids and wordings\n\
+         hint: `longstep eval list` shows the suites; their tags stand in their .toml files",
+    );
+    check_refused(
+        path,
+        &[&RUN[..], &["--rename", "Put=PutSurface"]].concat(),
+        "error: no action of the domain is called `Put`\nhint: `longstep domain show DOMAIN` lists the actions",
+    );
+    std::fs::write(
+        path.join("desk/cases.toml"),
+        CASES.replace("put(pen", "put(pin").replace("comb\"", "pen\""),
+    )
+    .unwrap();
+    check_refused(
+        path,
+        &RUN,
+        "error: desk/cases.toml:5:8: `put(pin, shelf)`: `pin` in `put(pin, shelf)` is nothing in the environment\n\
+         error: desk/cases.toml:9:6: the id `pen` is taken by the case at desk/cases.toml:2\n\
+         hint: give each case an id of its own",
+    );
+}
+
+#[test]
+fn another_run_in_the_folder_is_kept() {
+    let folder = folder();
+    longstep(folder.path(), &RUN);
+    let before = std::fs::read(folder.path().join("run/results.jsonl")).unwrap();
+    let output = longstep(folder.path(), &[&RUN[..], &["--rounds", "1"]].concat());
+    assert_eq!(output.status.code(), Some(30));
+    let told = stderr(&output);
+    assert!(told.contains("run holds another run: settings was"), "{told}");
+    assert!(told.contains("hint: keep this run in a folder of its own"), "{told}");
+    assert_eq!(std::fs::read(folder.path().join("run/results.jsonl")).unwrap(), before);
+}
+
+#[test]
+fn the_shipped_suites_are_listed() {
+    let folder = folder();
+    let list = stdout(&longstep(folder.path(), &["eval", "list"]));
+    let names: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(names, ["branching", "household", "kitchen", "long", "two-arms"]);
+}
+
+/// The paper's two tables from its recordings: seventy cells, and fourteen numbers of rounds.
+#[test]
+#[ignore = "needs LONGSTEP_CORPUS"]
+fn the_paper_s_tables_come_out_of_its_recordings() {
+    let corpus = std::env::var("LONGSTEP_CORPUS").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let output = longstep(
+        folder.path(),
+        &["eval", "paper", "--recorded", "--corpus", &corpus, "--out", "run"],
+    );
+    let told = stdout(&output);
+    assert!(told.contains("70 of 70 cells agree"), "{told}");
+    assert!(told.contains("14 of 14 entries agree"), "{told}");
+}

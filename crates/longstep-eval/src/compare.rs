@@ -1,0 +1,164 @@
+//! Two runs side by side.
+//!
+//! Attempts are paired by their [`Key`]; what only one run has is counted and otherwise left out, so the figures are of
+//! the same instructions on both sides. The p value ([`mcnemar`]) takes attempts as independent of each other, which
+//! several trials of a case, or the steps of a chain, are not altogether: with those it is too small rather than too
+//! large.
+
+mod mcnemar;
+mod shown;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use crate::attempt::{Attempt, Key};
+use crate::folder::Results;
+use crate::report::{Measure, came, label, measures, reason, settings};
+use crate::summary::{Cost, Summary};
+
+pub use mcnemar::mcnemar;
+
+/// Two runs in a few lines for the terminal.
+pub fn text(a: &Results, b: &Results) -> String {
+    shown::text(&Comparison::of(a, b))
+}
+
+/// Two runs as a Markdown document.
+pub fn markdown(a: &Results, b: &Results) -> String {
+    shown::markdown(&Comparison::of(a, b))
+}
+
+/// Two runs as a page of its own, as one HTML file that loads nothing.
+pub fn html(a: &Results, b: &Results) -> String {
+    shown::html(&Comparison::of(a, b))
+}
+
+/// What two runs have in common, and in what they differ.
+struct Comparison {
+    /// What the runs are called.
+    names: (String, String),
+    /// What has to be known before the figures are read, in sentences.
+    notes: Vec<String>,
+    /// Of the attempts that both have.
+    measures: Vec<(Measure, Measure)>,
+    /// The same.
+    costs: (Cost, Cost),
+    /// Edits for each plan.
+    edits: (f64, f64),
+    /// Wrong in the first and right in the second.
+    mended: Vec<Change>,
+    /// Right in the first and wrong in the second.
+    broken: Vec<Change>,
+    /// How likely such a split is by chance.
+    chance: f64,
+    /// Settings that differ, with both values.
+    settings: Vec<(&'static str, String, String)>,
+}
+
+/// An attempt that came out differently.
+struct Change {
+    label: String,
+    says: String,
+    /// Why it is not correct, in the run in which it is not.
+    why: String,
+    /// What came in the run in which it is.
+    right: String,
+}
+
+impl Comparison {
+    fn of(a: &Results, b: &Results) -> Self {
+        let others: BTreeMap<&Key, &Attempt> = b.attempts.iter().map(|attempt| (&attempt.key, attempt)).collect();
+        let both = a.attempts.iter();
+        // Suites may give the same name to different instructions.
+        let pairs: Vec<(&Attempt, &Attempt)> = both
+            .filter_map(|attempt| Some((attempt, *others.get(&attempt.key)?)))
+            .collect();
+        let change = |label: String, wrong: &Attempt, right: &Attempt| Change {
+            label,
+            says: wrong.says.clone(),
+            why: reason(wrong),
+            right: came(right),
+        };
+        let turned = |to: bool| pairs.iter().filter(move |(a, b)| a.correct != to && b.correct == to);
+        let mended: Vec<Change> = turned(true)
+            .map(|(first, second)| change(label(a, first), first, second))
+            .collect();
+        let broken: Vec<Change> = turned(false)
+            .map(|(first, second)| change(label(b, second), second, first))
+            .collect();
+        let first = Summary::of(pairs.iter().map(|(first, _)| *first), &a.timings);
+        let second = Summary::of(pairs.iter().map(|(_, second)| *second), &b.timings);
+        Self {
+            names: names(a, b),
+            notes: notes(a, b, &pairs),
+            measures: side_by_side(&first, &second),
+            costs: (first.cost, second.cost),
+            edits: (first.edits, second.edits),
+            chance: mcnemar(mended.len(), broken.len()),
+            mended,
+            broken,
+            settings: differing(a, b),
+        }
+    }
+}
+
+/// The runs by their models, or where these are the same, as the first and the second.
+fn names(a: &Results, b: &Results) -> (String, String) {
+    let (first, second) = (&a.plan.model, &b.plan.model);
+    match first == second {
+        true => ("first run".to_owned(), "second run".to_owned()),
+        false => (first.clone(), second.clone()),
+    }
+}
+
+fn notes(a: &Results, b: &Results, pairs: &[(&Attempt, &Attempt)]) -> Vec<String> {
+    let mut notes = Vec::new();
+    if a.plan.suite != b.plan.suite {
+        notes.push(format!(
+            "These are runs of different suites, {} and {}; only attempts with the same key are compared.",
+            a.plan.suite, b.plan.suite
+        ));
+    } else if a.plan.suite_sha256 != b.plan.suite_sha256 {
+        notes.push("The suite has changed between the runs.".to_owned());
+    }
+    let only = (a.attempts.len() - pairs.len(), b.attempts.len() - pairs.len());
+    if only != (0, 0) {
+        notes.push(format!(
+            "Attempts in both runs: {}; only in the first, and not counted: {}; only in the second: {}.",
+            pairs.len(),
+            only.0,
+            only.1
+        ));
+    }
+    let reworded = pairs.iter().filter(|(first, second)| first.says != second.says).count();
+    if reworded > 0 {
+        notes.push(format!("In {reworded} of them the instruction is not the same."));
+    }
+    notes
+}
+
+/// The measures that either has something to say about.
+fn side_by_side(first: &Summary, second: &Summary) -> Vec<(Measure, Measure)> {
+    let (first, second) = (measures(first), measures(second));
+    let of = |all: &[Measure], name: &str| all.iter().find(|measure| measure.name == name).copied();
+    let none = |measure: Measure| Measure {
+        rate: crate::rate::Rate::default(),
+        ..measure
+    };
+    let mut pairs: Vec<(Measure, Measure)> = first
+        .iter()
+        .map(|measure| (*measure, of(&second, measure.name).unwrap_or_else(|| none(*measure))))
+        .collect();
+    let more = second.iter().filter(|measure| of(&first, measure.name).is_none());
+    pairs.extend(more.map(|measure| (none(*measure), *measure)));
+    pairs
+}
+
+fn differing(a: &Results, b: &Results) -> Vec<(&'static str, String, String)> {
+    let pairs = settings(&a.plan).into_iter().zip(settings(&b.plan));
+    pairs
+        .filter(|((_, first), (_, second))| first != second)
+        .map(|((name, first), (_, second))| (name, first, second))
+        .collect()
+}

@@ -1,0 +1,113 @@
+//! What a run came to, for people: a page, a Markdown document, and a few lines for the terminal.
+//!
+//! All three are functions of [`Results`] alone: the same results give the same bytes. The page is one file that loads
+//! nothing; everything in it that came from data is escaped. What it shows can be read without its script, which only
+//! opens attempts on top of the page and not below it.
+
+mod charts;
+mod detail;
+mod grid;
+mod groups;
+mod mark;
+mod markdown;
+mod markup;
+mod page;
+mod paper;
+mod settings;
+mod tables;
+#[cfg(test)]
+pub(crate) mod tests;
+mod text;
+mod words;
+
+use crate::attempt::Attempt;
+use crate::folder::Results;
+use crate::rate::Rate;
+use crate::summary::Summary;
+
+pub(crate) use groups::label;
+pub(crate) use markdown::{escaped as markdown_escaped, row as markdown_row};
+pub(crate) use markup::{Page, escaped, whole};
+pub(crate) use settings::settings;
+pub(crate) use words::{amount, came, duration, interval, percent, points, reason};
+
+/// A page of its own, as one HTML file.
+pub fn html(results: &Results) -> String {
+    page::page(results)
+}
+
+/// A Markdown document.
+pub fn markdown(results: &Results) -> String {
+    markdown::document(results)
+}
+
+/// A few lines for the terminal.
+pub fn text(results: &Results) -> String {
+    text::lines(results)
+}
+
+/// A share that reports show.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Measure {
+    /// What it is called.
+    pub(crate) name: &'static str,
+    /// What it counts.
+    pub(crate) about: &'static str,
+    /// The share.
+    pub(crate) rate: Rate,
+    /// Whether more is better.
+    pub(crate) wanted: bool,
+}
+
+/// The shares of a summary that there is something to say about.
+pub(crate) fn measures(summary: &Summary) -> Vec<Measure> {
+    let measure = |name, about, rate, wanted| Measure {
+        name,
+        about,
+        rate,
+        wanted,
+    };
+    let mut all = vec![
+        measure("correct", "what was expected came of it", summary.correct, true),
+        measure(
+            "executable",
+            "a plan came that can be carried out",
+            summary.executable,
+            true,
+        ),
+        measure(
+            "first shot",
+            "the first reply was such a plan, without repair or a round",
+            summary.first_shot,
+            true,
+        ),
+        measure(
+            "asked rightly",
+            "asked or refused where that was expected",
+            summary.asked_rightly,
+            true,
+        ),
+        measure(
+            "asked needlessly",
+            "asked where a plan was expected",
+            summary.asked_needlessly,
+            false,
+        ),
+        measure("chains right", "every step of a chain correct", summary.chains, true),
+        measure(
+            "claims right",
+            "the claimed environment is the simulated one",
+            summary.claims_right,
+            true,
+        ),
+    ];
+    let asks = summary.asked_rightly.of > 0 || summary.asked_needlessly.hits > 0;
+    all.retain(|measure| measure.rate.of > 0 && (measure.wanted || asks));
+    all
+}
+
+/// The attempts that are not correct, each with its place in the run.
+pub(crate) fn not_correct(results: &Results) -> Vec<(usize, &Attempt)> {
+    let all = results.attempts.iter().enumerate();
+    all.filter(|(_, attempt)| !attempt.correct).collect()
+}

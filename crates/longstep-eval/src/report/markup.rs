@@ -1,0 +1,62 @@
+//! The frame of a page, and the small parts that pages are made of.
+
+/// The style of all pages.
+const STYLE: &str = include_str!("page.css");
+
+/// Opens attempts on top of the page. Without it, links lead to them further down.
+const SCRIPT: &str = include_str!("page.js");
+
+/// A page's parts.
+#[derive(Debug)]
+pub(crate) struct Page {
+    /// As plain text.
+    pub(crate) title: String,
+    /// What stands below it, as plain text.
+    pub(crate) about: String,
+    /// Markup.
+    pub(crate) body: String,
+}
+
+/// A whole file.
+pub(crate) fn whole(page: &Page) -> String {
+    let title = escaped(&page.title);
+    let about = escaped(&page.about);
+    let body = &page.body;
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
+         <body>\n<header><h1>{title}</h1><p>{about}</p></header>\n<main>\n{body}</main>\n\
+         <script>\n{SCRIPT}</script>\n</body>\n</html>\n"
+    )
+}
+
+/// Text that markup shows as it is, between tags and in quoted attributes.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut markup = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => markup.push_str("&amp;"),
+            '<' => markup.push_str("&lt;"),
+            '>' => markup.push_str("&gt;"),
+            '"' => markup.push_str("&quot;"),
+            '\'' => markup.push_str("&#39;"),
+            other => markup.push(other),
+        }
+    }
+    markup
+}
+
+/// A part of a page under its heading; nothing if it is empty.
+pub(super) fn section(id: &str, heading: &str, body: &str) -> String {
+    match body.is_empty() {
+        true => String::new(),
+        false => format!("<section id=\"{id}\"><h2>{heading}</h2>\n{body}</section>\n"),
+    }
+}
+
+/// A wide table in a box of its own, which scrolls where the page must not. It can be reached, and so scrolled, with the
+/// keyboard.
+pub(super) fn scrolling(name: &str, table: &str) -> String {
+    format!("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{name}\">{table}</div>\n")
+}

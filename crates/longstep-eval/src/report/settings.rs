@@ -1,0 +1,89 @@
+//! What was run, value by value.
+
+use serde_json::Value;
+
+use crate::folder::Plan;
+
+/// Every value of a plan under its name, in the order of the plan's fields.
+pub(crate) fn settings(plan: &Plan) -> Vec<(&'static str, String)> {
+    let settings = &plan.settings;
+    let word = |value: Value| {
+        value
+            .as_str()
+            .map_or_else(|| value.to_string(), |word| word.replace('_', " "))
+    };
+    let any = |list: &[String]| match list.is_empty() {
+        true => "all".to_owned(),
+        false => list.join(", "),
+    };
+    vec![
+        ("suite", plan.suite.clone()),
+        ("suite, SHA-256", plan.suite_sha256.clone()),
+        ("domain", plan.domain.clone()),
+        ("domain, SHA-256", plan.domain_sha256.clone()),
+        ("model", plan.model.clone()),
+        (
+            "model, SHA-256",
+            plan.model_sha256.clone().unwrap_or_else(|| "none".to_owned()),
+        ),
+        (
+            "strategy",
+            word(serde_json::to_value(settings.strategy).unwrap_or_default()),
+        ),
+        (
+            "repair",
+            word(serde_json::to_value(settings.repair).unwrap_or_default()),
+        ),
+        ("rounds at most", settings.rounds.to_string()),
+        ("accepted without asking", settings.accept.to_string()),
+        ("earlier instructions shown", settings.history.to_string()),
+        ("temperature", plan.temperature.to_string()),
+        (
+            "top p",
+            plan.top_p.map_or_else(|| "none".to_owned(), |share| share.to_string()),
+        ),
+        ("seed", plan.seed.to_string()),
+        ("trials", plan.trials.to_string()),
+        ("tags", any(&plan.tags)),
+        ("wordings", any(&plan.wordings)),
+        (
+            "changes",
+            match plan.changes.is_empty() {
+                true => "none".to_owned(),
+                false => plan.changes.join("; "),
+            },
+        ),
+        ("longstep", plan.longstep.clone()),
+        ("version of the files", plan.version.to_string()),
+    ]
+}
+
+/// What was run, in a line.
+pub(super) fn line(plan: &Plan) -> String {
+    let settings = self::settings(plan);
+    let value = |name: &str| {
+        let found = settings.iter().find(|(known, _)| *known == name);
+        found.map_or("", |(_, value)| value.as_str())
+    };
+    let several = |count: u32, one: &str| match count {
+        1 => format!("1 {one}"),
+        count => format!("{count} {one}s"),
+    };
+    let mut parts = vec![
+        format!("strategy {}", value("strategy")),
+        format!("repair {}", value("repair")),
+        format!("at most {}", several(plan.settings.rounds, "round")),
+        several(plan.trials, "trial"),
+        format!("temperature {}", plan.temperature),
+        format!("seed {}", plan.seed),
+        format!("wordings {}", value("wordings")),
+    ];
+    if let Some(hash) = &plan.model_sha256 {
+        parts.push(format!("model {}", hash.get(..12).unwrap_or(hash)));
+    }
+    if !plan.changes.is_empty() {
+        parts.push(format!("changed: {}", value("changes")));
+    }
+    parts.push(format!("longstep {}", plan.longstep));
+    parts.join(", ")
+}
