@@ -14,14 +14,14 @@ use std::collections::BTreeMap;
 
 use crate::attempt::{Attempt, Key};
 use crate::folder::Results;
-use crate::report::{Measure, came, label, measures, reason, settings};
+use crate::report::{Measure, came, label, measures, printable, reason, settings};
 use crate::summary::{Cost, Summary};
 
 pub use mcnemar::mcnemar;
 
 /// Two runs in a few lines for the terminal.
 pub fn text(a: &Results, b: &Results) -> String {
-    shown::text(&Comparison::of(a, b))
+    printable(&shown::text(&Comparison::of(a, b)))
 }
 
 /// Two runs as a Markdown document.

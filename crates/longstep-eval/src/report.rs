@@ -43,7 +43,16 @@ pub fn markdown(results: &Results) -> String {
 
 /// A few lines for the terminal.
 pub fn text(results: &Results) -> String {
-    text::lines(results)
+    printable(&text::lines(results))
+}
+
+/// Text that a terminal shows and does not obey: models write what they like.
+pub(crate) fn printable(text: &str) -> String {
+    let shown = |letter: char| match letter.is_control() && letter != '\n' {
+        true => '\u{fffd}',
+        false => letter,
+    };
+    text.chars().map(shown).collect()
 }
 
 /// A share that reports show.

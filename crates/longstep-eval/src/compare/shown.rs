@@ -173,7 +173,8 @@ pub(super) fn html(comparison: &Comparison) -> String {
     let (first, second) = &comparison.names;
     let table = |rows: String| {
         format!(
-            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Measures\"><table><thead><tr><th></th><th \
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" \
+             aria-label=\"Measures\"><table><thead><tr><th></th><th \
              scope=\"col\">{}</th><th scope=\"col\">{}</th><th scope=\"col\">difference</th></tr></thead><tbody>{rows}\
              </tbody></table></div>\n",
             escaped(first),

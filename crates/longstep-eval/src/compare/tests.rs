@@ -62,4 +62,6 @@ fn data_is_never_markup() {
     assert_eq!(page.matches("<script").count(), 1);
     assert!(!markdown(&first, &second).contains("<script"));
     assert_eq!(page, html(&first, &second));
+    second.attempts[0].why = vec!["\u{1b}[2Jgone".to_owned()];
+    assert!(text(&first, &second).contains("pen: \u{fffd}[2Jgone"));
 }

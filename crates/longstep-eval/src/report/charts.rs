@@ -28,7 +28,8 @@ pub(super) fn bars(shares: &[(String, Rate, bool)]) -> String {
     let bar = |(name, rate, ours): &(String, Rate, bool)| {
         let class = if *ours { "ours" } else { "theirs" };
         format!(
-            "<li><span class=\"name\">{}</span>{}<span class=\"figure\"><b>{}</b> <small>{} of {}</small></span></li>\n",
+            "<li><span class=\"name\">{}</span>{}<span class=\"figure\"><b>{}</b> <small>{} of \
+             {}</small></span></li>\n",
             escaped(name),
             self::bar(*rate, class),
             percent(*rate),
@@ -44,7 +45,8 @@ pub(super) fn bars(shares: &[(String, Rate, bool)]) -> String {
 pub(super) fn count_bar(count: usize, most: usize) -> String {
     let width = count as f64 / most.max(1) as f64 * 100.0;
     format!(
-        "<svg class=\"bar count\" aria-hidden=\"true\"><rect class=\"fill\" width=\"{width:.2}%\" height=\"100%\"/></svg>"
+        "<svg class=\"bar count\" aria-hidden=\"true\"><rect class=\"fill\" width=\"{width:.2}%\" \
+         height=\"100%\"/></svg>"
     )
 }
 
@@ -70,8 +72,8 @@ pub(super) fn histogram(milliseconds: &[f64]) -> String {
         let from = least + (most - least) * class as f64 / CLASSES as f64;
         let to = least + (most - least) * (class + 1) as f64 / CLASSES as f64;
         format!(
-            "<rect class=\"fill\" x=\"{:.2}%\" width=\"{:.2}%\" y=\"{:.2}%\" height=\"{height:.2}%\"><title>{count} from \
-             {} to {}</title></rect>",
+            "<rect class=\"fill\" x=\"{:.2}%\" width=\"{:.2}%\" y=\"{:.2}%\" height=\"{height:.2}%\"><title>{count} \
+             from {} to {}</title></rect>",
             class as f64 * width + 0.2,
             width - 0.4,
             100.0 - height,
@@ -86,9 +88,11 @@ pub(super) fn histogram(milliseconds: &[f64]) -> String {
         .map(column)
         .collect();
     format!(
-        "<figure class=\"histogram\"><figcaption>How long attempts took; the highest column is {tallest} of {}</figcaption>\
+        "<figure class=\"histogram\"><figcaption>How long attempts took; the highest column is {tallest} of \
+         {}</figcaption>\
          <svg role=\"img\" aria-label=\"Times from {least} to {most}\">{columns}<line class=\"axis\" x2=\"100%\" \
-         y1=\"100%\" y2=\"100%\"/></svg><p class=\"axis\"><span>{least}</span><span>{middle}</span><span>{most}</span></p>\
+         y1=\"100%\" y2=\"100%\"/></svg><p \
+         class=\"axis\"><span>{least}</span><span>{middle}</span><span>{most}</span></p>\
          </figure>\n",
         milliseconds.len(),
         least = duration(least),

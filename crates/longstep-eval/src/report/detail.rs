@@ -3,7 +3,7 @@
 use super::label;
 use super::mark::Mark;
 use super::markup::escaped;
-use super::words::{amount, duration, expected};
+use super::words::{amount, duration, expected, several};
 use crate::attempt::{Attempt, Edit, PlanLine, Timing};
 use crate::folder::Results;
 
@@ -52,7 +52,8 @@ pub(super) fn article(results: &Results, place: usize, attempt: &Attempt) -> Str
     parts.push(list("What repair changed", attempt.edits.iter().map(edit)));
     parts.push(dialogue(attempt));
     format!(
-        "<article class=\"attempt\" id=\"{}\">{}<p class=\"back\"><a href=\"#grid\">Back to the grid</a></p></article>\n",
+        "<article class=\"attempt\" id=\"{}\">{}<p class=\"back\"><a href=\"#grid\">Back to the \
+         grid</a></p></article>\n",
         id(place),
         parts.concat()
     )
@@ -69,21 +70,19 @@ fn facts(attempt: &Attempt, timing: Option<&Timing>) -> String {
     facts.push(("Failures", failures.join(", ")));
     facts.push(("Scene", attempt.scene.clone()));
     facts.push(("Tags", attempt.tags.join(", ")));
-    let mut cost = format!(
-        "{} calls, {} rounds, {} tokens in prompts, {} in answers",
-        attempt.calls,
-        attempt.rounds,
+    let timing_of = |show: fn(&Timing) -> String| timing.map_or_else(String::new, show);
+    let cost = format!(
+        "{}, {}; {} tokens in prompts{}, {} in answers{}",
+        several(u64::from(attempt.calls), "call"),
+        several(u64::from(attempt.rounds), "round"),
         amount(attempt.prompt_tokens),
-        amount(attempt.completion_tokens)
+        timing_of(|timing| format!(" ({} of them cached)", amount(timing.cached_tokens))),
+        amount(attempt.completion_tokens),
+        timing_of(|timing| {
+            let (total, model) = (duration(timing.total_ms), duration(timing.model_ms));
+            format!("; {total}, of which the model {model}")
+        })
     );
-    if let Some(timing) = timing {
-        cost += &format!(
-            ", {} of them cached; {}, of which the model {}",
-            amount(timing.cached_tokens),
-            duration(timing.total_ms),
-            duration(timing.model_ms)
-        );
-    }
     facts.push(("Cost", cost));
     let shown = facts.into_iter().filter(|(_, value)| !value.is_empty());
     let shown: String = shown

@@ -75,8 +75,8 @@ fn measured(summary: &Summary) -> Vec<String> {
     let cost = summary.cost;
     lines.push(String::new());
     lines.push(format!(
-        "Median time {}, {} all together. Median tokens {} in the prompts and {} in the answers, {} of the prompts' from \
-         the cache; {} calls. {:.2} edits for each plan.",
+        "Median time {}, {} all together. Median tokens {} in the prompts and {} in the answers, {} of the prompts' \
+         from the cache; {} calls. {:.2} edits for each plan.",
         duration(cost.total_ms),
         duration(cost.sum_seconds * 1000.0),
         amount(cost.prompt_tokens),

@@ -19,6 +19,7 @@
   button("Close", () => dialog.close());
   const body = dialog.appendChild(document.createElement("div"));
   body.className = "opened";
+  body.tabIndex = -1;
   document.body.appendChild(dialog);
 
   function show(place) {
@@ -28,6 +29,8 @@
     before.disabled = place === 0;
     next.disabled = place === articles.length - 1;
     if (!dialog.open) dialog.showModal();
+    // From here the arrow keys scroll, and a button that is disabled now does not keep the focus.
+    body.focus();
     dialog.scrollTop = 0;
   }
 
@@ -43,6 +46,8 @@
     if (event.target === dialog) dialog.close();
   });
   dialog.addEventListener("keydown", (event) => {
+    // Wide tables are scrolled sideways with the same keys.
+    if (event.target.closest(".scroll")) return;
     if (event.key === "ArrowLeft") show(shown - 1);
     if (event.key === "ArrowRight") show(shown + 1);
   });

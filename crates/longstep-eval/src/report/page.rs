@@ -17,8 +17,8 @@ pub(super) fn page(results: &Results) -> String {
     let mut body = headline(&summary);
     if paper::is_paper(results) {
         let bars = charts::bars(&paper::shares(results, &summary));
-        let note = "<p class=\"quiet\">Whiskers are 95 % intervals. The paper's 36 % is 5 of 14 scenarios; all five trials \
-                    of a scenario came out alike.</p>\n";
+        let note = "<p class=\"quiet\">Whiskers are 95 % intervals. The paper's 36 % is 5 of 14 scenarios; all five \
+                    trials of a scenario came out alike.</p>\n";
         body += &section("paper", "Beside the paper", &(bars + note));
     }
     body += &section("grid", "Every attempt", &tables::attempts(results));
@@ -49,7 +49,8 @@ fn headline(summary: &Summary) -> String {
             let rate = measure.rate;
             let class = if measure.wanted { "ours" } else { "unwanted" };
             format!(
-                "<li title=\"{}\"><span class=\"name\">{}</span><b>{}</b>{}<small>{} of {}<span class=\"interval\">95 %: {}</span></small></li>\n",
+                "<li title=\"{}\"><span class=\"name\">{}</span><b>{}</b>{}<small>{} of {}<span \
+                 class=\"interval\">{}</span></small></li>\n",
                 measure.about,
                 measure.name,
                 percent(rate),
@@ -73,15 +74,15 @@ fn headline(summary: &Summary) -> String {
     );
     plain(
         "median tokens",
-        amount(cost.prompt_tokens + cost.completion_tokens),
-        format!(
-            "{} in the prompts, {} in the answers",
-            amount(cost.prompt_tokens),
-            amount(cost.completion_tokens)
-        ),
+        amount(cost.prompt_tokens),
+        format!("in the prompts; {} in the answers", amount(cost.completion_tokens)),
     );
     plain("edits", format!("{:.2}", summary.edits), "for each plan".to_owned());
-    format!("<ul class=\"tiles\">\n{}</ul>\n", tiles.concat())
+    format!(
+        "<ul class=\"tiles\">\n{}</ul>\n<p class=\"quiet\">Below a share: how many of how many, and the 95 % \
+         interval, which the whiskers show too.</p>\n",
+        tiles.concat()
+    )
 }
 
 fn failures(results: &Results, summary: &Summary) -> String {
@@ -109,8 +110,8 @@ fn failures(results: &Results, summary: &Summary) -> String {
     match rows.is_empty() {
         true => rows,
         false => format!(
-            "<p class=\"quiet\">What the first reply lacked counts even where it was mended later. Open a kind to see its \
-             attempts.</p>\n<div class=\"kinds\">\n{rows}</div>\n"
+            "<p class=\"quiet\">What the first reply lacked counts even where it was mended later. Open a kind to \
+             see its attempts.</p>\n<div class=\"kinds\">\n{rows}</div>\n"
         ),
     }
 }

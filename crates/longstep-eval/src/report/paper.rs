@@ -1,5 +1,6 @@
 //! A run of the paper's scenarios beside the paper's own figures.
 
+use super::words::several;
 use crate::attempt::Attempt;
 use crate::folder::Results;
 use crate::rate::Rate;
@@ -54,10 +55,7 @@ pub(super) fn shares(results: &Results, summary: &Summary) -> Vec<(String, Rate,
     if has_rounds(results) {
         shares.push(("The paper, after feedback".to_owned(), AFTER_FEEDBACK, false));
         for (rounds, rate) in summary.after_rounds.iter().enumerate().skip(1) {
-            let rounds = match rounds {
-                1 => "1 round".to_owned(),
-                rounds => format!("{rounds} rounds"),
-            };
+            let rounds = several(rounds as u64, "round");
             shares.push((format!("This run, after {rounds}"), *rate, true));
         }
     }

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::words::several;
 use crate::folder::Plan;
 
 /// Every value of a plan under its name, in the order of the plan's fields.
@@ -65,15 +66,11 @@ pub(super) fn line(plan: &Plan) -> String {
         let found = settings.iter().find(|(known, _)| *known == name);
         found.map_or("", |(_, value)| value.as_str())
     };
-    let several = |count: u32, one: &str| match count {
-        1 => format!("1 {one}"),
-        count => format!("{count} {one}s"),
-    };
     let mut parts = vec![
         format!("strategy {}", value("strategy")),
         format!("repair {}", value("repair")),
-        format!("at most {}", several(plan.settings.rounds, "round")),
-        several(plan.trials, "trial"),
+        format!("at most {}", several(u64::from(plan.settings.rounds), "round")),
+        several(u64::from(plan.trials), "trial"),
         format!("temperature {}", plan.temperature),
         format!("seed {}", plan.seed),
         format!("wordings {}", value("wordings")),

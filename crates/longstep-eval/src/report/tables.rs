@@ -95,7 +95,8 @@ fn table(
         false => format!("<tfoot><tr><th scope=\"row\">{whose}</th>{theirs}</tr></tfoot>"),
     };
     format!(
-        "<table class=\"grid\"><thead><tr><th scope=\"col\">{corner}</th>{names}<th scope=\"col\">{last}</th></tr></thead>\n\
+        "<table class=\"grid\"><thead><tr><th scope=\"col\">{corner}</th>{names}<th \
+         scope=\"col\">{last}</th></tr></thead>\n\
          <tbody>{rows}</tbody>{theirs}</table>"
     )
 }
@@ -112,7 +113,8 @@ fn scenes(results: &Results) -> String {
         let correct = Rate::count(all, |(_, attempt)| attempt.correct);
         let cases: String = scene.cases.iter().map(case).collect();
         format!(
-            "<div class=\"scene\"><h3>{} <small>{} of {} correct</small></h3><div class=\"cases\">{cases}</div></div>\n",
+            "<div class=\"scene\"><h3>{} <small>{} of {} correct</small></h3><div \
+             class=\"cases\">{cases}</div></div>\n",
             escaped(scene.name),
             correct.hits,
             correct.of
@@ -179,7 +181,8 @@ fn needed(results: &Results) -> String {
             .collect();
         let shown = if rounds == 0 { String::new() } else { all.concat() };
         format!(
-            "<tr><th scope=\"row\">{rounds}</th><td class=\"number\">{}</td><td><div class=\"cases\">{shown}</div></td></tr>\n",
+            "<tr><th scope=\"row\">{rounds}</th><td class=\"number\">{}</td><td><div \
+             class=\"cases\">{shown}</div></td></tr>\n",
             all.len()
         )
     };

@@ -56,6 +56,14 @@ pub(crate) fn amount(count: u64) -> String {
     grouped
 }
 
+/// So many of something.
+pub(super) fn several(count: u64, one: &str) -> String {
+    match count {
+        1 => format!("1 {one}"),
+        count => format!("{} {one}s", amount(count)),
+    }
+}
+
 /// What was expected, in words.
 pub(super) fn expected(wanted: &Wanted) -> String {
     match wanted {

@@ -100,7 +100,7 @@ fn alternatives(facts: &[String]) -> Vec<Vec<String>> {
     for fact in facts {
         let options: Vec<String> = fact.split('|').map(|option| in_goal_words(option.trim())).collect();
         let with = |so_far: &Vec<String>| {
-            let longer = |option: &String| [&so_far[..], &[option.clone()]].concat();
+            let longer = |option: &String| [&so_far[..], std::slice::from_ref(option)].concat();
             options.iter().map(longer).collect::<Vec<_>>()
         };
         all = all.iter().flat_map(with).collect();
