@@ -36,6 +36,8 @@ pub fn html(a: &Results, b: &Results) -> String {
 
 /// What two runs have in common, and in what they differ.
 struct Comparison {
+    /// What is compared, in a line.
+    title: String,
     /// What the runs are called.
     names: (String, String),
     /// What has to be known before the figures are read, in sentences.
@@ -90,6 +92,10 @@ impl Comparison {
         let first = Summary::of(pairs.iter().map(|(first, _)| *first), &a.timings);
         let second = Summary::of(pairs.iter().map(|(_, second)| *second), &b.timings);
         Self {
+            title: match a.plan.model == b.plan.model {
+                true => format!("{}, twice", a.plan.model),
+                false => format!("{} and {}", a.plan.model, b.plan.model),
+            },
             names: names(a, b),
             notes: notes(a, b, &pairs),
             measures: side_by_side(&first, &second),

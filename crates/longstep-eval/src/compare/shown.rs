@@ -90,8 +90,7 @@ fn changes(comparison: &Comparison) -> [(&'static str, [&'static str; 2], &[Chan
 }
 
 pub(super) fn text(comparison: &Comparison) -> String {
-    let (first, second) = &comparison.names;
-    let mut lines = vec![format!("{first} and {second}"), String::new()];
+    let mut lines = vec![comparison.title.clone(), String::new()];
     lines.extend(comparison.notes.iter().map(|note| format!("  {note}")));
     let line = |[name, before, after, difference]: Line| {
         format!("  {name:<20}{before:>18}{after:>18}  {difference}")
@@ -126,7 +125,7 @@ pub(super) fn markdown(comparison: &Comparison) -> String {
     let (first, second) = &comparison.names;
     let (first, second) = (escaped(first), escaped(second));
     let row = |line: Line| markdown_row(line.iter().map(|cell| escaped(cell)));
-    let mut lines = vec![format!("# {first} and {second}"), String::new()];
+    let mut lines = vec![format!("# {}", escaped(&comparison.title)), String::new()];
     for note in &comparison.notes {
         lines.extend([escaped(note), String::new()]);
     }
@@ -209,7 +208,7 @@ pub(super) fn html(comparison: &Comparison) -> String {
         .iter()
         .map(|note| format!("<p>{}</p>\n", escaped(note)))
         .collect();
-    body += &format!("<section>{}<p>{}.</p></section>\n", table(rows), verdict(comparison));
+    body += &format!("<section>{}</section>\n", table(rows));
     for (heading, [right, wrong], changes) in changes(comparison) {
         let entry = |change: &Change| {
             format!(
@@ -243,7 +242,7 @@ pub(super) fn html(comparison: &Comparison) -> String {
         );
     }
     whole(&Page {
-        title: format!("{first} and {second}"),
+        title: comparison.title.clone(),
         about: verdict(comparison),
         body,
     })
