@@ -39,6 +39,8 @@ pub mod compare;
 pub mod failure;
 pub mod folder;
 mod judge;
+#[cfg(test)]
+mod judged_tests;
 mod rate;
 pub mod report;
 pub mod run;

@@ -36,7 +36,7 @@ pub(crate) fn results(suite: &str, model: &str, attempts: Vec<Attempt>) -> Resul
             seed: 1,
             trials: attempts.iter().map(|attempt| attempt.key.trial).max().unwrap_or(1),
             tags: Vec::new(),
-        cases: Vec::new(),
+            cases: Vec::new(),
             wordings: Vec::new(),
             changes: Vec::new(),
         },

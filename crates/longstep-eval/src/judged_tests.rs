@@ -1,0 +1,204 @@
+//! What replies are judged to be, in the flat of the examples.
+
+use std::sync::Arc;
+
+use longstep::domain;
+use longstep::session::{RepairPolicy, Settings, Strategy};
+use serde_json::{Value, json};
+
+use crate::attempt::Attempt;
+use crate::run::{Unit, run};
+use crate::suite::{self, Files, PLAIN};
+use crate::{Recorded, Source};
+
+const FLAT: &str = include_str!("../../../examples/environments/flat.json");
+
+/// What comes of a model's reply to an instruction of which so much is expected.
+fn attempt(strategy: Strategy, says: &str, expected: &str, reply: &Value) -> Attempt {
+    let domain = Arc::new(domain::shipped("virtualhome").unwrap().unwrap());
+    let files = Files {
+        suite: "name = 'flat'\nabout = 'A flat.'\ndomain = 'virtualhome'".to_owned(),
+        cases: [(
+            "cases.toml".to_owned(),
+            format!("[[case]]\nid = 'one'\nscene = 'flat'\nsays = \"{says}\"\n{expected}"),
+        )]
+        .into(),
+        scenes: [("flat".to_owned(), FLAT.to_owned())].into(),
+        ..Files::default()
+    };
+    let suite = suite::load(&files, &domain).unwrap_or_else(|faults| panic!("{faults}"));
+    let replies = json!([{"case": "one", "reply": reply}]).to_string();
+    let mut recorded = Recorded::read(&replies).unwrap();
+    let settings = Settings {
+        strategy,
+        repair: RepairPolicy::First,
+        rounds: 0,
+        ..Settings::default()
+    };
+    let unit = Unit {
+        case: &suite.cases[0],
+        wording: PLAIN,
+        trial: 1,
+    };
+    let model = recorded.model("one", 1).unwrap();
+    let mut lines = run(
+        &suite,
+        &domain,
+        unit,
+        settings,
+        model,
+        &mut |_: longstep_llm::Progress| {},
+    )
+    .unwrap();
+    lines.remove(0).0
+}
+
+fn kinds(attempt: &Attempt) -> Vec<&'static str> {
+    attempt.failures.iter().map(|failure| failure.name()).collect()
+}
+
+/// Whether a plan for the mug to be on the sofa is right, and what is told of it.
+#[track_caller]
+fn check_plan(calls: &[&str], correct: bool, failures: &[&str], why: &[&str]) {
+    let reply = json!({"task_cohesion": {"task_sequence": calls, "step_instructions": vec![""; calls.len()]}});
+    let attempt = attempt(
+        Strategy::Direct,
+        "Put the mug on the sofa.",
+        "goal = 'put(mug, sofa)'",
+        &reply,
+    );
+    assert_eq!(
+        (attempt.correct, kinds(&attempt)),
+        (correct, failures.to_vec()),
+        "{attempt:#?}"
+    );
+    assert_eq!(attempt.why, why);
+}
+
+const WALK: &str = "Walktowards(<coffeetable_3>)";
+const GRAB: &str = "Grab(<mug_8>)";
+const GO: &str = "Walktowards(<sofa_2>)";
+const PUT: &str = "Put(<mug_8>, <sofa_2>)";
+
+#[test]
+fn plans_are_compared_with_their_repair() {
+    check_plan(&[WALK, GRAB, GO, PUT], true, &[], &[]);
+    check_plan(
+        &[WALK, GRAB, GO, "PutIn(<mug_8>, <sofa_2>)"],
+        true,
+        &["wrong verb"],
+        &[],
+    );
+    check_plan(&[WALK, GRAB, PUT], true, &["left-out step"], &[]);
+    check_plan(
+        &[WALK, GRAB, GO, "Put(<mug_9>, <sofa_2>)"],
+        false,
+        &["unknown name"],
+        &["the plan is not valid"],
+    );
+    // What it was for is not known without a claim, so what nobody asked for is only seen against the goal.
+    check_plan(
+        &[WALK, "Grab(<magazine_11>)", GO, "Put(<magazine_11>, <sofa_2>)"],
+        false,
+        &["missing goal", "extra goal"],
+        &[
+            "at the end, this is not reached: the mug is at the sofa",
+            "the magazine ends as nobody asked for",
+        ],
+    );
+    check_plan(
+        &[
+            WALK,
+            GRAB,
+            GO,
+            PUT,
+            "Walktowards(<tablelamp_4>)",
+            "SwitchOn(<tablelamp_4>)",
+        ],
+        false,
+        &["extra goal"],
+        &["the lamp ends as nobody asked for"],
+    );
+}
+
+/// What is said of goals that a model understood.
+#[track_caller]
+fn check_goals(says: &str, expected: &str, goals: &[&str], correct: bool, failures: &[&str]) {
+    let reply = json!({"question": "", "goals": goals});
+    let attempt = attempt(Strategy::Goal, says, expected, &reply);
+    assert_eq!(
+        (attempt.correct, kinds(&attempt)),
+        (correct, failures.to_vec()),
+        "{attempt:#?}"
+    );
+}
+
+#[test]
+fn goals_are_compared_with_the_nearest_that_is_expected() {
+    let both = "Put the mug and the magazine on the sofa.";
+    let expected = "goal = 'put(mug, sofa) & put(magazine, sofa)'";
+    check_goals(both, expected, &["put(mug, sofa)", "put(magazine, sofa)"], true, &[]);
+    check_goals(both, expected, &["put(mug, sofa)"], false, &["missing goal"]);
+    check_goals(
+        both,
+        expected,
+        &["put(mug, sofa)", "put(magazine, nightstand)"],
+        false,
+        &["wrong object"],
+    );
+    check_goals(
+        both,
+        expected,
+        &["put(mug, sofa)", "held(magazine)"],
+        false,
+        &["wrong goal word"],
+    );
+    let one_of = "goal = ['put(mug, sofa)', 'put(mug, nightstand)']";
+    check_goals("Put the mug away.", one_of, &["put(mug, nightstand)"], true, &[]);
+    // To heat the cupcake, the cabinet is opened, and closed again: that is asked for with it.
+    check_goals(
+        "Warm up the cupcake in the oven.",
+        "goal = 'heated(cupcake, oven)'",
+        &["heated(cupcake, oven)"],
+        true,
+        &[],
+    );
+}
+
+#[test]
+fn questions_are_right_where_they_are_expected() {
+    let asks = json!({"question": "Which one?", "goals": []});
+    let asked = attempt(
+        Strategy::Goal,
+        "Put the mug on the sofa.",
+        "goal = 'put(mug, sofa)'",
+        &asks,
+    );
+    assert_eq!((asked.correct, kinds(&asked)), (false, vec!["asked needlessly"]));
+    let asked = attempt(
+        Strategy::Goal,
+        "Put the vase on the sofa.",
+        "expect = 'question'",
+        &asks,
+    );
+    assert_eq!(
+        (asked.correct, asked.question.as_str(), kinds(&asked)),
+        (true, "Which one?", vec![])
+    );
+    let refused = attempt(Strategy::Goal, "Put the vase on the sofa.", "expect = 'refusal'", &asks);
+    assert_eq!((refused.correct, kinds(&refused)), (false, vec!["did not ask"]));
+    let planned = attempt(
+        Strategy::Goal,
+        "Put the mug on the sofa.",
+        "expect = 'either'",
+        &json!({"question": "", "goals": ["put(mug, sofa)"]}),
+    );
+    assert_eq!((planned.correct, kinds(&planned)), (false, vec!["did not ask"]));
+    let nonsense = attempt(
+        Strategy::Goal,
+        "Put the mug on the sofa.",
+        "goal = 'put(mug, sofa)'",
+        &json!("no"),
+    );
+    assert_eq!((nonsense.correct, kinds(&nonsense)), (false, vec!["unusable reply"]));
+}
