@@ -208,3 +208,30 @@ fn conditional_answers_are_understood() {
         "I cannot find out whether that is so. What should I do in any case?",
     );
 }
+
+#[test]
+fn a_model_that_does_not_see_what_is_there_is_asked_again() {
+    let (domain, world) = kitchen();
+    let said = |instruction: &str, question: &str| {
+        let mut dialogue = GoalDialogue::new(&domain, &world, instruction, ConstraintKind::Grammar);
+        let reply = Reply {
+            text: format!("question: {question}"),
+            finish: Finish::Stop,
+            usage: Usage::default(),
+        };
+        match dialogue.supply(&domain, &world, &reply).unwrap() {
+            Turn::GoOn => match dialogue.request(&domain, &world).constraint {
+                Constraint::Lark(grammar) => grammar.lines().next().unwrap_or_default().to_owned(),
+                _ => unreachable!(),
+            },
+            Turn::Done(Understanding::Question(question)) => question,
+            Turn::Done(other) => format!("{other:?}"),
+        }
+    };
+    let carton = "I see no milk carton here, which thing do you mean?";
+    assert_eq!(said("Would you pass me the milk carton?", carton), "start: goal more");
+    let banana = "I see no banana here. What do you mean by it?";
+    assert_eq!(said("Put the banana on the table", banana), banana);
+    let other = "What should I do with the milk?";
+    assert_eq!(said("The milk carton!", other), other);
+}

@@ -166,6 +166,23 @@ impl Spoken {
         })
     }
 
+    /// Whether the instruction leads to the entity by one of the words, with up to two words that describe it between
+    /// them: "into the big red box".
+    pub(super) fn comes_after(&self, world: &World, entity: EntityId, before: &str) -> bool {
+        const APART: &str = "and or with of from off out on onto in into to at by";
+        let heads: Vec<String> = world.entity(entity).names.iter().map(|name| head(name)).collect();
+        let places = self
+            .words
+            .iter()
+            .enumerate()
+            .filter(|(_, word)| heads.contains(&singular(word)));
+        places.into_iter().any(|(place, _)| {
+            let mut back = self.words[place.saturating_sub(4)..place].iter().rev();
+            back.find(|word| among(APART, word) || among(before, word))
+                .is_some_and(|word| among(before, word))
+        })
+    }
+
     /// Whether a word of the instruction begins with one of the stems.
     pub(super) fn has_any(&self, stems: &[String]) -> bool {
         begins_with_any(&self.words, stems)

@@ -4,6 +4,10 @@ use super::{GoalFact, Spoken};
 use crate::domain::{Domain, GoalWord, GoalWordId, base_name};
 use crate::world::{Bindings, EntityId, Fact, Moment, World, holds};
 
+/// Words that lead to where something goes, and to where it comes from.
+const TOWARDS: &str = "on onto in into inside to atop upon at under by beside";
+const FROM: &str = "from off out";
+
 /// The arguments that a goal word may be said with.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Offer {
@@ -66,7 +70,7 @@ pub(crate) fn offers_on(
                 arguments.retain(phrased);
             }
         }
-        narrow(domain, world, &spoken.entities, word.parameters.len(), &mut arguments);
+        narrow(domain, world, spoken, word.parameters.len(), &mut arguments);
         if further && !spoken.entities.is_empty() {
             arguments.retain(|bindings| may_follow(domain, world, word, said, spoken, bindings));
         }
@@ -224,9 +228,12 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
         .collect();
     let same_word = |offer: &Offer| fitting.iter().any(|id| domain.goal_word(*id).word == word(offer).word);
     offers.retain(|offer| fitting.contains(&offer.word) || !same_word(offer));
+    // What is only meant where nothing else is: it yields to what it names, and to whatever the instruction has a word for.
     let yields = |offer: &Offer| {
+        let weak = !word(offer).yields_to.is_empty() && !spoken.has_any(&word(offer).cues);
         let names = |id: &GoalWordId| word(offer).yields_to.contains(&domain.goal_word(*id).word);
-        fitting.iter().any(names)
+        let said = |id: &GoalWordId| *id != offer.word && spoken.has_any(&domain.goal_word(*id).cues);
+        fitting.iter().any(|id| names(id) || (weak && said(id)))
     };
     offers.retain(|offer| !yields(offer));
     // A wish that the instruction names with its things ("wipe the desk with the cloth") comes before those
@@ -268,7 +275,17 @@ fn may_follow(
     }) && spoken.entities.contains(&subject)
 }
 
-fn narrow(domain: &Domain, world: &World, meant: &[EntityId], parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
+fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
+    let meant = &spoken.entities;
+    // Where it says "on the table", a plate beside it is something to carry, and "from the counter" is no place to go.
+    if parameters == 2 && !meant.is_empty() {
+        let towards = |entity: EntityId| spoken.comes_after(world, entity, TOWARDS);
+        let from = |entity: EntityId| spoken.comes_after(world, entity, FROM);
+        let portable = |entity: EntityId| world.is_of_kind(entity, domain.environment.object);
+        if arguments.iter().any(|bindings| towards(bindings[1])) {
+            arguments.retain(|bindings| towards(bindings[1]) || !(portable(bindings[1]) || from(bindings[1])));
+        }
+    }
     let mut keep = |fits: &dyn Fn(&Vec<EntityId>) -> bool| {
         if arguments.iter().any(fits) {
             arguments.retain(fits);

@@ -52,6 +52,18 @@ fn what_is_spoken_of_narrows_what_is_offered() {
 }
 
 #[test]
+fn what_is_carried_along_is_no_place_to_go() {
+    let along = "I need the apple, the pillow and the tray from the desk, all on the sofa";
+    check_put(along, "", &["put(tray, sofa)", "put(apple, sofa)"]);
+    check_put(
+        "Put on the big shelf: the pillow and the tray",
+        "",
+        &["put(tray, shelf)", "put(pillow, shelf)"],
+    );
+    check_put("Put the pillow on the old tray", "", &["put(pillow, tray)"]);
+}
+
+#[test]
 fn a_thing_that_is_where_it_should_be_goes_nowhere_else() {
     check_put("Put the apple back on the tray", "", &[]);
     let (domain, world) = flat();

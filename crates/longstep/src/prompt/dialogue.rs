@@ -11,7 +11,7 @@ use super::query::plain_line;
 use super::{
     ChatRequest, Constraint, ConstraintKind, Finish, Message, PartCost, Reply, Role, Round, TokenCounter, Usage, scene,
 };
-use crate::domain::Domain;
+use crate::domain::{Domain, plain_words};
 use crate::feedback::WishError;
 use crate::goal::{
     self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Spoken, Understanding, Ways, ended,
@@ -104,6 +104,8 @@ pub struct GoalDialogue {
     has_condition: bool,
     /// Whether the instruction depends on what nothing here can tell.
     cannot_be_told: bool,
+    /// Whether the model said that something is not here which is: then it is not to ask again.
+    mistaken: bool,
     /// What the calls so far cost.
     pub usage: Usage,
 }
@@ -151,6 +153,7 @@ impl GoalDialogue {
             other_side: Vec::new(),
             next: Next::Goal,
             has_condition: false,
+            mistaken: false,
             usage: Usage::default(),
         };
         dialogue.begin(domain, world);
@@ -217,7 +220,7 @@ impl GoalDialogue {
         // Who says "if" makes something depend on it.
         let must_depend = more && !conditions.is_empty() && !self.has_condition;
         let place = if self.answer.is_empty() {
-            let question = !goal::is_plain(domain, &offers, &self.spoken);
+            let question = !self.mistaken && !goal::is_plain(domain, &offers, &self.spoken);
             Place::First { question }
         } else {
             Place::Next
@@ -290,6 +293,11 @@ impl GoalDialogue {
     fn supply_part(&mut self, domain: &Domain, world: &World) -> Result<Turn, DialogueError> {
         if let Some(question) = self.answer.strip_prefix(goal::QUESTION) {
             let question = question.trim().to_owned();
+            if !self.mistaken && self.denies_what_is_here(world, &question) && !self.offers(domain, world).is_empty() {
+                self.mistaken = true;
+                self.answer.clear();
+                return Ok(Turn::GoOn);
+            }
             return Ok(self.asked(domain, world, question));
         }
         let begun = Begun::read(domain, world, &self.answer)?;
@@ -322,6 +330,26 @@ impl GoalDialogue {
             }
         }
         Ok(self.done(domain, world))
+    }
+
+    /// Whether the model says of something that the instruction names, and that is here, that it does not see it. Small
+    /// models do so of what has one more word to its name: "the remote control", where there is a remote.
+    fn denies_what_is_here(&self, world: &World, question: &str) -> bool {
+        let lower = question.to_lowercase();
+        let Some(rest) = lower.strip_prefix("i see no ") else {
+            return false;
+        };
+        let thing = rest.split(" here").next().unwrap_or(rest);
+        let words = plain_words(thing);
+        let named = |name: &String| {
+            let parts = plain_words(name);
+            !parts.is_empty() && parts.iter().all(|part| words.contains(part))
+        };
+        let spoken = self.heard.spoken.entities.iter();
+        self.heard.unknown.is_none()
+            && spoken
+                .into_iter()
+                .any(|entity| world.entity(*entity).names.iter().any(named))
     }
 
     /// The model asks back. If what the instruction asks for holds already, that is what puzzles it.
