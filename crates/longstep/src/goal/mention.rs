@@ -166,6 +166,17 @@ impl Spoken {
         })
     }
 
+    /// The same, for words that are no part of what the things are called that it speaks of.
+    pub(super) fn says(&self, world: &World, stems: &[String]) -> bool {
+        let names = self.entities.iter().flat_map(|entity| &world.entity(*entity).names);
+        let parts: Vec<String> = names
+            .flat_map(|name| plain_words(name))
+            .map(|part| singular(&part))
+            .collect();
+        let other = self.words.iter().filter(|word| !parts.contains(&singular(word)));
+        begins_with_any(&other.cloned().collect::<Vec<_>>(), stems)
+    }
+
     /// Whether the instruction leads to the entity by one of the words, with up to two words that describe it between
     /// them: "into the big red box".
     pub(super) fn comes_after(&self, world: &World, entity: EntityId, before: &str) -> bool {

@@ -1,8 +1,10 @@
 //! Which goals make sense in the state at hand.
 
-use super::{GoalFact, Spoken};
+use super::{Goal, GoalFact, Spoken};
 use crate::domain::{Domain, GoalWord, GoalWordId, base_name};
-use crate::world::{Bindings, EntityId, Fact, Moment, World, holds};
+use crate::search::{self, Limits, Outcome};
+use crate::verify;
+use crate::world::{Bindings, EntityId, Fact, Moment, State, World, holds};
 
 /// Words that lead to where something goes, and to where it comes from.
 const TOWARDS: &str = "on onto in into inside to atop upon at under by beside";
@@ -38,6 +40,7 @@ pub(crate) fn offers_on(
     let known = world.known();
     let held = settled_words(domain, world, said, spoken);
     let mut offers = Vec::new();
+    let mut left: Option<State> = None;
     for (index, word) in domain.goal_words.iter().enumerate() {
         if further && !spoken.entities.is_empty() && !word.cues.is_empty() && !spoken.has_any(&word.cues) {
             continue;
@@ -56,6 +59,18 @@ pub(crate) fn offers_on(
                     &mut arguments,
                 );
             }
+        }
+        // "Take the milk out and close the fridge": it is closed, and will not be.
+        if further && spoken.has_any(&word.cues) {
+            let undone = settled(domain, world, word, said, spoken)
+                .into_iter()
+                .filter(|bindings| {
+                    let after = left.get_or_insert_with(|| state_after(domain, world, said));
+                    let moment = Moment { world, state: after };
+                    !holds(moment, &word.condition, &mut bindings.clone())
+                        && !said.iter().any(|fact| excludes(domain, fact, word, bindings))
+                });
+            arguments.extend(undone);
         }
         arguments.retain(|bindings| !doubles(world, spoken, bindings));
         if let Some(held) = held.iter().find(|held| held.word == word.word) {
@@ -81,13 +96,28 @@ pub(crate) fn offers_on(
             });
         }
     }
-    let offers = likely(domain, spoken, offers);
+    let offers = named_for_the_same(domain, world, spoken, likely(domain, spoken, offers));
     // Everything asked for holds already: nothing else is to be made of it.
     let asked = |offer: &Offer| spoken.has_any(&domain.goal_word(offer.word).destination_verbs) && fits(offer, spoken);
     if !held.is_empty() && !further && !is_plain(domain, &offers, spoken) && !offers.iter().any(asked) {
         return Vec::new();
     }
     offers
+}
+
+/// The state that a plan for the goals leaves; the present one if none is found, or if it depends on sensing.
+fn state_after(domain: &Domain, world: &World, said: &[GoalFact]) -> State {
+    let goal = Goal { facts: said.to_vec() };
+    let mut state = world.state.clone();
+    if goal.depends_on_sensing(domain) {
+        return state;
+    }
+    if let Outcome::Solved { steps, .. } = search::solve(domain, world, &goal.wanted(domain), &Limits::default()) {
+        for step in steps {
+            verify::apply(world, &mut state, domain.action(step.action), &step.arguments);
+        }
+    }
+    state
 }
 
 /// Whether the instruction asks, with a word that the domain knows for it, for something whose things it all
@@ -197,6 +227,31 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
     }
     all.retain(fits);
     all
+}
+
+/// Of two wishes about the same things, the one that the instruction has a word for: "give the bench a scrub with the
+/// brush" does not put the brush on it. A word that is a part of a thing's name is none: "the frying pan".
+fn named_for_the_same(domain: &Domain, world: &World, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
+    let sorted = |bindings: &Vec<EntityId>| {
+        let mut things = bindings.clone();
+        things.sort_unstable();
+        things
+    };
+    let says = |offer: &&Offer| spoken.says(world, &domain.goal_word(offer.word).cues);
+    let named: Vec<Vec<EntityId>> = offers
+        .iter()
+        .filter(says)
+        .flat_map(|offer| offer.arguments.iter().map(sorted))
+        .filter(|things| things.len() > 1)
+        .collect();
+    for offer in offers
+        .iter_mut()
+        .filter(|offer| domain.goal_word(offer.word).cues.is_empty())
+    {
+        offer.arguments.retain(|bindings| !named.contains(&sorted(bindings)));
+    }
+    offers.retain(|offer| !offer.arguments.is_empty());
+    offers
 }
 
 /// Leaves out readings that others beat.

@@ -301,3 +301,48 @@ fn which_of_two_is_asked_where_it_makes_a_difference() {
     check_which("Put the mug on the shelf", "put(mug 1, shelf)", "put(mug 1, shelf)");
     check_which("Put the apple on the sofa", "put(apple, sofa)", "put(apple, sofa)");
 }
+
+/// All that is offered after the goals of `said` in a small kitchen of the household.
+#[track_caller]
+fn check_kitchen(instruction: &str, said: &str, expected: &[&str]) {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>", "<fridge>", "<dusty_shelf>"],
+        "objects": ["<milk>", "<brush>", "<fridge_handle>"],
+        "object_states": {"<milk>": "inside_something(<fridge>)", "<brush>": "on_something(<table>)",
+            "<fridge_handle>": "closed()"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "kitchen", text, &Path::default()).unwrap();
+    let said = match said {
+        "" => Goal::default(),
+        said => parse(&domain, &world, said).unwrap(),
+    };
+    let offers = offers(&domain, &world, &said.facts, &Spoken::of(&domain, &world, instruction));
+    let texts = offers.iter().flat_map(|offer| {
+        let fact = |arguments: &Vec<EntityId>| {
+            let (word, arguments) = (offer.word, arguments.clone());
+            GoalFact::Word { word, arguments }.everyday(&domain, &world)
+        };
+        offer.arguments.iter().map(fact).collect::<Vec<_>>()
+    });
+    assert_eq!(texts.collect::<Vec<_>>(), expected, "{instruction}");
+}
+
+#[test]
+fn what_a_plan_would_undo_can_be_asked_for_again() {
+    let instruction = "Take the milk out, put it on the table and close the fridge again";
+    check_kitchen(instruction, "put(milk, table)", &["closed(fridge)"]);
+    // Nothing opens it.
+    check_kitchen(
+        "Put the brush on the shelf and leave the fridge closed",
+        "put(brush, dusty shelf)",
+        &[],
+    );
+}
+
+#[test]
+fn a_wish_that_is_said_wins_over_one_about_the_same_things() {
+    check_kitchen("Give the table a scrub with the brush", "", &["wiped(table, brush)"]);
+    // A word of a name is no wish, so it decides nothing.
+    let both = ["put(brush, dusty shelf)", "wiped(dusty shelf, brush)"];
+    check_kitchen("Put the brush on the dusty shelf", "", &both);
+}
