@@ -96,7 +96,11 @@ pub(crate) fn offers_on(
             });
         }
     }
-    let offers = named_for_the_same(domain, world, spoken, likely(domain, spoken, offers));
+    let mut offers = likely(domain, spoken, offers);
+    // Of what comes later, the word may have been for something else: "wipe it, and leave the sponge on the table".
+    if !further {
+        offers = named_for_the_same(domain, world, spoken, offers);
+    }
     // Everything asked for holds already: nothing else is to be made of it.
     let asked = |offer: &Offer| spoken.has_any(&domain.goal_word(offer.word).destination_verbs) && fits(offer, spoken);
     if !held.is_empty() && !further && !is_plain(domain, &offers, spoken) && !offers.iter().any(asked) {

@@ -342,6 +342,12 @@ fn what_a_plan_would_undo_can_be_asked_for_again() {
 #[test]
 fn a_wish_that_is_said_wins_over_one_about_the_same_things() {
     check_kitchen("Give the table a scrub with the brush", "", &["wiped(table, brush)"]);
+    let after = "Scrub the shelf with the brush and put the brush in the fridge";
+    check_kitchen(
+        after,
+        "wiped(dusty shelf, brush)",
+        &["put(brush, fridge)", "put(brush, dusty shelf)"],
+    );
     // A word of a name is no wish, so it decides nothing.
     let both = ["put(brush, dusty shelf)", "wiped(dusty shelf, brush)"];
     check_kitchen("Put the brush on the dusty shelf", "", &both);
