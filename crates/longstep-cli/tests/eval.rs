@@ -147,7 +147,7 @@ fn what_cannot_be_run_is_told_and_nothing_is_written() {
     check_refused(
         path,
         &RUN,
-        "error: desk/cases.toml:5:8: `put(pin, shelf)`: `pin` in `put(pin, shelf)` is nothing in the environment\n\
+        "error: desk/cases.toml:5:8: `put(pin, shelf)`: `pin` in `put(pin, shelf)` is nothing in the environment; did you mean `pen`?\n\
          error: desk/cases.toml:9:6: the id `pen` is taken by the case at desk/cases.toml:2\n\
          hint: give each case an id of its own",
     );
