@@ -18,15 +18,23 @@ trap 'rm -f "$page"' EXIT
 
 say() { printf '%s\n' "$@" >>"$page"; }
 
-# section TITLE FOLDER ARGUMENTS...: runs a suite and adds its tables.
+# tables REPORT [all]: a report below a heading of ours. What was not correct is listed for `all` only: the paper's
+# instructions are not ours to print, and the held-out half is not to be looked at.
+tables() {
+    awk -v all="${2:-}" '
+        /^# / { next }
+        /^## / { skipped = (all == "" && $0 == "## What was not correct"); sub(/^## /, "### ") }
+        !skipped { print }' "$1" >>"$page"
+}
+
+# section TITLE FOLDER LISTED ARGUMENTS...: runs a suite and adds its tables.
 section() {
-    local title=$1 folder=$2
-    shift 2
+    local title=$1 folder=$2 listed=$3
+    shift 3
     echo "== $title" >&2
     "$longstep" eval "$@" --out "$runs/$folder" >/dev/null
     say "" "## $title" "" "    longstep eval $*" ""
-    # The run's own title is not needed twice.
-    sed '/^# /d' "$runs/$folder/report.md" >>"$page"
+    tables "$runs/$folder/report.md" "$listed"
 }
 
 say "# Results" "" \
@@ -40,17 +48,17 @@ if [ -n "${LONGSTEP_CORPUS:-}" ]; then
     "$longstep" eval paper --recorded --out "$runs/recorded" >/dev/null
     for table in trials feedback; do
         say "" "## The paper's recorded $table" "" "    longstep eval paper --recorded" ""
-        sed '/^# /d' "$runs/recorded/$table/report.md" >>"$page"
+        tables "$runs/recorded/$table/report.md"
     done
-    section "The fourteen scenarios, greedy" paper paper --model "$model"
-    section "The fourteen scenarios, five seeds at temperature 0.7" paper-seeds paper --model "$model" --trials 5 --temperature 0.7
+    section "The fourteen scenarios, greedy" paper "" paper --model "$model"
+    section "The fourteen scenarios, five seeds at temperature 0.7" paper-seeds "" paper --model "$model" --trials 5 --temperature 0.7
 fi
-section "Household: the paper's five scenes" household household --model "$model"
-section "Kitchen, development half" kitchen-development kitchen --model "$model" --tag development
-section "Kitchen, held-out half" kitchen-held-out kitchen --model "$model" --tag held-out
-section "Branching" branching branching --model "$model"
-section "Two arms" two-arms two-arms --model "$model"
-section "Long chains" long long --model "$model"
+section "Household: the paper's five scenes" household all household --model "$model"
+section "Kitchen, development half" kitchen-development all kitchen --model "$model" --tag development
+section "Kitchen, held-out half" kitchen-held-out "" kitchen --model "$model" --tag held-out
+section "Branching" branching all branching --model "$model"
+section "Two arms" two-arms all two-arms --model "$model"
+section "Long chains" long all long --model "$model"
 mv "$page" docs/results.md
 chmod 644 docs/results.md
 trap - EXIT
