@@ -131,7 +131,7 @@ fn task(
     let mut load = |domain_files: Files| -> Result<Domain> {
         files = domain_files;
         if let Some(prompt) = &arguments.strategy.prompt {
-            inputs::overlay(&mut files, prompt)?;
+            crate::inputs::overlay(&mut files, prompt)?;
         }
         told = changes.apply(&mut files).map_err(|error| {
             Failure::unreadable(error.to_string()).hint("`longstep domain show DOMAIN` lists the actions")
@@ -198,15 +198,8 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
         );
     }
     let (mut folder, mut results) = RunFolder::open(&task.out, &task.plan, &lengths(&all))?;
-    let known = results.attempts.len();
-    let mut skipped = 0;
-    let from = all.iter().position(|unit| {
-        let there = skipped < known;
-        skipped += if there { unit.case.steps.len() } else { 0 };
-        !there
-    });
-    let rest = from.map_or(&[][..], |from| &all[from..]);
-    let bar = Bar::new(all.len(), all.len() - rest.len(), &results.attempts);
+    let rest = &all[folder.units_done()..];
+    let bar = Bar::new(all.len(), folder.units_done(), &results.attempts);
     ask::watch_for_interrupts();
     let campaign = Campaign {
         suite: &task.suite,

@@ -52,10 +52,15 @@ pub(crate) fn domain(name: &str) -> Result<Domain> {
 pub(crate) fn domain_with_prompt(name: &str, prompt: Option<&Path>) -> Result<Domain> {
     let mut files = domain_files(name)?;
     if let Some(folder) = prompt {
-        let shown = format!("{}/", folder.display().to_string().trim_end_matches('/'));
-        files.overlay(&shown, prompt_files(folder)?)?;
+        overlay(&mut files, folder)?;
     }
     Ok(domain::load(&files)?)
+}
+
+/// Lays a folder of prompt files of somebody's own over a domain's.
+pub(crate) fn overlay(files: &mut Files, folder: &Path) -> Result<()> {
+    let shown = format!("{}/", folder.display().to_string().trim_end_matches('/'));
+    Ok(files.overlay(&shown, prompt_files(folder)?)?)
 }
 
 /// The files of a shipped domain by name, or of any domain by folder.

@@ -127,6 +127,7 @@ pub struct RunFolder {
     path: PathBuf,
     results: File,
     timings: File,
+    units_done: usize,
 }
 
 fn failed(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> FolderError {
@@ -163,7 +164,7 @@ impl RunFolder {
         let (results, timings) = (path.join(RESULTS), path.join(TIMINGS));
         let mut attempts: Vec<Attempt> = lines(&results)?;
         let mut timed: Vec<Timing> = lines(&timings)?;
-        let whole = whole_units(&attempts, units);
+        let (units_done, whole) = whole_units(&attempts, units);
         attempts.truncate(whole);
         timed.truncate(whole);
         // What was written in part goes before anything is added.
@@ -179,6 +180,7 @@ impl RunFolder {
             path: path.to_path_buf(),
             results: append(&results)?,
             timings: append(&timings)?,
+            units_done,
         };
         let results = Results {
             plan: plan.clone(),
@@ -186,6 +188,11 @@ impl RunFolder {
             timings: timed.into_iter().map(|timing| (timing.key.clone(), timing)).collect(),
         };
         Ok((folder, results))
+    }
+
+    /// How many units, from the first on, were there as a whole when the folder was opened.
+    pub fn units_done(&self) -> usize {
+        self.units_done
     }
 
     /// Adds the attempts of a unit.
@@ -230,9 +237,9 @@ fn read_plan(path: &Path) -> Result<Plan, FolderError> {
     })
 }
 
-/// How many attempts belong to units that are there as a whole, from the first on.
-fn whole_units(attempts: &[Attempt], units: &[(Key, usize)]) -> usize {
-    let mut whole = 0;
+/// How many units are there as a whole, from the first on, and how many attempts those are.
+fn whole_units(attempts: &[Attempt], units: &[(Key, usize)]) -> (usize, usize) {
+    let (mut done, mut whole) = (0, 0);
     for (first, steps) in units {
         let there = attempts[whole..]
             .iter()
@@ -245,9 +252,10 @@ fn whole_units(attempts: &[Attempt], units: &[(Key, usize)]) -> usize {
         if there.count() < *steps {
             break;
         }
+        done += 1;
         whole += steps;
     }
-    whole
+    (done, whole)
 }
 
 /// In what two runs differ, in words.

@@ -7,6 +7,25 @@ use longstep::solution;
 use longstep::verify::{Ending, Purpose, VerifiedPlan, check};
 use longstep::world::{EntityId, World, differences, subject_of};
 
+/// Why a plan is not what was wanted, in sentences; nothing if it is.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Amiss {
+    /// What was wanted and is not so.
+    pub(crate) unreached: Vec<String>,
+    /// What changed and nobody asked for.
+    pub(crate) unasked: Vec<String>,
+}
+
+impl Amiss {
+    fn len(&self) -> usize {
+        self.unreached.len() + self.unasked.len()
+    }
+
+    pub(crate) fn sentences(&self) -> Vec<String> {
+        [&self.unreached[..], &self.unasked].concat()
+    }
+}
+
 /// Goals that a plan may reach, each with what a plan for it has to change.
 ///
 /// What has to change is taken from the plan that search finds for the goal: to put the milk into the fridge, its door
@@ -33,16 +52,16 @@ impl<'a> Standard<'a> {
         self.goals.first()?.1.as_ref()
     }
 
-    /// Why the plan is not what was wanted, for the goal that it comes closest to; nothing if it is.
-    pub(crate) fn amiss(&self, plan: &Plan) -> Vec<String> {
+    /// Why the plan is not what was wanted, for the goal that it comes closest to.
+    pub(crate) fn amiss(&self, plan: &Plan) -> Amiss {
         let each = self
             .goals
             .iter()
             .map(|(goal, reference)| self.amiss_for(plan, goal, reference.as_ref()));
-        each.min_by_key(Vec::len).unwrap_or_default()
+        each.min_by_key(Amiss::len).unwrap_or_default()
     }
 
-    fn amiss_for(&self, plan: &Plan, goal: &Goal, reference: Option<&VerifiedPlan>) -> Vec<String> {
+    fn amiss_for(&self, plan: &Plan, goal: &Goal, reference: Option<&VerifiedPlan>) -> Amiss {
         let (domain, world) = (self.domain, self.world);
         let purpose = Purpose {
             wanted: goal.purpose(domain).wanted,
@@ -50,18 +69,18 @@ impl<'a> Standard<'a> {
         };
         let report = check(domain, world, plan.clone(), &purpose);
         let unreached = report.violations.iter().filter(|violation| violation.kind() == "goal");
-        let mut amiss: Vec<String> = unreached
+        let unreached = unreached
             .map(|violation| violation.message(domain, world, report.plan.steps(), Some(goal)))
             .collect();
         let mut asked: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(domain)).collect();
         asked.extend(reference.iter().flat_map(|plan| self.changed(plan.endings())));
         let mut unasked: Vec<EntityId> = self.changed(&report.endings);
         unasked.retain(|entity| !asked.contains(entity));
-        amiss.extend(unasked.into_iter().map(|entity| {
-            let name = world.entity(entity).with_article();
-            format!("{name} ends as nobody asked for")
-        }));
-        amiss
+        let told = |entity: EntityId| format!("{} ends as nobody asked for", world.entity(entity).with_article());
+        Amiss {
+            unreached,
+            unasked: unasked.into_iter().map(told).collect(),
+        }
     }
 
     /// The things of which an environment says something else at an end. What was only found out is no change.

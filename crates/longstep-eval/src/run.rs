@@ -11,7 +11,7 @@ use longstep_llm::{AdvanceError, ChatModel, Watch, advance};
 
 use crate::attempt::{Attempt, Edit, Key, Outcome, PlanLine, Timing, Wanted};
 use crate::failure::{self, Failure};
-use crate::judge::Standard;
+use crate::judge::{Amiss, Standard};
 use crate::suite::{Case, Expected, Step, Suite};
 
 /// A trial of a case in one wording: what is run at one go, and written at one go.
@@ -148,7 +148,8 @@ impl Observed<'_> {
         };
         let outcome = self.outcome();
         let plan = proposal.map(|proposal| &proposal.plan);
-        let why = self.why(step, outcome, plan);
+        let amiss = plan.map(|plan| self.standard.amiss(plan.plan())).unwrap_or_default();
+        let why = self.why(step, outcome, plan, &amiss);
         let (usage, _) = self.session.cost();
         let goal = proposal.and_then(|proposal| proposal.goal.as_ref());
         let understood = goal
@@ -196,7 +197,7 @@ impl Observed<'_> {
                 _ => {}
             }
         }
-        attempt.failures = self.failures(&attempt, step);
+        attempt.failures = self.failures(&attempt, step, &amiss);
         attempt
     }
 
@@ -219,11 +220,11 @@ impl Observed<'_> {
     }
 
     /// Why it is not what was expected; nothing if it is.
-    fn why(&self, step: &Step, outcome: Outcome, plan: Option<&VerifiedPlan>) -> Vec<String> {
+    fn why(&self, step: &Step, outcome: Outcome, plan: Option<&VerifiedPlan>, amiss: &Amiss) -> Vec<String> {
         let one = |text: &str| vec![text.to_owned()];
         let proven = outcome == Outcome::Unsolvable;
         match (&step.expected, plan) {
-            (Expected::Plan(_), Some(plan)) => self.standard.amiss(plan.plan()),
+            (Expected::Plan(_), Some(_)) => amiss.sentences(),
             (Expected::Plan(_), None) => match outcome {
                 Outcome::Question => one("it asked back, and everything was said"),
                 Outcome::Invalid => one("the plan is not valid"),
@@ -278,7 +279,7 @@ impl Observed<'_> {
         outline.into_iter().map(line).collect()
     }
 
-    fn failures(&self, attempt: &Attempt, step: &Step) -> Vec<Failure> {
+    fn failures(&self, attempt: &Attempt, step: &Step, amiss: &Amiss) -> Vec<Failure> {
         let mut found = Vec::new();
         let wants_plan = attempt.wants_plan();
         match attempt.outcome {
@@ -294,10 +295,8 @@ impl Observed<'_> {
                 found.extend(failure::of_draft(self.domain, self.world, reply, &attempt.says));
             }
             if attempt.outcome == Outcome::Verified && !attempt.correct {
-                let unasked = attempt.why.iter().any(|why| why.ends_with("as nobody asked for"));
-                let unreached = attempt.why.iter().any(|why| !why.ends_with("as nobody asked for"));
-                found.extend(unasked.then_some(Failure::ExtraGoal));
-                found.extend(unreached.then_some(Failure::MissingGoal));
+                found.extend((!amiss.unasked.is_empty()).then_some(Failure::ExtraGoal));
+                found.extend((!amiss.unreached.is_empty()).then_some(Failure::MissingGoal));
             }
         }
         let goal = self.session.proposal().and_then(|proposal| proposal.goal.as_ref());

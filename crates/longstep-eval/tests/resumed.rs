@@ -92,13 +92,8 @@ fn go_on(folder: &Path, jobs: usize) -> usize {
     };
     let all = units(&suite, &choice);
     let plan = plan(2);
-    let (mut run, known) = RunFolder::open(folder, &plan, &lengths(&all)).unwrap();
-    let mut steps = 0;
-    let done = all.iter().take_while(|unit| {
-        steps += unit.case.steps.len();
-        steps <= known.attempts.len()
-    });
-    let rest = &all[done.count()..];
+    let (mut run, _) = RunFolder::open(folder, &plan, &lengths(&all)).unwrap();
+    let rest = &all[run.units_done()..];
     let campaign = Campaign {
         suite: &suite,
         domain,

@@ -121,12 +121,6 @@ pub(super) fn domain_files(suite: &str, files: &Files) -> Result<DomainFiles> {
     inputs::domain_files(&name)
 }
 
-/// Lays prompt files of somebody's own over a domain's.
-pub(super) fn overlay(files: &mut DomainFiles, prompt: &Path) -> Result<()> {
-    let shown = format!("{}/", prompt.display().to_string().trim_end_matches('/'));
-    Ok(files.overlay(&shown, inputs::prompt_files(prompt)?)?)
-}
-
 /// Reads recorded replies.
 pub(super) fn replies(path: &Path) -> Result<Recorded> {
     let text = inputs::text(path)?;
