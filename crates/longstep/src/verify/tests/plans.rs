@@ -147,3 +147,15 @@ fn where_calls_do_not_say_where_the_claim_does() {
         ["at the end, this is claimed and not so: the cup is on the table"]
     );
 }
+
+#[test]
+fn a_claim_promises_nothing_of_what_it_is_silent_about() {
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let text = r#"{"assets": ["<room_1>", "<desk_2>"], "objects": ["<mug_4>"],
+        "asset_states": {"<desk_2>": ["INSIDE(<room_1>)"]}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let claimed = Environment::from_json(r#"{"assets": ["<desk_2>"], "objects": []}"#).unwrap();
+    let claim = Claim::read(&domain, &world, &claimed);
+    assert_eq!(claim.promises(&domain, &world), vec![]);
+}
