@@ -20,6 +20,7 @@ mod reply;
 mod scene;
 #[cfg(test)]
 mod tests;
+mod template;
 mod told;
 mod tree_schema;
 mod worked;

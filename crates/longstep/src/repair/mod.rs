@@ -22,6 +22,7 @@ use edit::Script;
 use target::Meant;
 
 use crate::domain::Domain;
+use crate::effort;
 use crate::plan::Resolved;
 use crate::search::{Asked, Found, Scope, cheapest, greedy, reduce};
 use crate::verify::{Purpose, VerifiedPlan, Violation, bind, check};
@@ -33,6 +34,9 @@ pub const LIMIT: usize = 6_000;
 
 /// Drafts with more steps than this are not repaired: no instruction needs as many, and each state would take long.
 const LONGEST: usize = 500;
+
+/// The units of work of one part of the search: writing the draft as a task, and looking for the cheapest way.
+const EFFORT: u64 = 32_000_000;
 
 /// How far it looks for something cheaper in the rest of the world, once it knows a way.
 const PROOF: usize = 200;
@@ -158,9 +162,10 @@ fn repair_within(
         pins,
         meant: &meant,
         expanded: 0,
+        exhausted: false,
     };
     let way = search.way(limit, &asked, &about);
-    let expanded = search.expanded;
+    let (expanded, exhausted) = (search.expanded, search.exhausted);
     match way {
         Found::Path(way) => match follow(domain, world, draft, purpose, &meant, way, expanded) {
             Some(repaired) => Outcome::Repaired(Box::new(repaired)),
@@ -172,7 +177,10 @@ fn repair_within(
         },
         Found::Nothing => Outcome::ProvenUnsolvable { expanded },
         Found::Limit => Outcome::GaveUp {
-            why: format!("no repair found in {expanded} states"),
+            why: match exhausted {
+                true => format!("no repair found in {expanded} states, which took all the work that a search may take"),
+                false => format!("no repair found in {expanded} states"),
+            },
             expanded,
         },
     }
@@ -201,6 +209,8 @@ struct Search<'a> {
     pins: &'a Pins,
     meant: &'a Meant,
     expanded: usize,
+    /// Whether a part of the search took all the work that it may take.
+    exhausted: bool,
 }
 
 impl Search<'_> {
@@ -242,6 +252,15 @@ impl Search<'_> {
 
     /// The cheapest way with what is in scope; any, if looking for the cheapest takes too long.
     fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
+        let spent = effort::within(EFFORT, || self.way_within(scope, limit, below));
+        self.exhausted |= spent.exhausted;
+        match spent.exhausted {
+            true => Found::Limit,
+            false => spent.result,
+        }
+    }
+
+    fn way_within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
         let compiled = compile::compile(self.domain, self.world, scope, self.draft, self.purpose, self.pins);
         let (task, moves) = compiled.task(self.domain, self.meant);
         let task = reduce(task);

@@ -16,6 +16,7 @@ use rustc_hash::FxHashMap;
 use super::GroundAction;
 use super::formula::{Formula, Literal};
 use super::task::{Operator, Task};
+use crate::effort;
 
 /// The task without what no plan can need.
 pub(crate) fn reduce(mut task: Task) -> Task {
@@ -48,7 +49,8 @@ fn index(literal: Literal) -> usize {
 fn keep_reachable(task: &mut Task) {
     let mut reached: Vec<bool> = task.initial.iter().flat_map(|holds| [!holds, *holds]).collect();
     let mut applied = vec![false; task.operators.len()];
-    loop {
+    let units = task.units();
+    while effort::spend(units) {
         let mut changed = false;
         for (operator, applied) in task.operators.iter().zip(&mut applied) {
             if !*applied && !operator.precondition.holds(&|literal| reached[index(literal)]) {
@@ -79,6 +81,7 @@ fn keep(operators: &mut Vec<Operator>, marked: &[bool]) {
 
 /// Replaces facts that never change by what they are, and drops effects that do nothing.
 fn simplify(task: &mut Task) {
+    effort::spend(2 * task.units());
     let mut changes = vec![false; task.initial.len()];
     for effect in task.operators.iter().flat_map(|operator| &operator.effects) {
         let fact = effect.literal.fact as usize;
@@ -123,6 +126,9 @@ fn keep_relevant(task: &mut Task, focused: bool) {
     search.ask_for(&task.always);
     while let Some(literal) = search.queue.pop_front() {
         search.expand(literal);
+        if effort::is_exhausted() {
+            break;
+        }
     }
     let mut tracked: Vec<bool> = search
         .asked
@@ -211,7 +217,9 @@ impl<'a> Relevance<'a> {
 
     /// Whether the literal holds from the start and no kept operator takes it away.
     fn is_safe(&self, literal: Literal) -> bool {
-        let mut takers = self.achievers[index(opposite(literal))].iter();
+        let takers = &self.achievers[index(opposite(literal))];
+        effort::spend(takers.len() / 8);
+        let mut takers = takers.iter();
         self.task.initial[literal.fact as usize] == literal.holds && !takers.any(|taker| self.kept[taker.0 as usize])
     }
 
@@ -233,11 +241,14 @@ impl<'a> Relevance<'a> {
 
     fn expand(&mut self, literal: Literal) {
         let mut lost = self.task.initial[literal.fact as usize] != literal.holds;
+        let known = self.achievers[index(literal)].len() + self.achievers[index(opposite(literal))].len();
+        effort::spend(1 + known / 4);
         for taker in self.achievers[index(opposite(literal))].clone() {
             if self.kept[taker.0 as usize] {
                 lost = true;
                 // Whether a kept operator takes the literal away must not change.
                 if !self.focused {
+                    effort::spend(self.condition(taker).size() / 8);
                     self.condition(taker)
                         .for_each(&mut |literal| self.ask(opposite(literal)));
                 }

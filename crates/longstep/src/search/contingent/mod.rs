@@ -19,6 +19,7 @@ use self::course::Course;
 use super::task::Task;
 use super::{Asked, Found, Limits, Scope, Wanted, cheapest, forward, relevance, task};
 use crate::domain::Domain;
+use crate::effort;
 use crate::plan::{Plan, Step};
 use crate::world::{EntityId, Fact, World};
 
@@ -60,6 +61,20 @@ pub enum Outcome {
     },
 }
 
+impl Outcome {
+    /// Returns how many states were looked at.
+    pub fn expanded(&self) -> usize {
+        match self {
+            Self::Solved { expanded, .. }
+            | Self::ProvenUnsolvable { expanded, .. }
+            | Self::GaveUp { expanded, .. } => *expanded,
+        }
+    }
+}
+
+/// The units of work of one run.
+const EFFORT: u64 = 10_000_000;
+
 /// Finds the plan with the shortest worst case from the world's state to everything that is wanted, whatever sensing
 /// tells on the way. What the goal does not need to know is not sensed, and neither is what is known already.
 ///
@@ -81,6 +96,17 @@ pub enum Outcome {
 /// assert!(shortest && !plan.is_sequence());
 /// ```
 pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+    let spent = effort::within(super::EFFORT, || solve_within(domain, world, wanted, limits));
+    match (spent.exhausted, spent.result) {
+        (false, outcome) => outcome,
+        (true, outcome) => Outcome::GaveUp {
+            why: super::TOO_MUCH.to_owned(),
+            expanded: outcome.expanded(),
+        },
+    }
+}
+
+fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
     let asked = Asked::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
@@ -142,9 +168,15 @@ fn straight(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Out
 
 /// A search, and all that the answer needs of it.
 fn run(task: &Task, manner: Manner, below: u32, expanded: &mut usize) -> Result<Option<Course>, TooFar> {
-    let mut search = Search::new(task, manner);
-    let found = search.run(below);
-    *expanded += search.looked_at();
+    let spent = effort::within(EFFORT, || {
+        let mut search = Search::new(task, manner);
+        (search.run(below), search.looked_at())
+    });
+    let (found, looked_at) = spent.result;
+    *expanded += looked_at;
+    if spent.exhausted {
+        return Err(TooFar);
+    }
     found.map(|course| course.map(|course| (*course).clone()))
 }
 
