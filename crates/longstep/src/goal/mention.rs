@@ -11,6 +11,7 @@ use super::depends::{Clauses, is_word_of_outcomes};
 use super::negated::asserted;
 use super::{Conditional, Goal, GoalFact};
 use crate::domain::{Domain, base_name, ends_with, head, plain_words, singular};
+use crate::effort;
 use crate::world::{EntityId, World};
 
 /// What was made of a model's answer.
@@ -73,6 +74,8 @@ pub struct Spoken {
     pub entities: Vec<EntityId>,
     /// Its words, in lower case, without what it says only to rule it out.
     words: Vec<String>,
+    /// The singulars of its words without determiners.
+    bare: Vec<String>,
     /// What it makes its wishes depend on.
     clauses: Clauses,
     /// Whether something was said later, as an answer or about a plan.
@@ -119,6 +122,7 @@ impl Spoken {
         let entities: Vec<EntityId> = all.filter(|id| named.contains(id) || implied(*id)).collect();
         Self {
             entities,
+            bare: bare(&words),
             words,
             clauses: Clauses::of(instruction),
             later: false,
@@ -131,6 +135,7 @@ impl Spoken {
         self.entities.sort_unstable();
         self.entities.dedup();
         self.words.extend(later.words);
+        self.bare.extend(later.bare);
         self.clauses.add(later.clauses);
         self.later = true;
     }
@@ -161,17 +166,10 @@ impl Spoken {
 
     /// Whether the instruction has `before` right in front of a name of the entity, articles aside.
     pub(super) fn has_phrase(&self, world: &World, before: &str, entity: EntityId) -> bool {
-        let bare = |words: Vec<String>| -> Vec<String> {
-            words
-                .iter()
-                .filter(|word| !among(DETERMINERS, word))
-                .map(|word| singular(word))
-                .collect()
-        };
-        let words = bare(self.words.clone());
         world.entity(entity).names.iter().any(|name| {
-            let phrase = bare(plain_words(&format!("{before} {name}")));
-            words.windows(phrase.len()).any(|window| window == phrase)
+            let phrase = bare(&plain_words(&format!("{before} {name}")));
+            effort::spend(self.bare.len() / 16 + 1);
+            !phrase.is_empty() && self.bare.windows(phrase.len()).any(|window| window == phrase)
         })
     }
 
@@ -283,7 +281,10 @@ impl FullNames {
         let mut longest = vec![[(0, None); 2]; singulars.len()];
         for ((length, starts), owners) in occurrences.iter().zip(&owners) {
             for place in starts.iter().flat_map(|start| *start..start + length) {
-                owners.iter().flatten().for_each(|owner| enter(&mut longest[place], *length, *owner));
+                owners
+                    .iter()
+                    .flatten()
+                    .for_each(|owner| enter(&mut longest[place], *length, *owner));
             }
         }
         Self {
@@ -325,6 +326,12 @@ fn enter(longest: &mut [(usize, Option<EntityId>); 2], length: usize, owner: Ent
     } else if length > second.0 {
         *second = (length, Some(owner));
     }
+}
+
+/// The singulars of words that are no determiners.
+fn bare(words: &[String]) -> Vec<String> {
+    let kept = words.iter().filter(|word| !among(DETERMINERS, word));
+    kept.map(|word| singular(word)).collect()
 }
 
 fn begins_with_any(words: &[String], stems: &[String]) -> bool {

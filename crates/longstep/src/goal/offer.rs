@@ -1,5 +1,7 @@
 //! Which goals make sense in the state at hand.
 
+use rustc_hash::FxHashSet;
+
 use super::{Goal, GoalFact, Spoken};
 use crate::domain::{Domain, GoalWord, GoalWordId, base_name};
 use crate::search::{self, Limits, Outcome};
@@ -80,7 +82,8 @@ pub(crate) fn offers_on(
         if !spoken.entities.is_empty() {
             // A phrase decides between forms of a word; for a word with one form it only narrows.
             let only_form = domain.goal_words.iter().filter(|other| other.word == word.word).count() == 1;
-            let phrased = |bindings: &Vec<EntityId>| is_phrased(world, word, spoken, bindings);
+            let phrases = Phrases::of(world, word, spoken);
+            let phrased = |bindings: &Vec<EntityId>| phrases.fit(bindings);
             if !only_form || arguments.iter().any(phrased) {
                 arguments.retain(phrased);
             }
@@ -149,10 +152,29 @@ fn doubles(world: &World, spoken: &Spoken, bindings: &[EntityId]) -> bool {
     })
 }
 
-/// Whether the instruction uses one of the word's phrases with these arguments, if it has any.
-fn is_phrased(world: &World, word: &GoalWord, spoken: &Spoken, bindings: &[EntityId]) -> bool {
-    let said = |(before, parameter): &(String, usize)| spoken.has_phrase(world, before, bindings[*parameter]);
-    word.phrases.is_empty() || word.phrases.iter().any(said)
+/// The entities that the instruction names with one of a word's phrases, by parameter.
+struct Phrases(Vec<(usize, FxHashSet<EntityId>)>);
+
+impl Phrases {
+    fn of(world: &World, word: &GoalWord, spoken: &Spoken) -> Self {
+        let said = |(before, parameter): &(String, usize)| {
+            let all = world.of_kind(word.parameters[*parameter].kind).iter().copied();
+            (
+                *parameter,
+                all.filter(|entity| spoken.has_phrase(world, before, *entity)).collect(),
+            )
+        };
+        Self(word.phrases.iter().map(said).collect())
+    }
+
+    /// Whether the instruction uses one of the phrases with these arguments, if there are any.
+    fn fit(&self, bindings: &[EntityId]) -> bool {
+        self.0.is_empty()
+            || self
+                .0
+                .iter()
+                .any(|(parameter, said)| said.contains(&bindings[*parameter]))
+    }
 }
 
 /// A word and what it holds of already, as the instruction asks.
@@ -203,13 +225,14 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
         world,
         state: &world.state,
     };
+    let phrases = Phrases::of(world, word, spoken);
     let fits = |bindings: &Vec<EntityId>| {
         let bindings = &mut bindings.clone();
         let disturbed = bindings
             .iter()
             .any(|e| said.iter().any(|fact| disturbs(domain, fact, *e)));
         !disturbed
-            && is_phrased(world, word, spoken, bindings)
+            && phrases.fit(bindings)
             && holds(moment, &word.offered, bindings)
             && holds(moment, &word.condition, bindings)
     };

@@ -18,9 +18,9 @@ mod parts;
 mod query;
 mod reply;
 mod scene;
+mod template;
 #[cfg(test)]
 mod tests;
-mod template;
 mod told;
 mod tree_schema;
 mod worked;

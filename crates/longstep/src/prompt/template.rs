@@ -40,8 +40,13 @@ pub(super) fn render(source: &str, variables: Value, given: usize) -> Result<Str
     refuse_growth(source)?;
     let room = GROWTH.saturating_add(given.saturating_mul(4));
     let environment = environment(room);
-    let template = environment.template_from_str(source).map_err(|error| broken(&error, room))?;
-    let mut text = Bounded { bytes: Vec::new(), room };
+    let template = environment
+        .template_from_str(source)
+        .map_err(|error| broken(&error, room))?;
+    let mut text = Bounded {
+        bytes: Vec::new(),
+        room,
+    };
     let rendered = template.render_captured_to(variables, &mut text).map(drop);
     effort::spend(text.bytes.len());
     rendered.map_err(|error| broken(&error, room))?;
@@ -69,7 +74,10 @@ fn refuse_growth(source: &str) -> Result<(), Broken> {
         };
         if let Some(refused) = refused {
             let allowed = "variables, `if`, `for`, `set name = value` and filters are allowed";
-            return Err((span.start_line.into(), format!("a prompt template cannot have {refused}: {allowed}")));
+            return Err((
+                span.start_line.into(),
+                format!("a prompt template cannot have {refused}: {allowed}"),
+            ));
         }
         before_block = matches!(token, Token::BlockStart);
     }
@@ -116,9 +124,11 @@ fn environment(room: usize) -> Environment<'static> {
     environment.add_filter("length", minijinja::filters::length);
     environment.add_filter("first", minijinja::filters::first);
     environment.add_filter("last", minijinja::filters::last);
-    environment.add_filter("default", |value: Value, other: Option<Value>| match value.is_undefined() {
-        true => other.unwrap_or_else(|| Value::from("")),
-        false => value,
+    environment.add_filter("default", |value: Value, other: Option<Value>| {
+        match value.is_undefined() {
+            true => other.unwrap_or_else(|| Value::from("")),
+            false => value,
+        }
     });
     let left = Arc::new(AtomicUsize::new(room));
     let built: [(&'static str, fn(&str) -> String); 4] = [
@@ -134,7 +144,9 @@ fn environment(room: usize) -> Environment<'static> {
             Ok::<_, Error>(build(text))
         });
     }
-    environment.add_filter("join", move |list: Value, between: Option<&str>| joined(&left, &list, between));
+    environment.add_filter("join", move |list: Value, between: Option<&str>| {
+        joined(&left, &list, between)
+    });
     environment
 }
 
@@ -142,7 +154,9 @@ fn environment(room: usize) -> Environment<'static> {
 fn joined(left: &AtomicUsize, list: &Value, between: Option<&str>) -> Result<String, Error> {
     let mut text = String::new();
     for (number, entry) in list.try_iter()?.enumerate() {
-        let entry = entry.as_str().map_or_else(|| Value::from(&entry).to_string(), str::to_owned);
+        let entry = entry
+            .as_str()
+            .map_or_else(|| Value::from(&entry).to_string(), str::to_owned);
         let between = between.filter(|_| number > 0).unwrap_or_default();
         take(left, between.len() + entry.len() + 1)?;
         text.push_str(between);
@@ -155,7 +169,12 @@ fn capitalized(text: &str) -> String {
     let mut letters = text.chars();
     letters
         .next()
-        .map(|first| first.to_uppercase().chain(letters.flat_map(char::to_lowercase)).collect())
+        .map(|first| {
+            first
+                .to_uppercase()
+                .chain(letters.flat_map(char::to_lowercase))
+                .collect()
+        })
         .unwrap_or_default()
 }
 
@@ -181,11 +200,26 @@ mod unit_tests {
     #[test]
     fn what_prompts_need_is_rendered() {
         for (source, expected) in [
-            ("{{ name }}: {% if actions %}{{ actions | length }}{% endif %}", "kitchen: 100"),
-            ("{% for action in actions %}{% if loop.first %}{{ action }}{% endif %}{% endfor %}", "action 0"),
-            ("{{ name | upper }} {{ name | capitalize }} {{ other | default(\"none\") }}", "KITCHEN Kitchen none"),
-            ("{% set word = name %}{{ word }}{% raw %} {{ a ~ b }}{% endraw %}{# ~ #} ~ + *", "kitchen {{ a ~ b }} ~ + *"),
-            ("{% if name == \"kitchen\" and actions is defined %}yes{% endif %}", "yes"),
+            (
+                "{{ name }}: {% if actions %}{{ actions | length }}{% endif %}",
+                "kitchen: 100",
+            ),
+            (
+                "{% for action in actions %}{% if loop.first %}{{ action }}{% endif %}{% endfor %}",
+                "action 0",
+            ),
+            (
+                "{{ name | upper }} {{ name | capitalize }} {{ other | default(\"none\") }}",
+                "KITCHEN Kitchen none",
+            ),
+            (
+                "{% set word = name %}{{ word }}{% raw %} {{ a ~ b }}{% endraw %}{# ~ #} ~ + *",
+                "kitchen {{ a ~ b }} ~ + *",
+            ),
+            (
+                "{% if name == \"kitchen\" and actions is defined %}yes{% endif %}",
+                "yes",
+            ),
         ] {
             assert_eq!(rendered(source).as_deref(), Ok(expected), "{source}");
         }
@@ -203,7 +237,11 @@ mod unit_tests {
             ("{% set s = name * 1000 %}", 1, "cannot have `*`"),
             ("{% set s %}{{ name }}{% endset %}", 1, "cannot have a `set` block"),
             ("{% filter upper %}{% endfilter %}", 1, "cannot have a `filter` block"),
-            ("{% for a in actions recursive %}{{ loop(actions) }}{% endfor %}", 1, "`recursive`"),
+            (
+                "{% for a in actions recursive %}{{ loop(actions) }}{% endfor %}",
+                1,
+                "`recursive`",
+            ),
             ("{% set a = [name, name] %}", 1, "cannot have `,`"),
             ("{% for a in range(1000) %}{% endfor %}", 1, "range"),
             (&loops, 1, "takes more than 200000 steps"),
@@ -229,7 +267,11 @@ mod unit_tests {
         ] {
             let inner = open.trim_start_matches("{{ ");
             let source = if open.starts_with("{{") {
-                format!("{{{{ {}name{}", inner.repeat(4_000), close.trim_end_matches("}}").repeat(4_000)) + "}}"
+                format!(
+                    "{{{{ {}name{}",
+                    inner.repeat(4_000),
+                    close.trim_end_matches("}}").repeat(4_000)
+                ) + "}}"
             } else {
                 open.repeat(4_000) + &close.repeat(4_000)
             };

@@ -86,7 +86,8 @@ impl Outcome {
 const EFFORT: u64 = 48_000_000;
 
 /// The answer when they are spent.
-const TOO_MUCH: &str = "the conditions have too many instances in this world: the search took all the work that it may take";
+const TOO_MUCH: &str =
+    "the conditions have too many instances in this world: the search took all the work that it may take";
 
 /// Finds a shortest plan from the world's state to one in which everything wanted holds.
 ///

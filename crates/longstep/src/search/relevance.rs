@@ -159,6 +159,9 @@ struct Relevance<'a> {
     /// By literal: the operators and effects that bring it about.
     achievers: Vec<Vec<(u32, u32)>>,
     kept: Vec<bool>,
+    /// By literal: the effects of kept operators that bring it about, and how many of them were looked at as what takes
+    /// the opposite away.
+    brought_about: Vec<(Vec<(u32, u32)>, usize)>,
     /// By step of sensing: the operators for its outcomes, which stay or go together.
     siblings: FxHashMap<&'a GroundAction, Vec<u32>>,
     asked: Vec<bool>,
@@ -190,6 +193,7 @@ impl<'a> Relevance<'a> {
             siblings,
             achievers,
             kept: vec![false; task.operators.len()],
+            brought_about: vec![Default::default(); literals],
             asked: vec![false; literals],
             expanded: vec![false; literals],
             queue: VecDeque::new(),
@@ -217,10 +221,8 @@ impl<'a> Relevance<'a> {
 
     /// Whether the literal holds from the start and no kept operator takes it away.
     fn is_safe(&self, literal: Literal) -> bool {
-        let takers = &self.achievers[index(opposite(literal))];
-        effort::spend(takers.len() / 8);
-        let mut takers = takers.iter();
-        self.task.initial[literal.fact as usize] == literal.holds && !takers.any(|taker| self.kept[taker.0 as usize])
+        let (takers, _) = &self.brought_about[index(opposite(literal))];
+        self.task.initial[literal.fact as usize] == literal.holds && takers.is_empty()
     }
 
     fn ask(&mut self, literal: Literal) {
@@ -240,24 +242,27 @@ impl<'a> Relevance<'a> {
     }
 
     fn expand(&mut self, literal: Literal) {
-        let mut lost = self.task.initial[literal.fact as usize] != literal.holds;
-        let known = self.achievers[index(literal)].len() + self.achievers[index(opposite(literal))].len();
-        effort::spend(1 + known / 4);
-        for taker in self.achievers[index(opposite(literal))].clone() {
-            if self.kept[taker.0 as usize] {
-                lost = true;
-                // Whether a kept operator takes the literal away must not change.
-                if !self.focused {
-                    effort::spend(self.condition(taker).size() / 8);
-                    self.condition(taker)
-                        .for_each(&mut |literal| self.ask(opposite(literal)));
-                }
+        let (takers, looked_at) = &mut self.brought_about[index(opposite(literal))];
+        let lost = self.task.initial[literal.fact as usize] != literal.holds || !takers.is_empty();
+        let mut new = takers[std::mem::replace(looked_at, takers.len())..].to_vec();
+        effort::spend(1 + new.len());
+        if !self.focused {
+            // Whether a kept operator takes the literal away must not change.
+            new.sort_unstable();
+            for taker in new {
+                let mut literals = 0;
+                self.condition(taker).for_each(&mut |literal| {
+                    literals += 1;
+                    self.ask(opposite(literal));
+                });
+                effort::spend(literals / 8);
             }
         }
         if !lost || std::mem::replace(&mut self.expanded[index(literal)], true) {
             return;
         }
         let mut achievers = self.achievers[index(literal)].clone();
+        effort::spend(achievers.len() / 4);
         if self.focused {
             if achievers
                 .iter()
@@ -283,6 +288,10 @@ impl<'a> Relevance<'a> {
         }
         let task = self.task;
         let operator = &task.operators[number];
+        for (at, effect) in operator.effects.iter().enumerate() {
+            let (brought_about, _) = &mut self.brought_about[index(effect.literal)];
+            brought_about.push((number as u32, at as u32));
+        }
         if operator.told.is_some() {
             for sibling in self.siblings.get(&operator.step).cloned().unwrap_or_default() {
                 self.keep(sibling as usize);

@@ -9,8 +9,8 @@
 use rustc_hash::FxHashSet;
 
 use super::Wanted;
-use crate::effort;
 use crate::domain::{Action, Atom, Condition, Domain, PredicateId, RuleTime, TypeId};
+use crate::effort;
 use crate::world::{Bindings, EntityId, Moment, World, ever_candidates};
 
 /// Grounding that makes more effects than this is not done for a whole world.

@@ -7,8 +7,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::formula::{Formula, Literal};
 use super::scope::{Asked, Scope};
 use super::{GroundAction, Wanted};
-use crate::effort;
 use crate::domain::{Action, Atom, Condition, Domain, RuleTime, Slot, TypeId};
+use crate::effort;
 use crate::world::{Bindings, EntityId, Fact, Moment, World, ever_candidates, ground as ground_atom, grounded_term};
 
 /// The units for one part of a condition: it is kept, and copied into smaller tasks.

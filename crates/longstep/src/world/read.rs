@@ -42,7 +42,11 @@ pub fn read(
     let spent = effort::within(effort::OPERATION, || reader.world(environment));
     if spent.exhausted && reader.findings.is_empty() {
         let message = "what follows from the environment has too many instances".to_owned();
-        reader.report(&Path::default(), message, Some("make the environment smaller".to_owned()));
+        reader.report(
+            &Path::default(),
+            message,
+            Some("make the environment smaller".to_owned()),
+        );
     }
     match spent.result {
         Some(world) if reader.findings.is_empty() => Ok(world),

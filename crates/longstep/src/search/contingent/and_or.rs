@@ -14,11 +14,11 @@ use rustc_hash::FxHashMap;
 
 use super::bound::{Bounds, outcome};
 use super::course::{Course, Then};
+use crate::effort;
+use crate::search::GroundAction;
 use crate::search::bits::Bits;
 use crate::search::dominance::Dominance;
 use crate::search::formula::Literal;
-use crate::effort;
-use crate::search::GroundAction;
 use crate::search::task::Task;
 
 /// How deep sensing may follow on sensing.

@@ -65,9 +65,9 @@ impl Outcome {
     /// Returns how many states were looked at.
     pub fn expanded(&self) -> usize {
         match self {
-            Self::Solved { expanded, .. }
-            | Self::ProvenUnsolvable { expanded, .. }
-            | Self::GaveUp { expanded, .. } => *expanded,
+            Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded, .. } | Self::GaveUp { expanded, .. } => {
+                *expanded
+            }
         }
     }
 }
