@@ -64,8 +64,12 @@ pub(super) const DETERMINERS: &str = "the a an that this my your some those thes
 const SEVERAL: &str = "all both each every everything two three four five six several many";
 
 pub(super) fn among(list: &str, word: &str) -> bool {
-    list.split_whitespace().any(|entry| entry == word)
+    // No list has longer words, and looking through one takes longer than asking for its length.
+    word.len() <= LONGEST_LISTED && list.split_ascii_whitespace().any(|entry| entry == word)
 }
+
+/// The bytes of the longest word in a list.
+const LONGEST_LISTED: usize = 16;
 
 /// What an instruction speaks of.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -74,7 +78,9 @@ pub struct Spoken {
     pub entities: Vec<EntityId>,
     /// Its words, in lower case, without what it says only to rule it out.
     words: Vec<String>,
-    /// The singulars of its words without determiners.
+    /// The singulars of its words.
+    singulars: Vec<String>,
+    /// The same without determiners.
     bare: Vec<String>,
     /// What it makes its wishes depend on.
     clauses: Clauses,
@@ -123,6 +129,7 @@ impl Spoken {
         Self {
             entities,
             bare: bare(&words),
+            singulars,
             words,
             clauses: Clauses::of(instruction),
             later: false,
@@ -136,6 +143,7 @@ impl Spoken {
         self.entities.dedup();
         self.words.extend(later.words);
         self.bare.extend(later.bare);
+        self.singulars.extend(later.singulars);
         self.clauses.add(later.clauses);
         self.later = true;
     }
@@ -189,11 +197,12 @@ impl Spoken {
     pub(super) fn comes_after(&self, world: &World, entity: EntityId, before: &str) -> bool {
         const APART: &str = "and or with of from off out on onto in into to at by";
         let heads: Vec<String> = world.entity(entity).names.iter().map(|name| head(name)).collect();
+        effort::spend(1 + self.words.len() / 4);
         let places = self
-            .words
+            .singulars
             .iter()
             .enumerate()
-            .filter(|(_, word)| heads.contains(&singular(word)));
+            .filter(|(_, word)| heads.contains(word));
         places.into_iter().any(|(place, _)| {
             let mut back = self.words[place.saturating_sub(4)..place].iter().rev();
             back.find(|word| among(APART, word) || among(before, word))

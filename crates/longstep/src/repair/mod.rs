@@ -36,7 +36,7 @@ pub const LIMIT: usize = 6_000;
 const LONGEST: usize = 500;
 
 /// The units of work of one part of the search: writing the draft as a task, and looking for the cheapest way.
-const EFFORT: u64 = 32_000_000;
+const EFFORT: u64 = 24_000_000;
 
 /// How far it looks for something cheaper in the rest of the world, once it knows a way.
 const PROOF: usize = 200;

@@ -44,7 +44,10 @@ const GREED: u32 = 5;
 
 /// The units of work of one run: the limits of a search count states, and a state of a task with 20,000 operators takes
 /// a thousand times the work of one with 20.
-const EFFORT: u64 = 12_000_000;
+const EFFORT: u64 = 10_000_000;
+
+/// The units of work of a run that takes any plan, which comes last.
+const GREEDY_EFFORT: u64 = 36_000_000;
 
 pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     let steps = |path: &[u32], task: &Task| -> Vec<super::GroundAction> {
@@ -55,7 +58,8 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     let mut heuristic = LandmarkCut::new(task);
     let mut exhausted = false;
     let mut run = |search: Search<'_>| {
-        let spent = effort::within(EFFORT, || search.run());
+        let limit = if search.weight == 1 { EFFORT } else { GREEDY_EFFORT };
+        let spent = effort::within(limit, || search.run());
         exhausted |= spent.exhausted;
         spent.result
     };

@@ -73,7 +73,7 @@ impl Outcome {
 }
 
 /// The units of work of one run.
-const EFFORT: u64 = 10_000_000;
+const EFFORT: u64 = 12_000_000;
 
 /// Finds the plan with the shortest worst case from the world's state to everything that is wanted, whatever sensing
 /// tells on the way. What the goal does not need to know is not sensed, and neither is what is known already.
