@@ -34,7 +34,7 @@ fn verify(domain: &str, environment: &Value, text: &str) -> Work {
         let attempt = Attempt::new(&domain, &world, draft.clone(), None);
         let answer = attempt.verdict(&domain, &world);
         if answer.status == Status::Invalid {
-            attempt.feedback(&domain, &world);
+            attempt.feedback(&domain, &world, &Pins::default());
             attempt.advice(&domain, &world);
         }
         answer.status == Status::Verified
