@@ -44,10 +44,10 @@ const GREED: u32 = 5;
 
 /// The units of work of one run: the limits of a search count states, and a state of a task with 20,000 operators takes
 /// a thousand times the work of one with 20.
-const EFFORT: u64 = 10_000_000;
+const EFFORT: u64 = 8_000_000;
 
 /// The units of work of a run that takes any plan, which comes last.
-const GREEDY_EFFORT: u64 = 36_000_000;
+const GREEDY_EFFORT: u64 = 44_000_000;
 
 pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     let steps = |path: &[u32], task: &Task| -> Vec<super::GroundAction> {

@@ -55,24 +55,85 @@ fn quantified(depth: usize, quantifier: &str, inner: &str) -> String {
     format!("{open}{inner}{}", ")".repeat(depth))
 }
 
-/// Loads the starter's files with one of them changed, and lints them.
-fn loaded(change: fn(&mut Files)) -> Work {
+/// Checks a plan of so many steps in a domain with one action.
+fn checked(parameters: &str, precondition: &str, effect: &str, objects: usize, step: &str, steps: usize) -> Work {
+    let domain = format!(
+        "(define (domain d) (:requirements :adl) (:predicates (p ?a) (q ?a ?b) (done))\n (:action act :parameters ({parameters}) \
+         :precondition {precondition} :effect {effect}))"
+    );
+    let names: Vec<String> = (0..objects).map(|n| format!("o{n}")).collect();
+    let problem = format!(
+        "(define (problem x) (:domain d) (:objects {}) (:init (p o0)) (:goal (done)))",
+        names.join(" ")
+    );
+    let plan = format!("({step})\n").repeat(steps);
+    assert!(domain.len() + problem.len() + plan.len() <= LARGEST);
+    Box::new(move || {
+        let domain = domain::from_pddl("domain.pddl", &domain).unwrap_or_else(|e| panic!("{e}"));
+        let problem = pddl::read_problem(&domain, "problem.pddl", &problem).unwrap_or_else(|e| panic!("{e}"));
+        let steps = pddl::read_plan(&domain, &problem.world, "plan", &plan).unwrap_or_else(|e| panic!("{e}"));
+        let explained = |step: longstep::search::GroundAction| {
+            longstep::plan::Step::explained(&domain, &problem.world, step.action, step.arguments)
+        };
+        let purpose = Purpose {
+            wanted: problem.wanted.clone(),
+            ..Purpose::default()
+        };
+        let plan = steps.into_iter().map(explained).collect();
+        let report = longstep::verify::check(&domain, &problem.world, plan, &purpose);
+        report.into_verified().is_ok()
+    })
+}
+
+/// A rule of the starter's domain that joins facts about parcels, and a station with so many of them.
+fn ruled(time: &str, parcels: usize) -> Work {
+    let condition = "(forall (?a ?b ?c ?d - parcel ?s - station) (or (not (at ?a ?s)) (not (at ?b ?s)) (not (at ?c ?s)) \
+                     (not (at ?d ?s)) (not (carrying ?d))))";
+    let rule =
+        format!("\n[[rule]]\nname = \"r\"\nholds = \"{time}\"\ncondition = \"{condition}\"\nsays = \"too much\"\n");
+    let mut files = starter();
+    files.words.push_str(&rule);
+    let domain = domain::load(&files).unwrap_or_else(|e| panic!("{e}"));
+    let parcels = super::numbered("o", 0..parcels);
+    let at: serde_json::Map<String, serde_json::Value> = parcels
+        .iter()
+        .map(|parcel| (parcel.clone(), serde_json::json!("at(<a>)")))
+        .collect();
+    let environment = serde_json::json!({"assets": ["<a>", "<b>"], "asset_states": {"<a>": "robot_here()"}, "objects": parcels,
+        "object_states": at});
+    let text = environment.to_string();
+    Box::new(move || {
+        let environment = longstep::world::Environment::from_json(&text).unwrap();
+        let inside = longstep::json::Path::default();
+        let Ok(world) = longstep::world::read(&domain, &environment, "environment", &text, &inside) else {
+            return false;
+        };
+        let Ok(goal) = longstep::goal::parse(&domain, &world, "bring(<o1>, <b>)") else {
+            return false;
+        };
+        solution::of_goal(&domain, &world, &goal, "", || 0.0).answer.status == Status::Verified
+    })
+}
+
+fn starter() -> Files {
     let texts = domain::starter("starter");
     let text = |path: &str| {
-        texts
-            .iter()
-            .find(|(name, _)| name == path)
-            .map(|(_, text)| text.clone())
-            .unwrap()
+        let file = texts.iter().find(|(name, _)| name == path);
+        file.map(|(_, text)| text.clone()).unwrap()
     };
-    let mut files = Files {
+    Files {
         pddl: text("domain.pddl"),
         words: text("domain.toml"),
         goal_prompt: text("prompt/goal.md"),
         examples: text("prompt/examples.toml"),
         feedback: text("prompt/feedback.toml"),
         ..Files::default()
-    };
+    }
+}
+
+/// Loads the starter's files with one of them changed, and lints them.
+fn loaded(change: fn(&mut Files)) -> Work {
+    let mut files = starter();
     change(&mut files);
     Box::new(move || {
         if let Ok(domain) = domain::load(&files) {
@@ -373,6 +434,58 @@ pub(crate) fn rows() -> Vec<Row> {
                     )
                 })
             },
+        },
+        Row {
+            name: "verify/quantified-precondition",
+            ceiling: SOLVING,
+            make: || {
+                checked(
+                    "?a",
+                    &quantified(6, "forall", "(or (q ?x0 ?x5) (not (q ?a ?x3)))"),
+                    "(done)",
+                    60,
+                    "act o1",
+                    100,
+                )
+            },
+        },
+        Row {
+            name: "verify/quantified-effects",
+            ceiling: SOLVING,
+            make: || {
+                checked(
+                    "",
+                    "()",
+                    &quantified(6, "forall", "(when (not (q ?x0 ?x5)) (q ?x1 ?x2))"),
+                    60,
+                    "act",
+                    100,
+                )
+            },
+        },
+        Row {
+            name: "verify/wide-effects",
+            ceiling: SOLVING,
+            make: || {
+                checked(
+                    "",
+                    "()",
+                    "(forall (?x ?y) (when (not (q ?x ?y)) (q ?y ?x)))",
+                    700,
+                    "act",
+                    1_000,
+                )
+            },
+        },
+        Row {
+            name: "environment/rules",
+            ceiling: SOLVING,
+            make: || ruled("start", 300),
+        },
+        Row {
+            name: "verify/rules",
+            ceiling: SOLVING,
+            make: || ruled("always", 300),
         },
     ]
 }
