@@ -44,6 +44,7 @@ pub mod call;
 pub mod compose;
 pub mod diagnostic;
 pub mod domain;
+pub mod effort;
 pub mod feedback;
 pub mod goal;
 pub mod json;

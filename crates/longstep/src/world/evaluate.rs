@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::{EntityId, Fact, State, World};
 use crate::domain::{Atom, Condition, Slot, Term, TypeId};
+use crate::effort;
 
 /// The entities that the slots of a condition are bound to.
 pub type Bindings = Vec<EntityId>;
@@ -17,11 +18,13 @@ pub struct Moment<'a> {
     pub state: &'a State,
 }
 
-/// Whether `condition` holds under `bindings`, which are the same again afterwards.
+/// Returns whether `condition` holds under `bindings`, which are the same again afterwards.
+///
+/// Spends a unit of the budget for each part and for each entity that a quantifier tries; false when it is spent.
 pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings) -> bool {
     match condition {
-        Condition::And(all) => all.iter().all(|c| holds(moment, c, bindings)),
-        Condition::Or(any) => any.iter().any(|c| holds(moment, c, bindings)),
+        Condition::And(all) => effort::spend(all.len()) && all.iter().all(|c| holds(moment, c, bindings)),
+        Condition::Or(any) => effort::spend(any.len()) && any.iter().any(|c| holds(moment, c, bindings)),
         Condition::Forall(slot, kind, inner) => !some(moment, *slot, *kind, inner, false, bindings),
         Condition::Exists(slot, kind, inner) => some(moment, *slot, *kind, inner, true, bindings),
         Condition::Atom { atom, holds, initially } => {
@@ -59,6 +62,9 @@ pub(crate) fn for_candidates(
 ) -> ControlFlow<()> {
     debug_assert_eq!(slot, bindings.len());
     let mut bind = |entity: EntityId, bindings: &mut Bindings| {
+        if !effort::spend(1) {
+            return ControlFlow::Break(());
+        }
         bindings.push(entity);
         let flow = visit(bindings);
         bindings.pop();
@@ -203,6 +209,7 @@ pub(crate) fn for_matching(
         Some(first) => state.of_first(atom.predicate, first),
         None => state.of_predicate(atom.predicate),
     };
+    effort::spend(facts.len());
     for fact in facts {
         let mut entity = None;
         let fits = atom.terms.iter().enumerate().all(|(place, term)| {

@@ -1,0 +1,106 @@
+//! Verdicts in batches, for programs that compare them with their own; `scripts/peers/simulate.py` does.
+//!
+//! Reads one JSON object a line from standard input and writes one a line to standard output, in the same order:
+//!
+//! - `{"command": "verify", "domain": NAME_OR_FOLDER, "environment": {...}, "plan": TEXT}`
+//! - `{"command": "solve", "domain": NAME_OR_FOLDER, "environment": {...}, "goal": TEXT}`
+//!
+//! The answer is the object that `longstep verify --json` and `longstep solve --json` print. For `verify` of a plan that
+//! was simulated, `endings` lists each ending: the sensing outcomes that lead to it (`when`, sentences) and the
+//! environment `after` it. What cannot be read is answered with `{"error": TEXT}`.
+#![allow(clippy::print_stdout)]
+
+use std::collections::HashMap;
+use std::error::Error;
+use std::io::Write;
+use std::path::Path;
+
+use longstep::attempt::Attempt;
+use longstep::domain::{self, Domain, Files};
+use longstep::plan::{self, PlanFile, TaskCohesion};
+use longstep::verify::{bind_tree, check};
+use longstep::world::{self, Environment, Voice, World};
+use longstep::{goal, json, solution};
+use serde_json::{Value, json};
+
+type Anyhow<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Anyhow<()> {
+    let mut domains = HashMap::new();
+    let mut out = std::io::stdout().lock();
+    for line in std::io::stdin().lines() {
+        let answer = answer(&mut domains, &line?).unwrap_or_else(|error| json!({"error": error.to_string()}));
+        writeln!(out, "{answer}")?;
+        out.flush()?;
+    }
+    Ok(())
+}
+
+fn answer(domains: &mut HashMap<String, Domain>, line: &str) -> Anyhow<Value> {
+    let request: Value = serde_json::from_str(line)?;
+    let text = |key: &str| request[key].as_str().ok_or(format!("the request has no text `{key}`"));
+    let domain = load(domains, text("domain")?)?;
+    let written = request["environment"].to_string();
+    let environment = Environment::from_json(&written)?;
+    let world = world::read(domain, &environment, "environment", &written, &json::Path::default())?;
+    match text("command")? {
+        "verify" => verify(domain, &world, text("plan")?),
+        "solve" => solve(domain, &world, text("goal")?),
+        other => Err(format!("there is no command `{other}`").into()),
+    }
+}
+
+fn load<'a>(domains: &'a mut HashMap<String, Domain>, name: &str) -> Anyhow<&'a Domain> {
+    if !domains.contains_key(name) {
+        let files = match domain::shipped_files(name) {
+            Some(files) => files,
+            None => folder_files(Path::new(name))?,
+        };
+        domains.insert(name.to_owned(), domain::load(&files)?);
+    }
+    domains.get(name).ok_or_else(|| "the domain was not loaded".into())
+}
+
+fn folder_files(folder: &Path) -> Anyhow<Files> {
+    let read = |file: &str| std::fs::read_to_string(folder.join(file));
+    Ok(Files {
+        pddl: read("domain.pddl")?,
+        words: read("domain.toml")?,
+        goal_prompt: read("prompt/goal.md")?,
+        examples: read("prompt/examples.toml")?,
+        feedback: read("prompt/feedback.toml").unwrap_or_default(),
+        ..Files::default()
+    })
+}
+
+fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
+    let draft = match text.trim_start().starts_with('{') {
+        true => plan::read(text)?,
+        false => plan::Draft {
+            file: PlanFile::from(TaskCohesion::from_written(plan::script::read(text)?)),
+            leniencies: Vec::new(),
+        },
+    };
+    let attempt = Attempt::new(domain, world, draft, None);
+    let mut answer = serde_json::to_value(attempt.verdict(domain, world))?;
+    let bound = bind_tree(domain, world, &attempt.resolved, attempt.purpose.claim.as_ref());
+    if let Some((plan, _)) = bound.filter(|_| attempt.question().is_none()) {
+        let report = check(domain, world, plan, &attempt.purpose);
+        let endings = report.endings.iter().map(|ending| {
+            let when: Vec<String> = ending
+                .when
+                .iter()
+                .map(|fact| Voice::Person.fact(domain, world, *fact, true))
+                .collect();
+            json!({"when": when, "after": world::write(domain, world, &ending.after)})
+        });
+        answer["endings"] = endings.collect();
+    }
+    Ok(answer)
+}
+
+fn solve(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
+    let goal = goal::parse(domain, world, text)?;
+    let solution = solution::of_goal(domain, world, &goal, text, || 0.0);
+    Ok(serde_json::to_value(solution.answer)?)
+}
