@@ -4,6 +4,7 @@ import copy
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from random import Random
 
@@ -25,6 +26,12 @@ SCENES = {
 }
 
 
+@lru_cache(maxsize=8)
+def shared_world(domain: str, environment: str, faults: frozenset) -> World:
+    """The world of an environment."""
+    return World(words.load(domain), json.loads(environment), faults)
+
+
 @dataclass
 class Case:
     """One thing to be judged by both: a plan in a world, or goals in a world."""
@@ -38,8 +45,8 @@ class Case:
     goals: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
 
     def world(self, faults: frozenset = frozenset()) -> World:
-        """The world of the case."""
-        return World(words.load(self.domain), self.environment, faults)
+        """The world of the case; cases in one environment share it."""
+        return shared_world(self.domain, json.dumps(self.environment), faults)
 
     def request(self) -> dict:
         """The case as the batch program reads it."""
@@ -114,7 +121,7 @@ class Source:
         """Cases of a class in one random world."""
         loaded = words.load(domain)
         environment = scene(self.random, loaded)
-        world = World(loaded, environment)
+        world = shared_world(domain, json.dumps(environment), frozenset())
         if world.broken("start", world.initial):
             return
         if kind == "solve":

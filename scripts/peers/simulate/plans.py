@@ -22,6 +22,9 @@ class Grower:
         self.actions = [action for action in world.all_actions() if action.condition is not False]
         self.sensing = [action for action in self.actions if action.senses]
         self.acting = [action for action in self.actions if not action.senses]
+        self.named: dict[bool, dict[str, list[GroundAction]]] = {True: {}, False: {}}
+        for action in self.actions:
+            self.named[bool(action.senses)].setdefault(action.name, []).append(action)
 
     # --- nodes -----------------------------------------------------------------------------------------------
 
@@ -54,17 +57,28 @@ class Grower:
         name = self.random.choice(sorted({action.name for action in actions}))
         return self.random.choice([action for action in actions if action.name == name])
 
+    def find(self, states: frozenset, sensing: bool) -> GroundAction | None:
+        """An action that can be done in all of the states: any name is as likely as another, the last one less so."""
+        by_name = self.named[sensing]
+        names = self.random.sample(sorted(by_name), len(by_name))
+        if self.last in names and self.random.random() < 0.8:
+            names.remove(self.last)
+            names.append(self.last)
+        idle = None
+        for name in names:
+            for action in self.random.sample(by_name[name], len(by_name[name])):
+                if all(holds(action.condition, state) for state in states):
+                    if sensing or any(self.world.apply(action, state) != state for state in states):
+                        return action
+                    idle = action
+                    break
+        return idle
+
     def step(self, states: frozenset, sensing: bool = False) -> dict | None:
         """A step that can be done, and mostly one that changes something."""
-        found = self.applicable(self.sensing if sensing else self.acting, states)
-        if not found:
+        action = self.find(states, sensing)
+        if action is None:
             return None
-        action = self.pick(found)
-        for _ in range(3):
-            if sensing or any(self.world.apply(action, state) != state for state in states):
-                if action.name != self.last:
-                    break
-            action = self.pick(found)
         self.last = action.name
         return self.entry(action)
 
