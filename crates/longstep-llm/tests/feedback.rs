@@ -101,7 +101,7 @@ fn written_plan(domain: &Domain, world: &World, case: &Value) -> Option<Plan> {
         ..TaskCohesion::default()
     };
     let resolved = resolve(domain, world, &cohesion);
-    Some(bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None).0)
+    Some(bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap().0)
 }
 
 fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, String) {
@@ -212,7 +212,7 @@ fn figure() {
             &resolved.complete().unwrap(),
             &resolved.objects,
             purpose.claim.as_ref(),
-        );
+        ).unwrap();
         check(&domain, &world, plan, &purpose)
             .into_verified()
             .unwrap()

@@ -36,7 +36,7 @@ fn carrying(domain: &Domain, world: &World, item: &str, places: [&str; 2]) -> Pl
         ..TaskCohesion::default()
     };
     let steps = resolve(domain, world, &written).complete().unwrap();
-    verify::bind(domain, world, &steps, &[], None).0
+    verify::bind(domain, world, &steps, &[], None).unwrap().0
 }
 
 fn verification(criterion: &mut Criterion) {

@@ -84,7 +84,7 @@ fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
     let attempt = Attempt::new(domain, world, draft, None);
     let mut answer = serde_json::to_value(attempt.verdict(domain, world))?;
     let bound = bind_tree(domain, world, &attempt.resolved, attempt.purpose.claim.as_ref());
-    if let Some((plan, _)) = bound.filter(|_| attempt.question().is_none()) {
+    if let (Ok((plan, _)), None) = (bound, attempt.question()) {
         let report = check(domain, world, plan, &attempt.purpose);
         let endings = report.endings.iter().map(|ending| {
             let when: Vec<String> = ending

@@ -127,7 +127,7 @@ fn errands(world: &World, steps: usize, broken: bool) -> TaskCohesion {
 
 fn verified(domain: &Domain, world: &World, written: &TaskCohesion) -> usize {
     let steps = resolve(domain, world, written).complete().unwrap();
-    let (plan, _) = bind(domain, world, &steps, &[], None);
+    let (plan, _) = bind(domain, world, &steps, &[], None).unwrap();
     check(domain, world, plan, &Purpose::default()).violations.len()
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::arms::Compacted;
 use crate::domain::Domain;
 use crate::goal::{Goal, LeftOut};
-use crate::plan::{self, OutlineLine, PlanFile, Resolved, Step, TaskCohesion};
+use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
 use crate::prompt::Usage;
 use crate::repair::Edit;
 use crate::verify::{Ending, Report, Violation};
@@ -260,13 +260,19 @@ impl Answer {
         answer
     }
 
-    /// The answer to a plan whose steps name what there is not: it was not simulated.
-    pub fn of_unresolved(domain: &Domain, world: &World, written: &PlanFile, resolved: &Resolved) -> Self {
+    /// The answer to a plan that was not simulated, since its steps name what there is not or nothing fits them. `calls`
+    /// are its steps as they were written.
+    pub fn of_unresolved(
+        domain: &Domain,
+        world: &World,
+        written: &PlanFile,
+        calls: &[String],
+        issues: &[Violation],
+    ) -> Self {
         let mut answer = Self::without_plan(Status::Invalid, world, &written.instruction_summary, "");
         answer.plan.task_cohesion.clone_from(&written.task_cohesion);
-        let calls = &resolved.written;
-        let told = resolved.issues.iter();
-        answer.violations = told
+        answer.violations = issues
+            .iter()
             .map(|v| ViolationAnswer::of(domain, world, v, calls, &[], None))
             .collect();
         answer

@@ -5,7 +5,7 @@ use crate::answer::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::domain::Domain;
 use crate::plan::{self, Plan, PlanFile, Resolved, resolve};
 use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
-use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, bind_tree, check, feedback};
+use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check, feedback};
 use crate::world::{Claim, Voice, World};
 
 /// More changes than this are counted rather than told in a hint.
@@ -74,10 +74,14 @@ impl Attempt {
         (self.resolved.written.is_empty() && !question.is_empty()).then_some(question)
     }
 
-    /// Simulates the plan, if its words mean something; with it, what its open arguments were taken to be.
-    pub(crate) fn simulate(&self, domain: &Domain, world: &World) -> Option<(Report, Vec<Assumption>)> {
+    /// Simulates the plan; with it, what its open arguments were taken to be.
+    ///
+    /// # Errors
+    ///
+    /// What stands in the way of simulating it: words that mean nothing, arguments that nothing fits.
+    pub(crate) fn simulate(&self, domain: &Domain, world: &World) -> Result<(Report, Vec<Assumption>), Vec<Violation>> {
         let (plan, open) = bind_tree(domain, world, &self.resolved, self.purpose.claim.as_ref())?;
-        Some((check(domain, world, plan, &self.purpose), open))
+        Ok((check(domain, world, plan, &self.purpose), open))
     }
 
     /// The answer to the plan as it stands.
@@ -86,9 +90,9 @@ impl Attempt {
             return Answer::without_plan(Status::Question, world, &self.file.instruction_summary, question);
         }
         match self.simulate(domain, world) {
-            Some((report, open)) => self.answer(domain, world, &report, &open),
-            None => {
-                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved);
+            Ok((report, open)) => self.answer(domain, world, &report, &open),
+            Err(issues) => {
+                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved.written, &issues);
                 self.remark(domain, world, &mut answer);
                 answer
             }
@@ -101,8 +105,17 @@ impl Attempt {
         answer.assumptions.extend(open.iter().map(|a| a.message(domain, world)));
         let claim = self.purpose.claim.as_ref();
         answer.claims = claim.map_or_else(Claims::default, |claim| {
-            compare_claims(domain, world, claim, &report.ending().after)
+            compare_claims(domain, world, claim, &report.claimed_ending().after)
         });
+        if let (Some(number), true) = (report.claimed, report.endings.len() > 1) {
+            let when = report.endings[number].when.iter();
+            let told: Vec<String> = when.map(|fact| Voice::Person.fact(domain, world, *fact, true)).collect();
+            let ending = number + 1;
+            answer.notes.push(match told.as_slice() {
+                [] => format!("the plan claims the world of ending {ending} of {}", report.endings.len()),
+                told => format!("the plan claims the world for the case that {}", told.join(" and ")),
+            });
+        }
         self.remark(domain, world, &mut answer);
         answer
     }
@@ -122,7 +135,7 @@ impl Attempt {
 
     /// The plan as it stands, if it is valid.
     pub fn verified(&self, domain: &Domain, world: &World) -> Option<VerifiedPlan> {
-        self.simulate(domain, world)?.0.into_verified().ok()
+        self.simulate(domain, world).ok()?.0.into_verified().ok()
     }
 
     /// The answer to what came of a repair.
@@ -181,8 +194,8 @@ impl Attempt {
     /// What a model would be told about the plan.
     pub fn feedback(&self, domain: &Domain, world: &World) -> String {
         let (violations, steps) = match self.simulate(domain, world) {
-            Some((report, _)) => (report.violations, report.plan),
-            None => (self.resolved.issues.clone(), Plan::default()),
+            Ok((report, _)) => (report.violations, report.plan),
+            Err(issues) => (issues, Plan::default()),
         };
         let edits = match self.repair(domain, world, &Pins::default()) {
             Outcome::Repaired(repaired) => repaired.edits,

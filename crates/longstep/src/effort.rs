@@ -27,8 +27,8 @@ use std::cell::Cell;
 /// less than a tenth of it.
 pub const OPERATION: u64 = 25_000_000;
 
-/// The units that are charged for a change of the world that is kept in memory.
-pub(crate) const KEPT: u64 = 8;
+/// The units that are charged for a value of a few dozen bytes that is kept in memory.
+pub(crate) const KEPT: usize = 8;
 
 thread_local! {
     static LEFT: Cell<u64> = const { Cell::new(u64::MAX) };

@@ -53,7 +53,7 @@ fn household() -> Vec<(String, Value)> {
 fn check(domain: &Domain, world: &World, written: &TaskCohesion, purpose: &Purpose) -> Report {
     let resolved = plan::resolve(domain, world, written);
     let steps = resolved.complete().unwrap();
-    let (plan, _) = verify::bind(domain, world, &steps, &resolved.objects, purpose.claim.as_ref());
+    let (plan, _) = verify::bind(domain, world, &steps, &resolved.objects, purpose.claim.as_ref()).unwrap();
     verify::check(domain, world, plan, purpose)
 }
 

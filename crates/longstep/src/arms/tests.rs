@@ -141,7 +141,7 @@ fn check_lanes(things: &[&str], steps: &[(&str, &str)], expected: &str) {
         ..TaskCohesion::default()
     };
     let resolved = resolve(&domain, &world, &written);
-    let (plan, _) = bind(&domain, &world, &resolved.complete().unwrap(), &resolved.objects, None);
+    let (plan, _) = bind(&domain, &world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap();
     let plan = check(&domain, &world, plan, &Purpose::default()).into_verified();
     let plan = plan.unwrap_or_else(|report| panic!("{:?}", report.violations));
     let told = match compact(&domain, &world, &plan, &Purpose::default()) {

@@ -42,19 +42,10 @@ impl Recalled {
             leniencies: Vec::new(),
         };
         let attempt = Attempt::new(domain, &own, draft, None);
-        let Some((report, _)) = attempt.simulate(domain, &own) else {
-            let issues = attempt.resolved.issues.iter();
-            return Err(unusable(joined(
-                issues.map(|issue| issue.message(domain, &own, &[], None)),
-            )));
-        };
-        if report.plan.steps().len() < attempt.resolved.steps.len() {
-            let told = report.violations.iter();
-            let steps = report.plan.steps();
-            return Err(unusable(joined(
-                told.map(|violation| violation.message(domain, &own, steps, None)),
-            )));
-        }
+        let (report, _) = attempt.simulate(domain, &own).map_err(|issues| {
+            let told = issues.iter().map(|issue| issue.message(domain, &own, &[], None));
+            unusable(joined(told))
+        })?;
         Ok(Self::of_plan(domain, &own, &report.plan, &stored.summary))
     }
 

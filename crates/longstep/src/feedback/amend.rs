@@ -86,7 +86,8 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
     });
     ways.extend(&freer);
     for way in &ways {
-        if let Ok(plan) = verified(domain, world, &way.draft, purpose).into_verified() {
+        let plan = verified(domain, world, &way.draft, purpose).ok();
+        if let Some(Ok(plan)) = plan.map(Report::into_verified) {
             return done(plan, Vec::new());
         }
     }
@@ -103,8 +104,13 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
             Outcome::Unclear { .. } | Outcome::ProvenUnsolvable { .. } => {}
         }
     }
-    let report = verified(domain, world, &full.draft, purpose);
-    let mut why = in_the_way(domain, world, &report, purpose);
+    let (mut why, report) = match verified(domain, world, &full.draft, purpose) {
+        Ok(report) => (in_the_way(domain, world, &report, purpose), report),
+        Err(violation) => {
+            let why = violation.message(domain, world, &[], None);
+            (vec![why], check(domain, world, plan.clone(), purpose))
+        }
+    };
     if let Some(changes) = too_many {
         why.push(format!("it would take {changes} other changes of the plan"));
     }
@@ -122,12 +128,12 @@ fn done(plan: VerifiedPlan, edits: Vec<Edit>) -> Amended {
 }
 
 /// The report on a draft; its assumptions include the arguments that could be others.
-fn verified(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Report {
+fn verified(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Result<Report, Violation> {
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
-    let (plan, assumptions) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
+    let (plan, assumptions) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref())?;
     let mut report = check(domain, world, plan, purpose);
     report.assumptions.extend(assumptions);
-    report
+    Ok(report)
 }
 
 /// The findings as sentences for a person.

@@ -18,7 +18,7 @@ use crate::repair::{Pins, Reach, Unwanted};
 ///     resolve(&domain, &world, &TaskCohesion { task_sequence, ..TaskCohesion::default() })
 /// };
 /// let before = read(&["Walktowards(<desk_1>)", "Grab(<mug_2>)"]);
-/// let (before, _) = verify::bind(&domain, &world, &before.complete().unwrap(), &[], None);
+/// let (before, _) = verify::bind(&domain, &world, &before.complete().unwrap(), &[], None).unwrap();
 /// let after = read(&["Walktowards(<mug_2>)", "Grab(<mug_2>)"]);
 /// let pins = feedback::pins(&before, &after);
 /// assert_eq!((pins.kept, pins.unwanted.len()), (vec![0], 1));

@@ -22,9 +22,9 @@ use edit::Script;
 use target::Meant;
 
 use crate::domain::Domain;
-use crate::plan::Resolved;
+use crate::plan::{Plan, Resolved};
 use crate::search::{Asked, Found, Scope, cheapest, greedy, reduce};
-use crate::verify::{Purpose, VerifiedPlan, Violation, bind, check};
+use crate::verify::{Purpose, VerifiedPlan, Violation, bind_as_far, check};
 use crate::world::{EntityId, Fact, World};
 
 /// How far repair looks for the cheapest change, and as far again for any, in states looked at, so that the answer
@@ -126,13 +126,14 @@ fn repair_within(
     pins: &Pins,
 ) -> Outcome {
     if !draft.is_sequence() {
-        return branches::repair_branches(limit, domain, world, draft, purpose);
+        return branches::repair_branches(limit, domain, world, draft, purpose, pins);
     }
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
-    let (plan, _) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
+    let bound = bind_as_far(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
+    let whole = draft.issues.is_empty() && bound.missing.is_none();
     // What the draft would come to if every step worked.
-    let as_if = match check(domain, world, plan, purpose).into_verified() {
-        Ok(plan) if draft.issues.is_empty() => return Outcome::Valid(plan),
+    let as_if = match check(domain, world, Plan::sequence(bound.steps), purpose).into_verified() {
+        Ok(plan) if whole => return Outcome::Valid(plan),
         Ok(plan) => plan.ending().after.clone(),
         Err(report) => report.ending().after.clone(),
     };

@@ -460,7 +460,7 @@ proptest! {
             ..Purpose::default()
         };
         let steps = draft.complete().unwrap();
-        let (plan, _) = bind(&domain, &world, &steps, &[], None);
+        let (plan, _) = crate::verify::bind(&domain, &world, &steps, &[], None).unwrap();
         let report: Report = verify::check(&domain, &world, plan.clone(), &purpose);
         match repair_within(1_000_000, &domain, &world, &draft, &purpose, &Pins::default()) {
             Outcome::Valid(valid) => {

@@ -8,11 +8,12 @@
 use rustc_hash::FxHashSet;
 
 use super::simulate::{apply, unmet};
-use super::violation::{Assumption, Missing};
+use super::violation::{Assumption, Missing, Violation};
 use crate::domain::{Action, Domain, plain_words, singular};
+use crate::effort;
 use crate::plan::claims::told;
 use crate::plan::{DraftStep, Plan, Step};
-use crate::world::{Claim, Difference, EntityId, Fact, State, World, ground};
+use crate::world::{ChangedLists, Claim, Difference, EntityId, Fact, State, World, ground};
 
 /// States that are looked at before the best choice so far is taken.
 const LIMIT: usize = 20_000;
@@ -39,27 +40,94 @@ pub(super) enum Learned {
     Fact(Fact, bool),
 }
 
-/// Binds every open argument. A plan that cannot be executed whatever they are is bound as far as it goes,
-/// so that [`super::check`] can tell why.
+/// Binds every open argument. A plan that cannot be executed whatever they are is bound to what lacks the least, so
+/// that [`super::check`] can tell why.
+///
+/// # Errors
+///
+/// [`Violation::NothingFits`] for the first step with a hidden argument for which the environment has no entity at all;
+/// [`Violation::TooMuchWork`] where looking for the arguments takes more than [`effort::OPERATION`] units.
 pub fn bind(
     domain: &Domain,
     world: &World,
     steps: &[DraftStep],
     objects: &[EntityId],
     claim: Option<&Claim>,
-) -> (Plan, Vec<Assumption>) {
+) -> Result<(Plan, Vec<Assumption>), Violation> {
+    let Bound {
+        steps,
+        assumptions,
+        missing,
+    } = bind_as_far(domain, world, steps, objects, claim);
+    match missing {
+        None => Ok((Plan::sequence(steps), assumptions)),
+        Some(violation) => Err(violation),
+    }
+}
+
+/// Steps with their arguments, as far as there are any.
+pub(crate) struct Bound {
+    /// The steps; those from the first one on that nothing fits are not among them.
+    pub(crate) steps: Vec<Step>,
+    pub(crate) assumptions: Vec<Assumption>,
+    /// Why there are no more.
+    pub(crate) missing: Option<Violation>,
+}
+
+/// Binds open arguments up to the first step that nothing fits.
+pub(crate) fn bind_as_far(
+    domain: &Domain,
+    world: &World,
+    steps: &[DraftStep],
+    objects: &[EntityId],
+    claim: Option<&Claim>,
+) -> Bound {
     let turn = |step: &DraftStep| Turn {
         step: step.clone(),
         claims: Vec::new(),
         learned: Vec::new(),
     };
     let turns: Vec<Turn> = steps.iter().map(turn).collect();
-    let (arguments, assumptions) = bind_way(domain, world, &world.state, &turns, objects, claim);
+    let WayArguments {
+        arguments,
+        assumptions,
+        exhausted,
+    } = bind_way(domain, world, &world.state, &turns, objects, claim);
+    let missing = match steps.get(arguments.len()) {
+        _ if exhausted => Some(Violation::TooMuchWork),
+        Some(step) => Some(nothing_fits(domain, arguments.len(), step)),
+        None => None,
+    };
     let steps = steps
         .iter()
         .zip(arguments)
         .map(|(step, arguments)| bound(domain, world, step, arguments));
-    (steps.collect(), assumptions)
+    Bound {
+        steps: steps.collect(),
+        assumptions,
+        missing,
+    }
+}
+
+/// The finding about a step for whose open arguments there is nothing.
+pub(super) fn nothing_fits(domain: &Domain, index: usize, step: &DraftStep) -> Violation {
+    let open = step.arguments.iter().position(Option::is_none);
+    let parameters = &domain.action(step.action).parameters;
+    Violation::NothingFits {
+        step: index,
+        parameter: open.map_or_else(String::new, |place| parameters[place].name.clone()),
+    }
+}
+
+/// The arguments of the steps of one way through a plan.
+#[derive(Debug, Default)]
+pub(super) struct WayArguments {
+    /// For each step; there are fewer where nothing fits a step.
+    pub(super) arguments: Vec<Vec<EntityId>>,
+    /// The arguments that could be others.
+    pub(super) assumptions: Vec<Assumption>,
+    /// Whether finding them would have taken more than the budget.
+    pub(super) exhausted: bool,
 }
 
 /// Arguments for the steps of one way from a state, as far as there are any.
@@ -70,10 +138,13 @@ pub(super) fn bind_way(
     turns: &[Turn],
     objects: &[EntityId],
     claim: Option<&Claim>,
-) -> (Vec<Vec<EntityId>>, Vec<Assumption>) {
+) -> WayArguments {
     let given = |turn: &Turn| turn.step.arguments.iter().copied().collect::<Option<Vec<EntityId>>>();
-    if let Some(all) = turns.iter().map(given).collect() {
-        return (all, Vec::new());
+    if let Some(arguments) = turns.iter().map(given).collect() {
+        return WayArguments {
+            arguments,
+            ..WayArguments::default()
+        };
     }
     let mut binder = Binder {
         domain,
@@ -88,30 +159,31 @@ pub(super) fn bind_way(
         chosen: Vec::new(),
         broken: 0,
     };
-    let mut places = claimed_places(domain, world, claim, objects);
-    for fact in turns
-        .iter()
-        .flat_map(|turn| &turn.claims)
-        .filter(|fact| !start.holds(**fact))
-    {
-        if domain.arguments(*fact).any(|entity| objects.contains(&entity)) {
-            places.extend(domain.arguments(*fact));
+    let found = effort::within(effort::OPERATION, || {
+        binder.list_candidates(objects);
+        if turns.len() <= LONGEST {
+            binder.descend(start);
         }
+        match binder.best.take() {
+            Some((_, arguments)) => (true, arguments),
+            None => (false, binder.as_far_as_it_goes()),
+        }
+    });
+    if found.exhausted {
+        return WayArguments {
+            exhausted: true,
+            ..WayArguments::default()
+        };
     }
-    let complete = |turn: &Turn| {
-        let all = candidates(domain, world, &turn.step, objects, &places).into_iter();
-        all.map(|candidate| candidate.arguments).collect()
+    let (executable, arguments) = found.result;
+    let assumptions = match executable {
+        true => effort::within(effort::OPERATION, || binder.open(&arguments)).result,
+        false => Vec::new(),
     };
-    binder.candidates = turns.iter().map(complete).collect();
-    if turns.len() <= LONGEST {
-        binder.descend(start);
-    }
-    match binder.best.take() {
-        Some((_, arguments)) => {
-            let assumptions = binder.open(&arguments);
-            (arguments, assumptions)
-        }
-        None => (binder.as_far_as_it_goes(), Vec::new()),
+    WayArguments {
+        arguments,
+        assumptions,
+        exhausted: false,
     }
 }
 
@@ -142,6 +214,7 @@ pub(crate) fn candidates(
 ) -> Vec<Candidate> {
     let action = domain.action(step.action);
     let words = spoken(step);
+    let handled: FxHashSet<EntityId> = objects.iter().copied().collect();
     let mut all = vec![Candidate {
         arguments: Vec::new(),
         unspoken: false,
@@ -152,24 +225,30 @@ pub(crate) fn candidates(
             Some(entity) => vec![(entity, false)],
             None if action.object == Some(index) && !objects.is_empty() => {
                 let named = |object: &EntityId| world.entity(*object).words_in(&words);
-                let mut handled: Vec<EntityId> = objects.iter().copied().filter(|o| open.contains(o)).collect();
+                let fits = objects
+                    .iter()
+                    .filter(|object| world.is_of_kind(**object, parameter.kind));
+                let mut handled: Vec<(EntityId, usize)> = fits.map(|object| (*object, named(object))).collect();
+                effort::spend(handled.len() * (1 + words.len()));
                 // Of several, the one that the sentence speaks of comes first; a place may be named after another.
-                handled.sort_by_key(|object| std::cmp::Reverse(named(object)));
-                let best = handled.first().map_or(0, named);
+                handled.sort_by_key(|(_, named)| std::cmp::Reverse(*named));
+                let best = handled.first().map_or(0, |(_, named)| *named);
                 handled
                     .into_iter()
-                    .map(|object| (object, named(&object) < best))
+                    .map(|(object, named)| (object, named < best))
                     .collect()
             }
             None => {
-                let mentioned = |entity: EntityId| match action.object.is_some() && objects.contains(&entity) {
-                    // The thing that is handled is named in every sentence, and is not its own place.
+                // The object that is handled is named in every sentence, and is not its own place.
+                let is_handled = |entity: &EntityId| action.object.is_some() && handled.contains(entity);
+                let mentioned = |entity: EntityId| match is_handled(&entity) {
                     true => 0,
                     false => world.entity(entity).words_in(&words),
                 };
+                effort::spend(open.len() * (1 + words.len()));
                 let mut ranked: Vec<(EntityId, usize)> = open.iter().map(|e| (*e, mentioned(*e))).collect();
                 ranked.sort_by_key(|(entity, mentioned)| {
-                    let itself = action.object.is_some() && objects.contains(entity);
+                    let itself = is_handled(entity);
                     (
                         itself,
                         std::cmp::Reverse(*mentioned),
@@ -190,6 +269,10 @@ pub(crate) fn candidates(
                 })
                 .collect::<Vec<_>>()
         };
+        // Every choice of arguments is kept until the plan is bound.
+        if !effort::spend(2 * effort::KEPT * all.len().saturating_mul(fitting.len())) {
+            return Vec::new();
+        }
         all = all.iter().flat_map(longer).collect();
     }
     all
@@ -219,7 +302,8 @@ struct Binder<'a> {
     turns: &'a [Turn],
     /// For each step, complete arguments, the likeliest first.
     candidates: Vec<Vec<Vec<EntityId>>>,
-    seen: FxHashSet<(usize, State)>,
+    /// Where a choice has been followed from: before which step, and what is changed there since the start.
+    seen: FxHashSet<(usize, ChangedLists)>,
     /// The choice that can be executed and differs least from what is claimed.
     best: Option<(usize, Vec<Vec<EntityId>>)>,
     /// The longest choice that can be executed.
@@ -230,6 +314,22 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
+    fn list_candidates(&mut self, objects: &[EntityId]) {
+        let (domain, world) = (self.domain, self.world);
+        let mut places = claimed_places(domain, world, self.claim, objects);
+        let claims = self.turns.iter().flat_map(|turn| &turn.claims);
+        for fact in claims.filter(|fact| !self.start.holds(**fact)) {
+            if domain.arguments(*fact).any(|entity| objects.contains(&entity)) {
+                places.extend(domain.arguments(*fact));
+            }
+        }
+        let complete = |turn: &Turn| {
+            let all = candidates(domain, world, &turn.step, objects, &places).into_iter();
+            all.map(|candidate| candidate.arguments).collect()
+        };
+        self.candidates = self.turns.iter().map(complete).collect();
+    }
+
     fn claimed_differences(&self, state: &State) -> Vec<Difference> {
         self.claim
             .map_or_else(Vec::new, |claim| claim.differences(self.domain, state))
@@ -267,7 +367,8 @@ impl Binder<'_> {
         let depth = self.chosen.len();
         let best = self.best.as_ref().map(|(distance, _)| *distance);
         let hopeless = best.is_some_and(|best| best == 0 || (self.broken > 0 && self.broken >= best));
-        if self.seen.len() >= LIMIT || hopeless || !self.seen.insert((depth, state.clone())) {
+        let stopped = self.seen.len() >= LIMIT || effort::is_exhausted();
+        if stopped || hopeless || !self.seen.insert((depth, state.changed_lists(self.start))) {
             return;
         }
         if depth > self.deepest.len() {
@@ -281,6 +382,7 @@ impl Binder<'_> {
             return;
         }
         let mut order: Vec<usize> = (0..self.candidates[depth].len()).collect();
+        effort::spend(order.len());
         if !self.turns[depth].claims.is_empty() {
             order.sort_by_cached_key(|at| self.advance(&mut state.clone(), &self.chosen, &self.candidates[depth][*at]));
         }
@@ -320,10 +422,13 @@ impl Binder<'_> {
         way
     }
 
-    /// Arguments that could be others without any difference that the plan shows.
+    /// Arguments that could be others without any difference that the plan shows; where the budget does not suffice to
+    /// find out, they could.
     fn open(&self, chosen: &[Vec<EntityId>]) -> Vec<Assumption> {
         let mut open = Vec::new();
-        let best = self.distance(chosen).unwrap_or(usize::MAX);
+        let Some(along) = self.along(chosen) else {
+            return open;
+        };
         for (index, Turn { step, .. }) in self.turns.iter().enumerate() {
             let words = spoken(step);
             let action = self.domain.action(step.action);
@@ -332,17 +437,13 @@ impl Binder<'_> {
                 if step.arguments[parameter].is_some() || named || action.object == Some(parameter) {
                     continue;
                 }
-                let others = self.candidates[index].iter().filter(|other| {
+                effort::spend(self.candidates[index].len());
+                let mut others = self.candidates[index].iter().filter(|other| {
                     let differs =
                         |(at, entity): (usize, &EntityId)| (*entity != chosen[index][at]) == (at == parameter);
                     other.iter().enumerate().all(differs)
                 });
-                let fits = |other: &Vec<EntityId>| {
-                    let mut changed = chosen.to_vec();
-                    changed[index].clone_from(other);
-                    self.distance(&changed) == Some(best)
-                };
-                if others.into_iter().any(fits) {
+                if others.any(|other| effort::is_exhausted() || self.fits_as_well(chosen, &along, index, other)) {
                     open.push(Assumption::Argument {
                         step: index,
                         parameter: action.parameters[parameter].name.clone(),
@@ -354,17 +455,51 @@ impl Binder<'_> {
         open
     }
 
-    /// How far a choice is from what is claimed; none if it cannot be executed.
-    fn distance(&self, chosen: &[Vec<EntityId>]) -> Option<usize> {
-        let mut state = self.start.clone();
-        let mut broken = 0;
+    /// The states along a choice, the first state first, each with the claims that are broken so far; none if it cannot
+    /// be executed.
+    fn along(&self, chosen: &[Vec<EntityId>]) -> Option<Vec<(State, usize)>> {
+        let mut along = vec![(self.start.clone(), 0)];
         for (depth, arguments) in chosen.iter().enumerate() {
+            let (mut state, mut broken) = along[depth].clone();
             if !self.lacks(depth, &state, arguments).is_empty() {
                 return None;
             }
             broken += self.advance(&mut state, &chosen[..depth], arguments);
+            along.push((state, broken));
         }
-        Some(broken + self.claimed_differences(&state).len())
+        Some(along)
+    }
+
+    /// Whether the plan can be executed with `other` at one step, and is as far from what is claimed.
+    fn fits_as_well(
+        &self,
+        chosen: &[Vec<EntityId>],
+        along: &[(State, usize)],
+        index: usize,
+        other: &[EntityId],
+    ) -> bool {
+        let outcome_of_it = |learned: &Learned| matches!(learned, Learned::Outcome(place, _) if *place == index);
+        let last_use = self.turns.iter().rposition(|turn| turn.learned.iter().any(outcome_of_it));
+        let mut changed = chosen[..=index].to_vec();
+        changed[index] = other.to_vec();
+        let (mut state, mut broken) = along[index].clone();
+        for depth in index..chosen.len() {
+            if depth > index {
+                changed.push(chosen[depth].clone());
+            }
+            if !self.lacks(depth, &state, &changed[depth]).is_empty() {
+                return false;
+            }
+            broken += self.advance(&mut state, &changed[..depth], &changed[depth]);
+            // Where both come to the same state, the rest of the plan is the same.
+            let (same, known) = &along[depth + 1];
+            if state == *same && last_use.is_none_or(|last| last <= depth) {
+                return broken == *known;
+            }
+        }
+        let differences = |state: &State| self.claimed_differences(state).len();
+        let (end, known) = &along[chosen.len()];
+        broken + differences(&state) == known + differences(end)
     }
 }
 

@@ -4,30 +4,71 @@
 //! plain plan, with what earlier ways have settled. What a way takes the conditions to be is known on it from there on,
 //! as sensing would tell it.
 
-use super::bind::{Learned, Turn, bind_way, bound, learn};
+use super::bind::{Learned, Turn, bind_way, bound, learn, nothing_fits};
 use super::claims;
-use super::violation::Assumption;
+use super::violation::{Assumption, Violation};
 use crate::domain::Domain;
+use crate::effort;
 use crate::plan::{DraftStep, Lane, LaneItem, Node, Plan, Resolved, StepId, Test, tree};
 use crate::world::{Claim, Fact, World};
 
-/// More ways are not looked at; what no way did is then bound by its words alone.
+/// More ways are not looked at; a step that none of them did is then bound by its words alone.
 const WAYS: usize = 256;
 
-/// Binds every open argument of a plan, whatever its shape; none if its words mean nothing, or if nothing of the world
-/// fits a step of a tree.
+/// Binds every open argument of a plan, whatever its shape.
 ///
 /// A plain list of steps is bound as [`super::bind`] does, except that what its steps claim counts as well.
+///
+/// # Errors
+///
+/// The issues of a draft whose words mean nothing; [`Violation::NothingFits`] for each step with a hidden argument for
+/// which there is nothing; [`Violation::TooMuchWork`] where looking for the arguments takes more than
+/// [`effort::OPERATION`] units.
 pub fn bind_tree(
     domain: &Domain,
     world: &World,
     resolved: &Resolved,
     claim: Option<&Claim>,
-) -> Option<(Plan, Vec<Assumption>)> {
-    let mut steps = resolved.complete().ok()?;
+) -> Result<(Plan, Vec<Assumption>), Vec<Violation>> {
+    let mut steps = resolved.complete().map_err(<[Violation]>::to_vec)?;
     let mut assumptions = Vec::new();
+    // Each way may take a whole budget to bind and another to see what is left open.
+    let spent = effort::within(2 * effort::OPERATION, || {
+        bind_ways(domain, world, resolved, claim, &mut steps, &mut assumptions)
+    });
+    if spent.exhausted || !spent.result {
+        return Err(vec![Violation::TooMuchWork]);
+    }
+    let whole = |step: &DraftStep| step.arguments.iter().copied().collect::<Option<Vec<_>>>();
+    let (mut all, mut missing) = (Vec::with_capacity(steps.len()), Vec::new());
+    for (index, step) in steps.iter().enumerate() {
+        match whole(step) {
+            Some(arguments) => all.push(bound(domain, world, step, arguments)),
+            None => missing.push(nothing_fits(domain, index, step)),
+        }
+    }
+    if !missing.is_empty() {
+        return Err(missing);
+    }
+    match Plan::tree(all, resolved.body.clone()) {
+        Some(plan) => Ok((plan, assumptions)),
+        None => Err(vec![Violation::TooDeep]),
+    }
+}
+
+/// Binds way after way until every step has been on one, and what is left over by its words; false if one took too much
+/// work.
+fn bind_ways(
+    domain: &Domain,
+    world: &World,
+    resolved: &Resolved,
+    claim: Option<&Claim>,
+    steps: &mut [DraftStep],
+    assumptions: &mut Vec<Assumption>,
+) -> bool {
+    let written = steps.to_vec();
     let mut chooser = Chooser {
-        steps: &steps.clone(),
+        steps: &written,
         done: vec![false; steps.len()],
         decided: Vec::new(),
         target: None,
@@ -36,16 +77,19 @@ pub fn bind_tree(
         let Some(way) = chooser.next(&resolved.body) else {
             break;
         };
-        let turns: Vec<Turn> = way.turns(&steps, resolved);
+        let turns: Vec<Turn> = way.turns(steps, resolved);
         let mut start = world.state.clone();
         for (fact, holds) in &way.before {
             learn(domain, &mut start, *fact, *holds);
         }
-        let (arguments, open) = bind_way(domain, world, &start, &turns, &resolved.objects, claim);
-        for (id, arguments) in way.steps.iter().zip(arguments) {
+        let found = bind_way(domain, world, &start, &turns, &resolved.objects, claim);
+        if found.exhausted {
+            return false;
+        }
+        for (id, arguments) in way.steps.iter().zip(found.arguments) {
             steps[id.index()].arguments = arguments.into_iter().map(Some).collect();
         }
-        assumptions.extend(open.into_iter().map(|open| match open {
+        assumptions.extend(found.assumptions.into_iter().map(|open| match open {
             Assumption::Argument {
                 step,
                 parameter,
@@ -58,17 +102,22 @@ pub fn bind_tree(
             other => other,
         }));
     }
-    let whole = |step: &DraftStep| step.arguments.iter().copied().collect::<Option<Vec<_>>>();
-    let mut all = Vec::with_capacity(steps.len());
-    for step in &steps {
-        match whole(step) {
-            Some(arguments) => all.push(bound(domain, world, step, arguments)),
-            // A list goes as far as there is something for its steps; a tree without one of its steps is another plan.
-            None if resolved.is_sequence() => return Some((Plan::sequence(all), assumptions)),
-            None => return None,
+    let left_over = |index: &usize| steps[*index].arguments.iter().any(Option::is_none);
+    for index in (0..steps.len()).filter(left_over).collect::<Vec<_>>() {
+        let turn = Turn {
+            step: steps[index].clone(),
+            claims: Vec::new(),
+            learned: Vec::new(),
+        };
+        let found = bind_way(domain, world, &world.state, &[turn], &resolved.objects, claim);
+        if found.exhausted {
+            return false;
+        }
+        if let [arguments] = &found.arguments[..] {
+            steps[index].arguments = arguments.iter().copied().map(Some).collect();
         }
     }
-    Plan::tree(all, resolved.body.clone()).map(|plan| (plan, assumptions))
+    true
 }
 
 /// One way through a plan.
@@ -129,6 +178,9 @@ impl Chooser<'_> {
 
     fn nodes(&mut self, nodes: &[Node], way: &mut Way) {
         for node in nodes {
+            if !effort::spend(1) {
+                return;
+            }
             match node {
                 Node::Step(id) => way.step(*id),
                 Node::If {
@@ -154,6 +206,7 @@ impl Chooser<'_> {
 
     /// Which side of a branch the way takes.
     fn choose(&self, condition: &Test, then: &[Node], otherwise: &[Node]) -> bool {
+        effort::spend(self.decided.len() + tree::steps(then).len() + tree::steps(otherwise).len());
         let leads = |nodes: &[Node]| self.target.is_some_and(|target| tree::steps(nodes).contains(&target));
         let news = |nodes: &[Node]| tree::steps(nodes).iter().any(|step| !self.done[step.index()]);
         if leads(then) || leads(otherwise) {

@@ -21,7 +21,7 @@ use crate::world::{Voice, World};
 /// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let draft = TaskCohesion { task_sequence: vec!["Grab(<mug_2>)".to_owned()], ..TaskCohesion::default() };
 /// let resolved = resolve(&domain, &world, &draft);
-/// let (plan, _) = bind(&domain, &world, &resolved.complete().unwrap(), &[], None);
+/// let (plan, _) = bind(&domain, &world, &resolved.complete().unwrap(), &[], None).unwrap();
 /// let report = check(&domain, &world, plan, &Purpose::default());
 /// let told = feedback(&domain, &world, &report.violations, report.plan.steps(), 1, &[]);
 /// assert!(told.contains("step 1: Grab(<mug_2>) needs that <mug_2> is within reach"));

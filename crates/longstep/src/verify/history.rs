@@ -1,6 +1,7 @@
 //! What the ways through a plan changed.
 
 use super::trace::{Change, Trace};
+use crate::effort;
 use crate::plan::StepId;
 use crate::world::Fact;
 
@@ -26,6 +27,7 @@ struct Entry {
 impl History {
     /// Adds a step behind `before`; what it changes is added by `change`.
     pub(super) fn add(&mut self, step: StepId, before: Here, change: impl FnOnce(&mut Vec<Change>)) -> Here {
+        effort::spend(effort::KEPT);
         let begin = self.changes.len();
         change(&mut self.changes);
         self.entries.push(Entry {
@@ -52,6 +54,7 @@ impl History {
     /// Whether a way changed the fact.
     pub(super) fn touched(&self, here: Here, fact: Fact) -> bool {
         self.back(here)
+            .take_while(|(_, changes)| effort::spend(1 + changes.len()))
             .any(|(_, changes)| changes.iter().any(|change| change.fact == fact))
     }
 
@@ -59,6 +62,7 @@ impl History {
     pub(super) fn trace(&self, here: Here) -> Trace {
         let mut trace = Trace::default();
         let steps: Vec<_> = self.back(here).collect();
+        effort::spend(effort::KEPT * steps.len());
         for (step, changes) in steps.into_iter().rev() {
             trace.add(step, changes);
         }

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use super::Violation;
 use super::walk::{Walk, Way};
+use crate::effort;
 use crate::plan::{Lane, LaneItem, StepId};
 use crate::world::EntityId;
 
@@ -47,6 +48,7 @@ impl Walk<'_> {
             if next.iter().all(Option::is_none) || self.is_stopped() {
                 break;
             }
+            effort::spend(lanes.iter().map(Vec::len).sum());
             self.together(&next, &way);
             let mut moves: Vec<(Vec<usize>, Way)> = Vec::new();
             for (lane, item) in next.iter().enumerate() {
@@ -107,6 +109,7 @@ impl Walk<'_> {
             })
             .collect();
         for (number, first) in steps.iter().enumerate() {
+            effort::spend(steps.len());
             for second in &steps[number + 1..] {
                 for entity in self.shared(*first, *second) {
                     let (step, other) = (first.index(), second.index());

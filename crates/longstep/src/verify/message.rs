@@ -2,8 +2,9 @@
 
 use super::violation::{Assumption, Missing, Violation};
 use crate::domain::Domain;
+use crate::effort;
 use crate::goal::Goal;
-use crate::plan::Step;
+use crate::plan::{Step, tree};
 use crate::world::{Ground, Voice, World, fact_text};
 
 impl Violation {
@@ -152,6 +153,14 @@ impl Violation {
                     "{}too many states: the plan can be in {states} of them and more",
                     at(*step)
                 )
+            }
+            Self::TooMuchWork => format!(
+                "checking the plan takes more than {} units of work; shorten it, or ask for fewer things at once",
+                effort::OPERATION
+            ),
+            Self::TooDeep => format!("branches and loops stand more than {} deep in each other", tree::DEEPEST),
+            Self::NothingFits { step, parameter } => {
+                format!("step {}: nothing in the environment fits the hidden argument `{parameter}`", step + 1)
             }
             Self::SharedObject { step, other, entity } => {
                 let name = voice.name(world, *entity);

@@ -20,7 +20,7 @@ mod violation;
 mod walk;
 
 pub use bind::bind;
-pub(crate) use bind::{Candidate, candidates, claimed_places};
+pub(crate) use bind::{Candidate, bind_as_far, candidates, claimed_places};
 pub use bind_tree::bind_tree;
 pub use claims::StepClaim;
 pub use explain::feedback;
@@ -33,6 +33,7 @@ pub use violation::{Assumption, Missing, Violation};
 pub use walk::STATES;
 
 use crate::domain::{ActionId, Domain};
+use crate::effort;
 use crate::goal::Spoken;
 use crate::plan::{Plan, Step};
 use crate::search::Wanted;
@@ -63,6 +64,8 @@ pub struct Report {
     pub plan: Plan,
     /// How it can end, at least one: several where sensing decides, sorted by what it told.
     pub endings: Vec<Ending>,
+    /// The first ending that is as the plan claims; none if no ending is, or if the plan claims nothing.
+    pub claimed: Option<usize>,
     /// What is wrong; empty for a good plan.
     pub violations: Vec<Violation>,
     /// What is odd without being wrong.
@@ -123,6 +126,11 @@ impl Report {
         &self.endings[0]
     }
 
+    /// The ending that the plan's claim is about: the one that is as claimed, else the first.
+    pub fn claimed_ending(&self) -> &Ending {
+        &self.endings[self.claimed.unwrap_or(0)]
+    }
+
     /// The plan, if nothing speaks against it.
     ///
     /// # Errors
@@ -148,38 +156,72 @@ impl Report {
 ///
 /// Every way through the plan is followed: both sides of a branch, each outcome of sensing, a loop until no new state
 /// comes up, lanes in every order. What is so only on some of them is told with what sensing told there.
+///
+/// A claim is one environment, and a plan may end in several. The plan is as claimed if one ending keeps everything
+/// that is claimed; [`Report::claimed`] says which. Otherwise each ending's broken promises are violations.
+///
+/// The check has a budget of [`effort::OPERATION`] units. A plan that takes more is refused with
+/// [`Violation::TooMuchWork`] alone.
 pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
+    let spent = effort::within(effort::OPERATION, || simulated(domain, world, plan, purpose));
+    let mut report = spent.result;
+    if spent.exhausted {
+        // What was found under a spent budget means nothing.
+        report.violations = vec![Violation::TooMuchWork];
+        report.warnings.clear();
+        report.assumptions.clear();
+        report.claimed = None;
+    }
+    report
+}
+
+fn simulated(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
     let mut walk = Walk::new(domain, world, &plan, &purpose.step_claims);
     let ends = walk.run();
-    let mut endings = walk.each(ends, |walk, way| {
+    let claimed = purpose.claim.as_ref();
+    let binding = claimed.map_or_else(Vec::new, |claim| binding_claims(domain, world, &plan, claim));
+    let kept = |way: &Way| binding.iter().all(|fact| way.state.holds(*fact));
+    let as_claimed = claimed.and_then(|_| ends.iter().position(kept));
+    let endings = walk.each(ends, |walk, way| {
         end(walk, &way, purpose);
+        let when = walk.when(&way);
+        if as_claimed.is_none() {
+            for fact in binding.iter().filter(|fact| !way.state.holds(**fact)) {
+                walk.wrong(Violation::Claim { fact: *fact }, when.clone());
+            }
+        }
         vec![Ending {
-            when: walk.when(&way),
+            when,
             trace: walk.history.trace(way.here),
             after: way.state,
         }]
     });
-    endings.sort_by(|one, other| one.when.cmp(&other.when));
-    let mut rested = std::mem::take(&mut walk.rested);
+    let mut rested: Vec<Fact> = std::mem::take(&mut walk.rested).into_iter().collect();
     rested.sort_unstable();
-    rested.dedup();
     let assumption = |fact: Fact| {
         let ground = world.assumed(fact)?;
         Some(Assumption::Fact { fact, ground })
     };
-    let (mut violations, warnings) = walk.findings();
-    if endings.len() > 1 {
-        // One environment can tell only one of the endings: it is enough if one is as it claims.
-        let of_some = |violation: &Violation| matches!(violation, Violation::When { violation, .. } if matches!(**violation, Violation::Claim { .. }));
-        violations.retain(|violation| !of_some(violation));
-    }
+    let (violations, warnings) = walk.findings();
     Report {
         endings,
+        claimed: as_claimed,
         violations,
         warnings,
         assumptions: rested.into_iter().filter_map(assumption).collect(),
         plan,
     }
+}
+
+/// The claimed facts that an ending must have to be as claimed: what has to come about and could, and where things are
+/// that are handled by calls which do not say where.
+pub(crate) fn binding_claims(domain: &Domain, world: &World, plan: &Plan, claim: &Claim) -> Vec<Fact> {
+    let mut binding = claim.promises(domain, world);
+    binding.retain(|fact| can_be_brought_about(domain, world, *fact));
+    let led = plan.steps().iter().filter(|step| hides_places(domain, step.action));
+    let handled: Vec<EntityId> = led.filter_map(|step| step.object(domain)).collect();
+    binding.extend(places_claimed(domain, world, claim, &handled));
+    binding
 }
 
 /// What is wrong with the state in which a way ends.
@@ -210,16 +252,6 @@ fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
             wrong.push(Violation::Goal { index });
         }
     }
-    if let Some(claim) = &purpose.claim {
-        let mut broken = broken_promises(domain, world, claim, state);
-        let steps = walk.plan.steps().iter();
-        let led = steps.filter(|step| hides_places(domain, step.action));
-        let handled: Vec<EntityId> = led.filter_map(|step| step.object(domain)).collect();
-        let mut placed = places_claimed(domain, world, claim, &handled);
-        placed.retain(|fact| !state.holds(*fact));
-        broken.extend(placed);
-        wrong.extend(broken.into_iter().map(|fact| Violation::Claim { fact }));
-    }
     if let Some(instruction) = &purpose.instruction {
         odd.extend(moved_unasked(domain, world, state, instruction));
     }
@@ -228,13 +260,6 @@ fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
         .into_iter()
         .for_each(|violation| walk.wrong(violation, when.clone()));
     odd.into_iter().for_each(|violation| walk.odd(violation, when.clone()));
-}
-
-/// What is claimed to have come about, has not, and could have.
-pub(crate) fn broken_promises(domain: &Domain, world: &World, claim: &Claim, state: &State) -> Vec<Fact> {
-    let mut promises = claim.promises(domain, world);
-    promises.retain(|fact| !state.holds(*fact) && can_be_brought_about(domain, world, *fact));
-    promises
 }
 
 /// Whether the call of an action hides more than the thing that is handled: where it goes.

@@ -3,10 +3,14 @@
 //! These are one-sided: "no" is certain, "yes" means that nothing unchanging speaks against it.
 
 use crate::domain::{ActionId, Condition, Domain, Term};
+use crate::effort;
 use crate::world::{Bindings, EntityId, Fact, World, ground, grounded_term};
 
 /// Whether the condition can have the value in some state of this world, facts that actions change being free.
 pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
+    if !effort::spend(1) {
+        return false;
+    }
     match condition {
         Condition::And(parts) => parts.iter().all(|part| possibly(domain, world, part, bindings)),
         Condition::Or(parts) => parts.iter().any(|part| possibly(domain, world, part, bindings)),
@@ -86,6 +90,7 @@ fn some_arguments(
     candidates
         .iter()
         .filter(|entity| world.is_of_kind(**entity, parameter.kind))
+        .take_while(|_| effort::spend(1))
         .any(|entity| {
             arguments.push(*entity);
             let possible = some_arguments(domain, world, id, bound, arguments);

@@ -2,6 +2,7 @@
 
 use super::Purpose;
 use crate::domain::{Atom, Condition, Domain, Rule, RuleTime, Term};
+use crate::effort;
 use crate::search::Wanted;
 use crate::world::{Bindings, EntityId, Moment, State, World, holds};
 
@@ -61,6 +62,9 @@ fn join(partial: &[Vec<Option<EntityId>>], atom: &Atom, state: &State) -> Vec<Ve
     let facts = state.of_predicate(atom.predicate);
     let mut joined = Vec::new();
     for bindings in partial {
+        if !effort::spend(facts.len()) {
+            break;
+        }
         for fact in facts {
             let mut extended = bindings.clone();
             let fits = atom.terms.iter().enumerate().all(|(place, term)| {
@@ -74,6 +78,7 @@ fn join(partial: &[Vec<Option<EntityId>>], atom: &Atom, state: &State) -> Vec<Ve
                 }
             });
             if fits {
+                effort::spend(effort::KEPT);
                 joined.push(extended);
             }
         }
@@ -102,6 +107,9 @@ fn complete(
         .iter()
         .filter(|entity| fixed.is_none() || all.contains(entity))
     {
+        if !effort::spend(1) {
+            return;
+        }
         bindings.push(*entity);
         complete(rule, world, state, partial, bindings, broken);
         bindings.pop();

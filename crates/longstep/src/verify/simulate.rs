@@ -2,9 +2,12 @@
 
 use std::ops::ControlFlow;
 
+use rustc_hash::FxHashSet;
+
 use super::trace::Change;
 use super::violation::Missing;
 use crate::domain::{Action, Condition, Effect, Term};
+use crate::effort;
 use crate::world::{Bindings, EntityId, Fact, Moment, State, World, for_candidates, for_matching, ground, holds};
 
 /// Applies an action, whether or not it is applicable; returns what changed, sorted by fact.
@@ -39,6 +42,7 @@ pub(super) fn apply_onto(
     fired.dedup_by_key(|(fact, _)| *fact);
     for (fact, holds) in fired.drain(..) {
         if state.set(fact, holds) {
+            effort::spend(effort::KEPT);
             changes.push(Change { fact, holds });
         }
     }
@@ -54,6 +58,7 @@ fn fire(
 ) {
     let Some((slot, kind)) = effect.forall.get(depth).copied() else {
         if holds(Moment { world, state }, &effect.condition, bindings) {
+            effort::spend(1);
             fired.push((ground(&effect.atom, bindings), effect.adds));
         }
         return;
@@ -93,6 +98,9 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
     let instances = |kind, inner: &Condition, bindings: &mut Bindings| -> Vec<Vec<Missing>> {
         let mut all = Vec::new();
         for entity in world.of_kind(kind) {
+            if !effort::spend(effort::KEPT) {
+                break;
+            }
             bindings.push(*entity);
             all.push(unmet(world, state, inner, bindings));
             bindings.pop();
@@ -143,7 +151,7 @@ pub(super) fn rests_on(
     condition: &Condition,
     bindings: &mut Bindings,
     touched: &dyn Fn(Fact) -> bool,
-    rested: &mut Vec<Fact>,
+    rested: &mut FxHashSet<Fact>,
 ) {
     match condition {
         Condition::And(parts) => parts
@@ -161,6 +169,9 @@ pub(super) fn rests_on(
         Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
             let all = matches!(condition, Condition::Forall(..));
             for entity in moment.world.of_kind(*kind) {
+                if !effort::spend(1) {
+                    break;
+                }
                 bindings.push(*entity);
                 let counts = all || holds(moment, inner, bindings);
                 if counts {
@@ -174,8 +185,8 @@ pub(super) fn rests_on(
         }
         Condition::Atom { atom, holds: true, .. } => {
             let fact = ground(atom, bindings);
-            if moment.world.assumed(fact).is_some() && !touched(fact) {
-                rested.push(fact);
+            if moment.world.assumed(fact).is_some() && !rested.contains(&fact) && !touched(fact) {
+                rested.insert(fact);
             }
         }
         Condition::Atom { .. } | Condition::Equal { .. } => {}

@@ -2,10 +2,11 @@
 
 use super::history::{Here, History};
 use super::trace::Change;
+use crate::effort;
 use crate::world::{EntityId, Fact, Ground};
 
 /// A fact that a step needed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Missing {
     /// The fact; none when no fact could have helped.
     pub fact: Option<Fact>,
@@ -16,7 +17,7 @@ pub struct Missing {
 }
 
 /// A finding about a plan. Steps count from 0.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Violation {
     /// A step calls an action that the domain does not have.
     UnknownAction {
@@ -162,6 +163,17 @@ pub enum Violation {
         /// How many there were when it was given up.
         states: usize,
     },
+    /// Checking the plan takes more work than is done for one plan ([`crate::effort::OPERATION`]).
+    TooMuchWork,
+    /// Branches and loops stand deeper in each other than [`crate::plan::tree::DEEPEST`].
+    TooDeep,
+    /// Nothing in the world fits an argument that the call hides.
+    NothingFits {
+        /// The step.
+        step: usize,
+        /// The parameter's name.
+        parameter: String,
+    },
     /// Two steps that may happen at the same time handle the same thing.
     SharedObject {
         /// The one.
@@ -247,6 +259,7 @@ pub(super) fn with_culprits(mut missing: Vec<Missing>, history: &History, here: 
         let undoes = |change: &Change| Some(change.fact) == missing.fact && change.holds != missing.holds;
         missing.undone_by = history
             .back(here)
+            .take_while(|(_, changes)| effort::spend(1 + changes.len()))
             .find(|(_, changes)| changes.iter().any(undoes))
             .map(|(step, _)| step.index());
     }
@@ -277,6 +290,9 @@ impl Violation {
             Self::Unreached { .. } => "unreached",
             Self::EndlessLoop { .. } => "endless_loop",
             Self::TooManyStates { .. } => "too_many_states",
+            Self::TooMuchWork => "too_much_work",
+            Self::TooDeep => "too_deep",
+            Self::NothingFits { .. } => "nothing_fits",
             Self::SharedObject { .. } => "shared_object",
             Self::Race { .. } => "race",
             Self::WrongActor { .. } => "wrong_actor",
@@ -302,6 +318,7 @@ impl Violation {
             | Self::NotSensing { step, .. }
             | Self::UnknownCondition { step, .. }
             | Self::UnknownParameter { step, .. }
+            | Self::NothingFits { step, .. }
             | Self::StepClaim { step, .. }
             | Self::Precondition { step, .. } => Some(*step),
             Self::UnknownEntity { step, .. }
@@ -316,6 +333,8 @@ impl Violation {
             | Self::UnknownActor { .. }
             | Self::Unasked { .. }
             | Self::LaneTwice { .. }
+            | Self::TooMuchWork
+            | Self::TooDeep
             | Self::Deadlock { .. } => None,
         }
     }
@@ -333,6 +352,7 @@ impl Violation {
             | Self::NotSensing { step, .. }
             | Self::UnknownCondition { step, .. }
             | Self::UnknownParameter { step, .. }
+            | Self::NothingFits { step, .. }
             | Self::StepClaim { step, .. } => *step = number(*step),
             Self::SharedObject { step, other, .. } | Self::Race { step, other, .. } => {
                 *step = number(*step);
@@ -356,6 +376,8 @@ impl Violation {
             | Self::UnknownActor { .. }
             | Self::Unasked { .. }
             | Self::LaneTwice { .. }
+            | Self::TooMuchWork
+            | Self::TooDeep
             | Self::Deadlock { .. } => {}
         }
     }

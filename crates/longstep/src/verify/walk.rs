@@ -8,21 +8,23 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::history::{Here, History};
 use super::{StepClaim, Violation, claims, simulate, unmet, violation};
 use crate::domain::{Domain, PredicateId, RuleTime};
+use crate::effort;
 use crate::plan::{Node, Plan, StepId, Test, tree};
 use crate::verify::broken_bindings;
 use crate::world::{Bindings, ChangedLists, Fact, Moment, State, World, ground, holds};
 
 /// States that a plan may be in at one node; a plan that can be in more is refused rather than followed.
 pub const STATES: usize = 4_096;
-/// Steps that are simulated, on all ways together.
-const SIMULATED: usize = 1_000_000;
+/// Units of effort that are charged for a step, besides what its conditions and effects take.
+const STEP: usize = 16;
 
 /// One way through a plan, as far as it has come.
 #[derive(Debug, Clone)]
 pub(super) struct Way {
     pub(super) state: State,
     pub(super) here: Here,
-    /// The rules that are broken in the state, so that each is told where it begins to be.
+    /// The `always` rules that are broken in the state, so that each is reported where it begins to be. A function of the
+    /// state, so ways with the same state are the same.
     broken: Vec<(usize, Bindings)>,
 }
 
@@ -42,13 +44,12 @@ pub(super) struct Walk<'a> {
     pub(super) world: &'a World,
     pub(super) plan: &'a Plan,
     pub(super) history: History,
-    pub(super) rested: Vec<Fact>,
+    pub(super) rested: FxHashSet<Fact>,
     /// What the steps claim, in their order.
     claims: &'a [StepClaim],
     found: Vec<Found>,
     sensed: Vec<PredicateId>,
     reached: Vec<bool>,
-    simulated: usize,
     /// Whether there were too many states to go on.
     stopped: bool,
     bindings: Bindings,
@@ -66,12 +67,11 @@ impl<'a> Walk<'a> {
             world,
             plan,
             history: History::default(),
-            rested: Vec::new(),
+            rested: FxHashSet::default(),
             claims,
             found: Vec::new(),
             sensed,
             reached: vec![false; plan.steps().len()],
-            simulated: 0,
             stopped: false,
             bindings: Vec::new(),
             fired: Vec::new(),
@@ -83,10 +83,10 @@ impl<'a> Walk<'a> {
         let start = Way {
             state: self.world.state.clone(),
             here: None,
-            broken: Vec::new(),
+            broken: self.broken_always(&self.world.state),
         };
         let mut ends = self.nodes(self.plan.body(), vec![start.clone()]);
-        if !self.stopped {
+        if !self.is_stopped() {
             let steps = 0..self.plan.steps().len();
             let first = |step: &usize| !self.reached[*step] && (*step == 0 || self.reached[*step - 1]);
             for step in steps.filter(first).collect::<Vec<_>>() {
@@ -147,7 +147,7 @@ impl<'a> Walk<'a> {
 
     fn nodes(&mut self, nodes: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
         for node in nodes {
-            if self.stopped || ways.is_empty() {
+            if self.is_stopped() || ways.is_empty() {
                 return ways;
             }
             ways = match node {
@@ -163,18 +163,7 @@ impl<'a> Walk<'a> {
                     self.merged(ends)
                 }
                 Node::While { condition, body } => self.repeated(condition, body, ways, first_of(node)),
-                Node::Repeat { times, body } => {
-                    for _ in 0..*times {
-                        let before: Vec<State> = ways.iter().map(|way| way.state.clone()).collect();
-                        let ends = self.nodes(body, ways);
-                        ways = self.merged(ends);
-                        // From here on nothing new can come up.
-                        if self.stopped || ways.iter().map(|way| &way.state).eq(before.iter()) {
-                            break;
-                        }
-                    }
-                    ways
-                }
+                Node::Repeat { times, body } => self.counted(*times, body, ways),
                 Node::Parallel { lanes } => {
                     self.check_lanes(lanes);
                     let ends = self.each(ways, |walk, way| vec![walk.side_by_side(lanes, way)]);
@@ -185,7 +174,7 @@ impl<'a> Walk<'a> {
             if ways.len() > STATES {
                 self.stop(first_of(node), ways.len());
             }
-            if self.stopped {
+            if self.is_stopped() {
                 // One of them is enough to show where it was given up.
                 ways.truncate(1);
             }
@@ -201,8 +190,42 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// Whether the plan is not followed any further: there are too many states, or the budget is spent.
     pub(super) fn is_stopped(&self) -> bool {
-        self.stopped
+        self.stopped || effort::is_exhausted()
+    }
+
+    /// The ways out of a loop that is done a number of times.
+    ///
+    /// The states after one round depend on those before it alone. So once a round begins with states that a round
+    /// began with before, the rounds repeat, and only the remainder of the last period is followed.
+    fn counted(&mut self, times: u32, body: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
+        let mut rounds: FxHashMap<Vec<ChangedLists>, u32> = FxHashMap::default();
+        let (mut round, mut last) = (0, times);
+        let mut findings = Findings::from(self.found.len());
+        while round < last && !self.is_stopped() {
+            if last == times {
+                let mut states: Vec<ChangedLists> = ways.iter().map(|way| self.changed(way)).collect();
+                states.sort_unstable();
+                effort::spend(states.iter().map(kept_units).sum());
+                if let Some(first) = rounds.insert(states, round) {
+                    last = round + (times - round) % (round - first);
+                    if round == last {
+                        break;
+                    }
+                }
+            }
+            let ends = self.nodes(body, ways);
+            ways = self.merged(ends);
+            findings.compact(&mut self.found);
+            round += 1;
+        }
+        ways
+    }
+
+    /// The lists of facts in which the state of a way differs from the first state.
+    fn changed(&self, way: &Way) -> ChangedLists {
+        way.state.changed_lists(&self.world.state)
     }
 
     fn steps(&mut self, id: StepId, ways: Vec<Way>) -> Vec<Way> {
@@ -216,10 +239,7 @@ impl<'a> Walk<'a> {
     /// Simulates one step.
     pub(super) fn step(&mut self, id: StepId, way: &mut Way) {
         self.reached[id.index()] = true;
-        self.simulated += 1;
-        if self.simulated > SIMULATED {
-            self.stop(Some(id.index()), SIMULATED);
-        }
+        effort::spend(STEP);
         let step = self.plan.step(id);
         let action = self.domain.action(step.action);
         self.bindings.clear();
@@ -261,26 +281,31 @@ impl<'a> Walk<'a> {
         self.always(id, way);
     }
 
-    /// Rules that hold in every state: told after the step that breaks them.
+    /// Reports rules for every state after the step that breaks them. One that is broken already in the first state is
+    /// no fault of the plan: it binds from where it is first kept.
     fn always(&mut self, id: StepId, way: &mut Way) {
-        let rules = self.domain.rules.iter().enumerate();
-        let mut now = Vec::new();
-        for (number, rule) in rules.filter(|(_, rule)| rule.time == RuleTime::Always) {
-            for bindings in broken_bindings(rule, self.world, &way.state) {
-                // What held in the first state has been looked at when the environment was read.
-                let broken = (number, bindings);
-                if !way.broken.contains(&broken) {
-                    let violation = Violation::Rule {
-                        step: Some(id.index()),
-                        rule: number,
-                        bindings: broken.1.clone(),
-                    };
-                    self.wrong(violation, self.when(way));
-                }
-                now.push(broken);
-            }
+        let now = self.broken_always(&way.state);
+        for (rule, bindings) in now.iter().filter(|broken| !way.broken.contains(broken)) {
+            let violation = Violation::Rule {
+                step: Some(id.index()),
+                rule: *rule,
+                bindings: bindings.clone(),
+            };
+            self.wrong(violation, self.when(way));
         }
         way.broken = now;
+    }
+
+    /// The rules for every state that are broken in one, with the bindings for which they are.
+    fn broken_always(&self, state: &State) -> Vec<(usize, Bindings)> {
+        let rules = self.domain.rules.iter().enumerate();
+        let always = rules.filter(|(_, rule)| rule.time == RuleTime::Always);
+        always
+            .flat_map(|(number, rule)| {
+                let broken = broken_bindings(rule, self.world, state).into_iter();
+                broken.map(move |bindings| (number, bindings))
+            })
+            .collect()
     }
 
     /// The ways on from a sensing step that was just done: one for each outcome, unless it is known already.
@@ -312,6 +337,8 @@ impl<'a> Walk<'a> {
     }
 
     /// The ways on which a condition holds, and those on which it does not. `before` is a step that follows it.
+    ///
+    /// Ways that come to the same state inside a condition are one, and are counted, as those between nodes are.
     fn test(&mut self, condition: &Test, ways: Vec<Way>, before: Option<usize>) -> (Vec<Way>, Vec<Way>) {
         match condition {
             Test::Sense(id) => {
@@ -335,7 +362,7 @@ impl<'a> Walk<'a> {
                 for part in parts {
                     let (holds, fails) = self.test(part, yes, before);
                     no.extend(fails);
-                    yes = holds;
+                    (yes, no) = (self.counted_ways(holds, before), self.counted_ways(no, before));
                 }
                 (yes, no)
             }
@@ -344,11 +371,21 @@ impl<'a> Walk<'a> {
                 for part in parts {
                     let (holds, fails) = self.test(part, no, before);
                     yes.extend(holds);
-                    no = fails;
+                    (yes, no) = (self.counted_ways(yes, before), self.counted_ways(fails, before));
                 }
                 (yes, no)
             }
         }
+    }
+
+    /// Ways at one place inside a condition, those with the same state as one; gives up where there are too many.
+    fn counted_ways(&mut self, ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
+        let mut ways = self.merged(ways);
+        if ways.len() > STATES {
+            self.stop(before, ways.len());
+            ways.truncate(1);
+        }
+        ways
     }
 
     /// A way on which a fact is asked, and whether it holds there. What nobody knows may be either.
@@ -374,20 +411,25 @@ impl<'a> Walk<'a> {
             heads.meet(way, start);
         }
         let mut out = Vec::new();
+        let mut findings = Findings::from(self.found.len());
         while let Some((number, way)) = heads.next() {
             let (yes, no) = self.test(condition, vec![way], before);
             heads.leaves[number] = !no.is_empty();
             out.extend(no);
-            for end in self.nodes(body, yes) {
+            out = self.counted_ways(out, before);
+            let ends = self.nodes(body, yes);
+            effort::spend(ends.len());
+            for end in ends {
                 let next = heads.meet(end, start);
                 heads.follows.push((number, next));
             }
             if heads.ways.len() > STATES {
                 self.stop(before, heads.ways.len());
             }
-            if self.stopped {
+            if self.is_stopped() {
                 return self.merged(out);
             }
+            findings.compact(&mut self.found);
         }
         if let Some(stuck) = heads.endless() {
             let when = self.when(&heads.ways[stuck]);
@@ -401,8 +443,9 @@ impl<'a> Walk<'a> {
         if ways.len() < 2 {
             return ways;
         }
+        effort::spend(ways.len());
         let mut seen = FxHashSet::default();
-        let new = |way: &Way| seen.insert(way.state.changed_lists(&self.world.state));
+        let new = |way: &Way| seen.insert(self.changed(way));
         ways.into_iter().filter(new).collect()
     }
 
@@ -438,6 +481,7 @@ impl Heads {
         if let Some(number) = self.numbers.get(&state) {
             return *number;
         }
+        effort::spend(kept_units(&state));
         self.numbers.insert(state, self.ways.len());
         self.ways.push(way);
         self.leaves.push(false);
@@ -474,27 +518,58 @@ fn first_of(node: &Node) -> Option<usize> {
     tree::steps(std::slice::from_ref(node)).first().map(|step| step.index())
 }
 
+/// The units that are charged for a state that is kept: what of it is not shared with the first state.
+fn kept_units(state: &ChangedLists) -> usize {
+    state.iter().map(|(_, facts)| 2 * facts.len() + 1).sum()
+}
+
+/// What a loop finds, merged whenever it has doubled: rounds find the same again and again.
+struct Findings {
+    from: usize,
+    most: usize,
+}
+
+impl Findings {
+    fn from(from: usize) -> Self {
+        Self { from, most: 256 }
+    }
+
+    fn compact(&mut self, found: &mut Vec<Found>) {
+        if found.len() - self.from > self.most {
+            let together = joined(found.split_off(self.from), None);
+            self.most = 2 * together.len().max(128);
+            found.extend(together);
+        }
+    }
+}
+
 /// Each finding once. One that `count` of them share, or that somewhere is so whatever sensing told, is so in any
 /// case; else what they all know counts.
 fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
     let mut together: Vec<(Found, usize)> = Vec::with_capacity(found.len());
+    let mut numbers: FxHashMap<(Violation, bool), usize> = FxHashMap::default();
+    effort::spend(found.len());
     for next in found {
-        let same = |(known, _): &&mut (Found, usize)| known.violation == next.violation && known.odd == next.odd;
-        match together.iter_mut().find(same) {
-            Some((known, times)) => {
-                let common: Vec<Fact> = known
-                    .when
-                    .iter()
-                    .filter(|fact| next.when.contains(fact))
-                    .copied()
-                    .collect();
-                if !common.is_empty() || next.when.is_empty() {
-                    known.when = common;
-                }
-                *times += 1;
+        let number = *numbers
+            .entry((next.violation.clone(), next.odd))
+            .or_insert(together.len());
+        let Some((known, times)) = together.get_mut(number) else {
+            together.push((next, 1));
+            continue;
+        };
+        if !known.when.is_empty() {
+            effort::spend(known.when.len());
+            let common: Vec<Fact> = known
+                .when
+                .iter()
+                .filter(|fact| next.when.contains(fact))
+                .copied()
+                .collect();
+            if !common.is_empty() || next.when.is_empty() {
+                known.when = common;
             }
-            None => together.push((next, 1)),
         }
+        *times += 1;
     }
     let plain = |(mut found, times): (Found, usize)| {
         if count == Some(times) {

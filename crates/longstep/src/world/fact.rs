@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashSet;
 
 use crate::domain::{PredicateId, id};
+use crate::effort;
 
 id!(
     /// Something in the world: an asset, an object, or a constant of the domain.
@@ -76,6 +77,8 @@ impl State {
             }
             _ => return false,
         }
+        // A list that is shared is copied.
+        effort::spend(1 + facts.len() / 8);
         true
     }
 

@@ -74,7 +74,7 @@ impl Recomputation {
         let claimed = file.environment_after.as_ref().unwrap();
         let claim = Claim::read(domain, &world, claimed);
         let steps = resolved.complete().unwrap();
-        let (steps, _) = verify::bind(domain, &world, &steps, &resolved.objects, Some(&claim));
+        let (steps, _) = verify::bind(domain, &world, &steps, &resolved.objects, Some(&claim)).unwrap();
         let purpose = Purpose {
             claim: Some(claim),
             ..Purpose::default()

@@ -24,6 +24,20 @@ pub(super) struct Item {
     pub(super) settled: bool,
 }
 
+impl Item {
+    /// The step's arguments; an open one is what it was taken to be. A step that no way goes through keeps its own.
+    pub(super) fn arguments(&self) -> Vec<EntityId> {
+        let written = self.step.arguments.iter().zip(&self.bound);
+        written.map(|(written, bound)| written.unwrap_or(*bound)).collect()
+    }
+
+    /// Its number in the draft, if it stood there.
+    pub(super) fn drafted(&self) -> Option<usize> {
+        let inserted = matches!(self.edit, Some((EditKind::Insert, _)));
+        (!inserted).then_some(self.from)
+    }
+}
+
 /// The plan while it is changed: its steps by number, whatever the order, and its tree.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Draft {

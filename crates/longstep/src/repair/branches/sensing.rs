@@ -1,6 +1,6 @@
 //! Sensing: what it tells on one way, and where it has to be put in.
 
-use super::super::{Edit, EditKind, Repaired};
+use super::super::{Edit, EditKind, Pins, Repaired, Unwanted};
 use super::draft::{Draft, Item, Part, draft_step};
 use crate::domain::{Atom, Condition, Domain, Effect, Term};
 use crate::plan::{Plan, Step, Test};
@@ -78,8 +78,8 @@ pub(super) fn behind_sensing(
 }
 
 impl Draft {
-    /// Puts sensing before the conditions that ask what nothing has sensed.
-    pub(super) fn sense(&mut self, domain: &Domain, world: &World, violations: &[Violation]) {
+    /// Puts sensing before the conditions that ask what nothing has sensed, unless a person does not want it there.
+    pub(super) fn sense(&mut self, domain: &Domain, world: &World, violations: &[Violation], pins: &Pins) {
         for violation in violations {
             let plain = match violation {
                 Violation::When { violation, .. } => violation,
@@ -109,6 +109,13 @@ impl Draft {
                     continue;
                 };
                 let from = self.number_from(block, place);
+                let forbids = |out: &Unwanted| {
+                    let same = (out.action, &out.arguments) == (step.action, &step.arguments);
+                    out.forbids(step.action, &step.arguments) || (same && out.before == from)
+                };
+                if pins.unwanted.iter().any(forbids) {
+                    break;
+                }
                 self.items.push(Item {
                     step: draft_step(&step),
                     bound: step.arguments.clone(),

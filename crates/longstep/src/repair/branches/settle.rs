@@ -71,11 +71,8 @@ impl Draft {
 
     /// One past the last number of the draft.
     fn end(&self) -> usize {
-        let own = self
-            .items
-            .iter()
-            .filter(|item| !matches!(item.edit, Some((EditKind::Insert, _))));
-        own.map(|item| item.from + 1).max().unwrap_or(0)
+        let own = self.items.iter().filter_map(Item::drafted);
+        own.map(|number| number + 1).max().unwrap_or(0)
     }
 
     fn put_before(&mut self, new: usize, next: Option<(usize, Option<usize>)>, last: usize) {

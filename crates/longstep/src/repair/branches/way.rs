@@ -1,6 +1,6 @@
 //! One way through the draft, as a list of steps.
 
-use super::super::Pins;
+use super::super::{Pins, Reach, Unwanted};
 use super::draft::{Draft, Part};
 use crate::domain::Domain;
 use crate::plan::{Node, Resolved, StepId, Test};
@@ -45,8 +45,9 @@ impl Draft {
         follower.way
     }
 
-    /// The way as a draft of its own, and what of it may not be changed: what other ways go through, and sensing.
-    pub(super) fn linear(&self, resolved: &Resolved, way: &Way) -> (Resolved, Pins) {
+    /// The way as a draft of its own, and what of it may not be changed: what other ways go through, sensing, and what a
+    /// person settled.
+    pub(super) fn linear(&self, resolved: &Resolved, way: &Way, pins: &Pins) -> (Resolved, Pins) {
         let items = || way.steps.iter().map(|(number, _)| &self.items[*number]);
         let body = (0..way.steps.len())
             .map(|index| Node::Step(StepId::new(index)))
@@ -59,13 +60,33 @@ impl Draft {
             ..Resolved::default()
         };
         let kept = way.steps.iter().enumerate().filter(|(place, (number, _))| {
-            self.items[*number].settled || way.told.iter().any(|(told, _)| told == place)
+            let item = &self.items[*number];
+            let pinned = item.drafted().is_some_and(|number| pins.kept.contains(&number));
+            pinned || item.settled || way.told.iter().any(|(told, _)| told == place)
         });
         let pins = Pins {
             kept: kept.map(|(place, _)| place).collect(),
-            ..Pins::default()
+            unwanted: pins.unwanted.iter().filter_map(|out| self.on(way, out)).collect(),
         };
         (linear, pins)
+    }
+
+    /// A step that is not to come back, with its place on the way; none if it is not wanted at another place only.
+    fn on(&self, way: &Way, unwanted: &Unwanted) -> Option<Unwanted> {
+        let place_of = |drafted: usize| {
+            let drafted = |(number, _): &(usize, Option<usize>)| self.items[*number].drafted() == Some(drafted);
+            way.steps.iter().position(drafted)
+        };
+        let behind = || place_of(unwanted.before.checked_sub(1)?).map(|place| place + 1);
+        let here = place_of(unwanted.before).or_else(behind);
+        let before = match unwanted.reach {
+            Reach::Here => here?,
+            Reach::ThisStep | Reach::ThisAction => here.unwrap_or(way.steps.len()),
+        };
+        Some(Unwanted {
+            before,
+            ..unwanted.clone()
+        })
     }
 }
 

@@ -19,7 +19,7 @@ fn report(domain: &Domain, world: &World, calls: &[&str], object: Option<&str>) 
         ..TaskCohesion::default()
     };
     let resolved = resolve(domain, world, &written);
-    let (plan, _) = bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None);
+    let (plan, _) = bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap();
     check(domain, world, plan, &Purpose::default())
 }
 
@@ -128,7 +128,7 @@ fn where_calls_do_not_say_where_the_claim_does() {
             &resolved.complete().unwrap(),
             &resolved.objects,
             purpose.claim.as_ref(),
-        );
+        ).unwrap();
         let report = check(&domain, &world, plan, &purpose);
         let violations = report.violations.iter();
         violations
