@@ -115,6 +115,8 @@ class Source:
             return "household-dual"
         if kind in ("tree", "hidden"):
             return self.random.choice(["household-checks", "household-checks", "household", "household-dual", "virtualhome"])
+        if kind == "claims" and self.random.random() < 0.4:
+            return "household-checks"
         return self.random.choice(list(SCENES))
 
     def in_world(self, kind: str, domain: str, scene) -> Iterator[Case]:
@@ -146,6 +148,8 @@ class Source:
             return None
         if random.random() < 0.35:
             nodes = grower.damaged(nodes)
+        if not nodes:
+            return None
         objects = None
         if kind == "hidden" or (kind in ("claims", "domain") and random.random() < 0.25):
             objects = self.hide(nodes, grower.world)
@@ -169,8 +173,11 @@ class Source:
 
     def claim(self, case: Case, world: World) -> None:
         """Adds a claim: the environment after one of the endings, as it is or damaged."""
-        after = self.an_ending(case, world)
-        facts = set(world.written(after))
+        endings = self.endings(case, world)
+        facts = set(world.written(self.random.choice(endings)))
+        if len(endings) > 1 and self.random.random() < 0.5:
+            # A little of each ending: no single one may be as claimed.
+            facts |= set(world.written(self.random.choice(endings)))
         for _ in range(self.random.choice([0, 0, 1, 2])):
             self.damage_claim(facts, world)
         claim = render.environment_of(world, facts)
@@ -181,19 +188,19 @@ class Source:
                         del claim[key][name]
         case.file["environment_after"] = claim
 
-    def an_ending(self, case: Case, world: World) -> frozenset:
-        """One of the last states of a plan, or the first one where nothing better is known."""
+    def endings(self, case: Case, world: World) -> list[frozenset]:
+        """The last states of a plan, or the first one where nothing better is known."""
         try:
             plan = read(case.file, world)
             if plan.issues:
-                return world.initial
+                return [world.initial]
             arguments = hidden.find(plan, world, None) if any(step.open for step in plan.steps) else {}
             if arguments is None:
-                return world.initial
+                return [world.initial]
             endings = hidden.simulate(plan, world, arguments).endings
         except (OverBound, hidden.Undecided):
-            return world.initial
-        return self.random.choice(sorted(endings, key=sorted)) if endings else world.initial
+            return [world.initial]
+        return sorted(endings, key=sorted) or [world.initial]
 
     def damage_claim(self, facts: set, world: World) -> None:
         """Takes a fact out of a claim, puts one in, or moves one elsewhere."""

@@ -3,8 +3,6 @@
 from .plan import Bound
 from .world import World, as_list
 
-LITERALS = {True: "is", False: "not"}
-
 
 def claimed(world: World, after: dict) -> set[tuple]:
     """The facts that a claim says of entities and in words that mean something here."""
@@ -21,36 +19,17 @@ def claimed(world: World, after: dict) -> set[tuple]:
     return facts
 
 
-def reachable(world: World) -> tuple[set, set]:
-    """The facts that can become true, and those that can become false, if nothing ever stands in the way of anything.
-
-    Effects are never undone here: it is the usual delete relaxation, with facts and their opposites alike.
-    """
-    if not hasattr(world, "relaxed"):
-        true, false = set(world.initial), set()
-
-        def may(ground) -> bool:
-            if ground is True or ground is False:
-                return ground
-            head, rest = ground
-            if head == "is":
-                return rest in true
-            if head == "not":
-                return rest not in world.initial or rest in false
-            return (all if head == "and" else any)(may(part) for part in rest)
-
-        actions = [action for action in world.all_actions() if action.condition is not False]
-        before = None
-        while before != (len(true), len(false)):
-            before = (len(true), len(false))
-            for action in actions:
-                if may(action.condition):
-                    true.update(action.senses)
-                    for when, sign, fact in action.effects:
-                        if may(when):
-                            (true if sign else false).add(fact)
-        world.relaxed = (true, false)
-    return world.relaxed
+def possible(world: World) -> set[tuple]:
+    """The facts that some action could bring about: it has them as an effect, and what never changes allows it."""
+    if not hasattr(world, "brought_about"):
+        world.brought_about = {
+            fact
+            for action in world.all_actions()
+            if action.condition is not False
+            for when, sign, fact in action.effects
+            if sign and when is not False
+        }
+    return world.brought_about
 
 
 def hides_place(call) -> list[str]:
@@ -77,8 +56,8 @@ def promises(bound: Bound, after: dict) -> set[tuple]:
     """What has to hold at the end: claimed and new and possible, or claimed as the place of what such a call handles."""
     world = bound.world
     said = claimed(world, after)
-    true, _ = reachable(world)
-    wanted = {fact for fact in said if fact not in world.initial and fact in true}
+    may = possible(world)
+    wanted = {fact for fact in said if fact not in world.initial and fact in may}
     for step in bound.plan.steps:
         action = step and bound.action(step)
         if not action:
@@ -86,7 +65,7 @@ def promises(bound: Bound, after: dict) -> set[tuple]:
         parameters = [name for name, _ in step.call.action.parameters]
         for predicate in hides_place(step.call):
             thing = action.arguments[parameters.index(step.call.object)]
-            wanted |= {fact for fact in said if fact[:2] == (predicate, thing) and fact in true}
+            wanted |= {fact for fact in said if fact[:2] == (predicate, thing) and fact in may | world.initial}
     return wanted
 
 

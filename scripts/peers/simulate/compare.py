@@ -260,7 +260,7 @@ def shrink(case: Case, judge: Judge, faults: frozenset, sort: str, rounds: int =
     """The smallest case found that still differs in the same way, and how."""
     difference = sort
     for _ in range(rounds):
-        candidates = [made for made in smaller(case) if not starts_broken(made)]
+        candidates = [made for made in smaller(case) if not starts_broken(made) and (made.goals or has_steps(made))]
         if not candidates:
             break
         for made, answer in zip(candidates, judge.ask([candidate.request() for candidate in candidates])):
@@ -274,6 +274,11 @@ def shrink(case: Case, judge: Judge, faults: frozenset, sort: str, rounds: int =
         else:
             break
     return case, difference
+
+
+def has_steps(case: Case) -> bool:
+    """False for a plan in which nothing is left."""
+    return any(case.file["task_cohesion"].get(key) for key in ("task_sequence", "task_tree"))
 
 
 def starts_broken(case: Case) -> bool:

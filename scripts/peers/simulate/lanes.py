@@ -39,11 +39,10 @@ def check(walk, lanes: list) -> None:
 
 
 def handled(walk, step: Step) -> set[str]:
-    """The things that a step handles: its object."""
-    parameters = [parameter for parameter, _ in step.call.action.parameters]
-    if step.call.object is None:
-        return set()
-    return {walk.action(step, frozenset()).arguments[parameters.index(step.call.object)]}
+    """The things that a step handles: those of its arguments that are objects of the environment, not its assets."""
+    words = walk.world.words
+    arguments = walk.action(step, frozenset()).arguments
+    return {name for name in arguments if words.pddl.is_a(walk.world.types[name], words.object_type)}
 
 
 def moves(lanes: list, positions: tuple) -> list[tuple[tuple, Step | None]]:
@@ -56,7 +55,8 @@ def moves(lanes: list, positions: tuple) -> list[tuple[tuple, Step | None]]:
         if kind == "step":
             nexts.append((positions[:index] + (positions[index] + 1,) + positions[index + 1 :], what))
             continue
-        partners = [number for number, (_, others) in enumerate(lanes) if ("sync", what) in others]
+        # A lane that has passed its last `sync` of a name is not waited for.
+        partners = [number for number, (_, others) in enumerate(lanes) if ("sync", what) in others[positions[number] :]]
         waiting = [at < len(lanes[number][1]) and lanes[number][1][at] == ("sync", what)
                    for number, at in enumerate(positions)]
         if index == partners[0] and all(waiting[number] for number in partners):

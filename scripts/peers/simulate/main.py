@@ -117,7 +117,10 @@ def main() -> None:
     seed = arguments.seed if arguments.seed is not None else secrets.randbelow(10**9)
     program = (arguments.runner or build()).resolve()
     if arguments.self_test:
-        sys.exit(selftest.run(arguments, program, seed))
+        print(f"seed {seed}", flush=True)
+        failures = selftest.run_by_hand(program)
+        failures += selftest.run_faults(arguments, program, seed, sample)
+        sys.exit(1 if failures else 0)
     print(f"seed {seed}", flush=True)
     started = time.monotonic()
     total = sample(arguments, program, seed)

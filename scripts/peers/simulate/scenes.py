@@ -147,6 +147,11 @@ def finished(assets, objects, asset_states, object_states, asset_properties, obj
     }
 
 
+def opposite(property_word: str) -> str:
+    """The property that denies a property of a random domain."""
+    return property_word[4:] if property_word.startswith("NOT_") else "NOT_" + property_word
+
+
 def any_domain(random: Random, words: Words) -> dict:
     """An environment for a random domain, in which every state word is said of some of what it can be said of."""
     assets = random.sample(["gate", "kiosk", "hangar", "plaza"], random.randint(1, 3))
@@ -181,8 +186,10 @@ def any_domain(random: Random, words: Words) -> dict:
     for word, facts in words.properties.items():
         [(_, kind)] = words.pddl.predicates[facts[0][1]]
         for name in assets + objects:
-            if words.pddl.is_a(kinds[name], kind) and random.random() < 0.5:
-                properties.setdefault(name, []).append(word)
+            said = properties.setdefault(name, [])
+            if words.pddl.is_a(kinds[name], kind) and random.random() < 0.5 and opposite(word) not in said:
+                said.append(word)
+    properties = {name: said for name, said in properties.items() if said}
     return finished(
         assets,
         objects,

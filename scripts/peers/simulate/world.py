@@ -142,20 +142,23 @@ class World:
     def first_state(self) -> frozenset:
         """What holds at first: what is said, what follows, what is usual, and what is assumed."""
         yes, no = set(self.said(self.environment)), set()
+        # An environment that says a property of anything says it of all that have it: then nothing is derived or assumed.
+        complete = set()
         for key in ("asset_properties", "object_properties"):
             for entity, entry in self.environment.get(key, {}).items():
                 for word in as_list(entry):
                     for sign, predicate, terms in self.words.properties[word]:
                         fact = (predicate, *(entity.strip("<>") if term == "?self" else term for term in terms))
                         (yes if sign else no).add(fact)
-        self.derive(yes, no)
+                        complete |= {predicate} if sign else set()
+        self.derive(yes, no, complete)
         for (_, predicate, terms), when in self.words.defaults:
             for entity in self.types:
                 binding = {"?self": entity}
                 fact = (predicate, *(binding.get(term, term) for term in terms))
                 if fact not in no and self.fits(fact) and self.truth(when, binding, frozenset(yes)):
                     yes.add(fact)
-        for predicate in self.words.assumed:
+        for predicate in self.words.assumed - complete:
             [(_, kind)] = self.words.pddl.predicates[predicate]
             yes |= {(predicate, entity) for entity in self.of_type(kind) if (predicate, entity) not in no}
         return frozenset(yes)
@@ -165,7 +168,7 @@ class World:
         declared = self.words.pddl.predicates[fact[0]]
         return all(self.words.pddl.is_a(self.types[name], kind) for name, (_, kind) in zip(fact[1:], declared))
 
-    def derive(self, yes: set, no: set) -> None:
+    def derive(self, yes: set, no: set, complete: set) -> None:
         """Adds what follows from names and from other facts, until nothing more does."""
         before = None
         while before != (len(yes), len(no)):
@@ -174,7 +177,9 @@ class World:
                 for binding in self.matches(entry, frozenset(yes)):
                     for sign, predicate, terms in entry["facts"]:
                         fact = (predicate, *(binding.get(term, term) for term in terms))
-                        if self.fits(fact) and fact not in (no if sign else yes):
+                        if predicate in complete or not self.fits(fact):
+                            continue
+                        if fact not in (no if sign else yes):
                             (yes if sign else no).add(fact)
 
     def matches(self, entry: dict, state: frozenset) -> list[dict]:
