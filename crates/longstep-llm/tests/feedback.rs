@@ -101,7 +101,11 @@ fn written_plan(domain: &Domain, world: &World, case: &Value) -> Option<Plan> {
         ..TaskCohesion::default()
     };
     let resolved = resolve(domain, world, &cohesion);
-    Some(bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap().0)
+    Some(
+        bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None)
+            .unwrap()
+            .0,
+    )
 }
 
 fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, String) {
@@ -212,7 +216,8 @@ fn figure() {
             &resolved.complete().unwrap(),
             &resolved.objects,
             purpose.claim.as_ref(),
-        ).unwrap();
+        )
+        .unwrap();
         check(&domain, &world, plan, &purpose)
             .into_verified()
             .unwrap()

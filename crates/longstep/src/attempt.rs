@@ -109,10 +109,15 @@ impl Attempt {
         });
         if let (Some(number), true) = (report.claimed, report.endings.len() > 1) {
             let when = report.endings[number].when.iter();
-            let told: Vec<String> = when.map(|fact| Voice::Person.fact(domain, world, *fact, true)).collect();
+            let told: Vec<String> = when
+                .map(|fact| Voice::Person.fact(domain, world, *fact, true))
+                .collect();
             let ending = number + 1;
             answer.notes.push(match told.as_slice() {
-                [] => format!("the plan claims the world of ending {ending} of {}", report.endings.len()),
+                [] => format!(
+                    "the plan claims the world of ending {ending} of {}",
+                    report.endings.len()
+                ),
                 told => format!("the plan claims the world for the case that {}", told.join(" and ")),
             });
         }

@@ -3,12 +3,12 @@
 
 use std::collections::{HashMap, VecDeque};
 
-use longstep::domain::{self, Domain};
+use longstep::domain::{self, Domain, Files, RuleTime};
 use longstep::goal;
 use longstep::json::Path;
 use longstep::plan::{Plan, Step};
 use longstep::search::{self, Limits, Outcome, Wanted};
-use longstep::verify::{apply, check, unmet};
+use longstep::verify::{apply, broken_bindings, check, unmet};
 use longstep::world::{self, EntityId, Environment, Moment, State, World, holds};
 use proptest::prelude::*;
 
@@ -32,6 +32,17 @@ fn all_actions(domain: &Domain, world: &World) -> Vec<(domain::ActionId, Vec<Ent
     all
 }
 
+/// Whether a rule for every state is broken after a step and not before it.
+fn breaks_a_rule(domain: &Domain, world: &World, before: &State, after: &State) -> bool {
+    let mut rules = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
+    rules.any(|rule| {
+        let known = broken_bindings(rule, world, before);
+        broken_bindings(rule, world, after)
+            .iter()
+            .any(|broken| !known.contains(broken))
+    })
+}
+
 /// The number of steps of a shortest plan, by trying everything in order of length.
 fn brute_force(domain: &Domain, world: &World, wanted: &[Wanted]) -> Option<usize> {
     let reached = |state: &State| {
@@ -52,6 +63,9 @@ fn brute_force(domain: &Domain, world: &World, wanted: &[Wanted]) -> Option<usiz
             if unmet(world, &state, &action.precondition, &mut arguments.clone()).is_empty() {
                 let mut next = state.clone();
                 apply(world, &mut next, action, arguments);
+                if breaks_a_rule(domain, world, &state, &next) {
+                    continue;
+                }
                 if let std::collections::hash_map::Entry::Vacant(entry) = depth.entry(next.clone()) {
                     entry.insert(steps + 1);
                     queue.push_back(next);
@@ -64,6 +78,29 @@ fn brute_force(domain: &Domain, world: &World, wanted: &[Wanted]) -> Option<usiz
 
 fn compare(domain_name: &str, environment: &str, goal: &str) -> Result<(), TestCaseError> {
     let domain = domain::shipped(domain_name).unwrap().unwrap();
+    compare_in(&domain, environment, goal)
+}
+
+/// The robot of the starter, with one more rule.
+fn parcels(condition: &str) -> Domain {
+    let starter: HashMap<String, String> = domain::starter("starter").into_iter().collect();
+    let rule = format!(
+        "\n[[rule]]\nname = \"extra\"\nholds = \"always\"\ncondition = \"{condition}\"\nsays = \"not like this\"\n"
+    );
+    let words = starter["domain.toml"].replacen("\n[[rule]]", &format!("{rule}\n[[rule]]"), 1);
+    let files = Files {
+        pddl: starter["domain.pddl"].clone(),
+        words,
+        goal_prompt: starter["prompt/goal.md"].clone(),
+        examples: starter["prompt/examples.toml"].clone(),
+        ..Files::default()
+    };
+    let domain = domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"));
+    assert!(domain.rules.iter().any(|rule| rule.time == RuleTime::Always));
+    domain
+}
+
+fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), TestCaseError> {
     let environment = Environment::from_json(environment).unwrap();
     let world = world::read(&domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
     let goal = goal::parse(&domain, &world, goal).unwrap();
@@ -116,4 +153,39 @@ proptest! {
                 "asset_properties": {{"<stove_2>": ["IS_OPENABLE", "HAS_SWITCH"], "<faucet_4>": ["HAS_SWITCH"]}}}}"#);
         compare("virtualhome", &environment, goal)?;
     }
+
+    #[test]
+    fn rules_for_every_state(
+        places in prop::collection::vec(prop::sample::select(vec!["at(<gate>)", "at(<kiosk>)", "at(<desk>)"]), 3),
+        carried in any::<bool>(),
+        rule in prop::sample::select(vec![
+            "(forall (?a - parcel ?b - parcel ?s - station) (not (and (at ?a ?s) (at ?b ?s) (not (= ?a ?b)))))",
+            "(forall (?p - parcel) (not (carrying ?p)))",
+            "(forall (?p - parcel ?s - station) (imply (robot-at ?s) (or (carrying ?p) (exists (?q - parcel) (at ?q ?s)))))",
+        ]),
+        goal in prop::sample::select(vec!["bring(box, kiosk)", "bring(box, desk) & bring(sack, gate)", "bring(crate, desk)"]),
+    ) {
+        let first = if carried { "carried()" } else { places[0] };
+        let environment = format!(
+            r#"{{"assets": ["<gate>", "<kiosk>", "<desk>"], "asset_states": {{"<gate>": "robot_here()"}},
+                "objects": ["<box>", "<sack>", "<crate>"],
+                "object_states": {{"<box>": "{first}", "<sack>": "{}", "<crate>": "{}"}}}}"#, places[1], places[2]);
+        compare_in(&parcels(rule), &environment, goal)?;
+    }
+}
+
+#[test]
+fn a_rule_that_is_broken_at_the_start_does_not_forbid_every_plan() {
+    let domain = parcels("(forall (?p - parcel) (not (carrying ?p)))");
+    let environment = r#"{"assets": ["<desk>", "<gate>"], "asset_states": {"<desk>": "robot_here()"},
+        "objects": ["<box>"], "object_states": {"<box>": "carried()"}}"#;
+    compare_in(&domain, environment, "bring(box, desk)").unwrap();
+    let environment = Environment::from_json(environment).unwrap();
+    let world = world::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let goal = goal::parse(&domain, &world, "bring(box, desk)").unwrap();
+    let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
+    assert!(
+        matches!(&outcome, Outcome::Solved { steps, .. } if steps.len() == 1),
+        "{outcome:?}"
+    );
 }

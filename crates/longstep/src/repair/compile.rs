@@ -9,7 +9,7 @@ use super::target::Meant;
 use crate::domain::{ActionId, Domain, plain_words, singular};
 use crate::goal::wanted_fact;
 use crate::plan::{DraftStep, Resolved};
-use crate::search::{Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
+use crate::search::{Always, Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
 use crate::verify::{Candidate, Purpose, can_apply, candidates, claimed_places};
 use crate::world::{EntityId, Fact, World, subject_of};
 
@@ -51,7 +51,7 @@ pub(super) struct Compiled<'a> {
     grounder: Grounder<'a>,
     operators: Vec<Operator>,
     moves: Vec<Move>,
-    always: Formula,
+    always: Always,
     /// The whole draft has been read, and nothing is laid aside.
     arrived: Formula,
 }

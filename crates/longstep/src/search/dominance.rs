@@ -87,7 +87,16 @@ fn helps(task: &Task) -> Vec<Helps> {
         *helps = helps.and(literal.holds);
     };
     task.goal.for_each(&mut asked);
-    task.always.for_each(&mut asked);
+    // A rule that is broken in one state and holds in the other forbids the other one more, so neither value helps.
+    for rule in task.always.iter() {
+        rule.for_each(&mut |literal| {
+            asked(literal);
+            asked(Literal {
+                holds: !literal.holds,
+                ..literal
+            });
+        });
+    }
     for operator in &task.operators {
         operator.precondition.for_each(&mut asked);
     }

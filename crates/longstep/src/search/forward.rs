@@ -195,9 +195,6 @@ impl<'a> Search<'a> {
             });
         }
         let (mut expanded, mut estimated) = (0, 0);
-        if !self.task.always.holds(&|literal| start.is(literal)) {
-            return (Found::Nothing, expanded);
-        }
         self.discover(start, None, 0, 0, false);
         while let Some(Reverse((promise, _, _, number))) = self.open.pop() {
             let node = &self.nodes[number as usize];
@@ -273,7 +270,11 @@ impl<'a> Search<'a> {
             for effect in fires(false).chain(fires(true)) {
                 next.set(effect.literal);
             }
-            if next == node.state || !task.always.holds(&|literal| next.is(literal)) {
+            let allowed = |before: &Bits| {
+                task.always
+                    .allows(&|literal| before.is(literal), &|literal| next.is(literal))
+            };
+            if next == node.state || !allowed(&node.state) {
                 continue;
             }
             let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));

@@ -20,7 +20,7 @@ pub use forward::Limits;
 pub(crate) use forward::{Found, cheapest, greedy};
 pub(crate) use relevance::reduce;
 pub(crate) use scope::{Asked, Scope};
-pub(crate) use task::{GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
+pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
 
 use crate::domain::{ActionId, Condition, Domain};
 use crate::verify::apply;

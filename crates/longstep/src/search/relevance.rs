@@ -103,7 +103,7 @@ fn simplify(task: &mut Task) {
         }
     };
     take(&mut task.goal);
-    take(&mut task.always);
+    task.always.iter_mut().for_each(take);
     for operator in &mut task.operators {
         take(&mut operator.precondition);
         for effect in &mut operator.effects {
@@ -120,7 +120,7 @@ fn simplify(task: &mut Task) {
 fn keep_relevant(task: &mut Task, focused: bool) {
     let mut search = Relevance::new(task, focused);
     search.ask_for(&task.goal);
-    search.ask_for(&task.always);
+    task.always.iter().for_each(|rule| search.ask_for(rule));
     while let Some(literal) = search.queue.pop_front() {
         search.expand(literal);
     }
@@ -311,7 +311,7 @@ fn renumber(mut task: Task) -> Task {
         });
     };
     task.goal.for_each(&mut visit);
-    task.always.for_each(&mut visit);
+    task.always.iter().for_each(|rule| rule.for_each(&mut visit));
     for operator in &task.operators {
         operator.precondition.for_each(&mut visit);
         for effect in &operator.effects {
@@ -325,7 +325,7 @@ fn renumber(mut task: Task) -> Task {
     };
     let renumber = &mut |literal: &mut Literal| *literal = again(*literal);
     task.goal.for_each_mut(renumber);
-    task.always.for_each_mut(renumber);
+    task.always.iter_mut().for_each(|rule| rule.for_each_mut(renumber));
     for operator in &mut task.operators {
         operator.precondition.for_each_mut(renumber);
         for effect in &mut operator.effects {

@@ -38,8 +38,40 @@ pub(crate) struct Task {
     pub(crate) initial: Vec<bool>,
     pub(crate) operators: Vec<Operator>,
     pub(crate) goal: Formula,
-    /// Must hold in every state.
-    pub(crate) always: Formula,
+    /// The rules for every state.
+    pub(crate) always: Always,
+}
+
+/// The rules for every state, one formula for each choice of entities.
+///
+/// A step may not break a rule that holds before it. One that is broken already, since the world begins so or sensing
+/// revealed it, binds again from where it holds.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Always {
+    rules: Vec<Formula>,
+}
+
+impl Always {
+    fn of(rules: Vec<Formula>) -> Self {
+        // What can never hold is never broken by a step.
+        let binding = |rule: &Formula| !rule.is_true() && !rule.is_false();
+        Self {
+            rules: rules.into_iter().filter(binding).collect(),
+        }
+    }
+
+    /// Returns whether a step may lead from one state to another.
+    pub(crate) fn allows(&self, before: &impl Fn(Literal) -> bool, after: &impl Fn(Literal) -> bool) -> bool {
+        self.rules.iter().all(|rule| rule.holds(after) || !rule.holds(before))
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Formula> {
+        self.rules.iter()
+    }
+
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
+        self.rules.iter_mut()
+    }
 }
 
 /// A condition about the things of one world.
@@ -166,13 +198,34 @@ impl<'a> Grounder<'a> {
         Formula::and(parts)
     }
 
-    /// The rules that hold in every state, as one condition.
-    pub(crate) fn always(&mut self) -> Formula {
-        let rules = self.domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
-        let parts: Vec<Formula> = rules
-            .map(|rule| self.formula(&rule.everywhere(), &mut Vec::new()))
-            .collect();
-        Formula::and(parts)
+    /// The rules for every state.
+    pub(crate) fn always(&mut self) -> Always {
+        let mut parts = Vec::new();
+        for rule in self.domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+            self.instances_of_rule(&rule.everywhere(), rule.variables.len(), &mut Vec::new(), &mut parts);
+        }
+        Always::of(parts)
+    }
+
+    /// A formula for each choice of entities for the outermost quantifiers, as many as the rule has variables.
+    fn instances_of_rule(
+        &mut self,
+        condition: &Condition,
+        variables: usize,
+        bindings: &mut Bindings,
+        parts: &mut Vec<Formula>,
+    ) {
+        let Condition::Forall(slot, kind, inner) = condition else {
+            return parts.push(self.formula(condition, bindings));
+        };
+        if variables == 0 {
+            return parts.push(self.formula(condition, bindings));
+        }
+        for entity in self.things((*slot, *kind), inner, false, bindings).as_ref() {
+            bindings.push(*entity);
+            self.instances_of_rule(inner, variables - 1, bindings, parts);
+            bindings.pop();
+        }
     }
 
     /// Every action in scope with all arguments that its precondition's unchanging parts allow. Those whose arguments are

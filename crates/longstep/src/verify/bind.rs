@@ -479,7 +479,10 @@ impl Binder<'_> {
         other: &[EntityId],
     ) -> bool {
         let outcome_of_it = |learned: &Learned| matches!(learned, Learned::Outcome(place, _) if *place == index);
-        let last_use = self.turns.iter().rposition(|turn| turn.learned.iter().any(outcome_of_it));
+        let last_use = self
+            .turns
+            .iter()
+            .rposition(|turn| turn.learned.iter().any(outcome_of_it));
         let mut changed = chosen[..=index].to_vec();
         changed[index] = other.to_vec();
         let (mut state, mut broken) = along[index].clone();

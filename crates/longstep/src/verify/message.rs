@@ -158,9 +158,15 @@ impl Violation {
                 "checking the plan takes more than {} units of work; shorten it, or ask for fewer things at once",
                 effort::OPERATION
             ),
-            Self::TooDeep => format!("branches and loops stand more than {} deep in each other", tree::DEEPEST),
+            Self::TooDeep => format!(
+                "branches and loops stand more than {} deep in each other",
+                tree::DEEPEST
+            ),
             Self::NothingFits { step, parameter } => {
-                format!("step {}: nothing in the environment fits the hidden argument `{parameter}`", step + 1)
+                format!(
+                    "step {}: nothing in the environment fits the hidden argument `{parameter}`",
+                    step + 1
+                )
             }
             Self::SharedObject { step, other, entity } => {
                 let name = voice.name(world, *entity);

@@ -324,6 +324,8 @@ impl<'a> Walk<'a> {
                     holds: true,
                 });
             });
+            // What sensing reveals is no fault of the plan.
+            way.broken = self.broken_always(&way.state);
             way
         };
         facts.iter().map(told).collect()

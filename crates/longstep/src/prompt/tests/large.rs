@@ -187,7 +187,8 @@ fn a_reply_about_a_part_leaves_the_rest_of_the_world_as_it_was() {
         &resolved.complete().unwrap(),
         &resolved.objects,
         Some(&claim),
-    ).unwrap();
+    )
+    .unwrap();
     let purpose = Purpose {
         claim: Some(claim),
         ..Purpose::default()

@@ -40,7 +40,10 @@ pub(super) fn repair_branches(
     let plan = match bind_tree(domain, world, resolved, purpose.claim.as_ref()) {
         Ok((plan, _)) => plan,
         Err(issues) => {
-            let told: Vec<String> = issues.iter().map(|issue| issue.message(domain, world, &[], None)).collect();
+            let told: Vec<String> = issues
+                .iter()
+                .map(|issue| issue.message(domain, world, &[], None))
+                .collect();
             return Outcome::Unclear { why: told.join("; ") };
         }
     };
@@ -102,7 +105,7 @@ impl Task<'_> {
                 Outcome::Repaired(repaired) => {
                     expanded += repaired.expanded;
                     cost += repaired.cost;
-                    let (steps, edits) = behind_sensing(domain, &told, world, *repaired, &each, &way.looped);
+                    let (steps, edits) = behind_sensing(domain, &told, world, *repaired, &each, &way.looped, &pins);
                     draft.settle(&way, &steps, &edits);
                 }
                 other => return other,

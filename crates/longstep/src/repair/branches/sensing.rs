@@ -39,9 +39,14 @@ pub(super) fn behind_sensing(
     repaired: Repaired,
     purpose: &Purpose,
     looped: &[Fact],
+    pins: &Pins,
 ) -> (Vec<Step>, Vec<Edit>) {
     let mut steps = repaired.plan.steps().to_vec();
     let mut edits = repaired.edits;
+    // Behind sensing may be where a person took a step out.
+    if !pins.unwanted.is_empty() {
+        return (steps, edits);
+    }
     // Behind the head of a loop it would be done again and again.
     let senses = |step: &Step| {
         let mut outcomes = domain

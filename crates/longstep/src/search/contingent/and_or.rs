@@ -140,10 +140,7 @@ impl<'a> Search<'a> {
             let fact = fact as u32;
             start.set(Literal { fact, holds: *holds });
         }
-        match self.task.always.holds(&|literal| start.is(literal)) {
-            true => self.best(&start, below),
-            false => Ok(None),
-        }
+        self.best(&start, below)
     }
 
     fn best(&mut self, start: &Bits, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
@@ -291,7 +288,11 @@ impl<'a> Search<'a> {
                 continue;
             }
             let next = after(task, &node.state, index as u32);
-            if next == node.state || !task.always.holds(&|literal| next.is(literal)) {
+            let allowed = |before: &Bits| {
+                task.always
+                    .allows(&|literal| before.is(literal), &|literal| next.is(literal))
+            };
+            if next == node.state || !allowed(&node.state) {
                 continue;
             }
             let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));

@@ -99,9 +99,14 @@ means = "Nobody knows how warm it is then."
 "#;
 
 pub(super) fn domain() -> Domain {
+    domain_with("")
+}
+
+/// The domain with more words, such as rules.
+pub(super) fn domain_with(words: &str) -> Domain {
     let files = Files {
         pddl: PDDL.to_owned(),
-        words: WORDS.to_owned(),
+        words: format!("{WORDS}{words}"),
         ..Files::default()
     };
     domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"))

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 
-use super::bench::{Ask, Part, domain, plan, world};
+use super::bench::{Ask, Part, domain, fact, plan, world};
 use crate::domain::Domain;
 use crate::plan::{LaneItem, Node, Plan, StepId, Test};
 use crate::verify::{Purpose, Violation, apply, check, unmet};
-use crate::world::{Fact, State, World};
+use crate::world::{Claim, Environment, Fact, State, World};
 
 /// What can be found out about a plan, in whatever order.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -251,6 +251,19 @@ impl<'a> Enumeration<'a> {
     }
 }
 
+/// The claim that just these lamps are lit afterwards.
+fn lit_claim(domain: &Domain, world: &World, lamps: &BTreeSet<usize>) -> Claim {
+    let states: Vec<String> = lamps
+        .iter()
+        .map(|lamp| format!(r#""<lamp_{lamp}>": "LIT()""#))
+        .collect();
+    let text = format!(
+        r#"{{"assets": [], "objects": [], "object_states": {{{}}}}}"#,
+        states.join(", ")
+    );
+    Claim::read(domain, world, &Environment::from_json(&text).unwrap())
+}
+
 /// What the verifier says, in the same terms.
 fn findings(domain: &Domain, world: &World, plan: &Plan) -> (Findings, bool) {
     let report = check(domain, world, plan.clone(), &Purpose::default());
@@ -321,7 +334,7 @@ fn parts() -> impl Strategy<Value = Vec<Part>> {
             3 => calls().prop_map(Part::Do),
             3 => (asks(), body(), body()).prop_map(|(ask, then, otherwise)| Part::If(ask, then, otherwise)),
             2 => (asks(), body()).prop_map(|(ask, body)| Part::While(ask, body)),
-            1 => (0u32..3, body()).prop_map(|(times, body)| Part::Repeat(times, body)),
+            1 => (0u32..6, body()).prop_map(|(times, body)| Part::Repeat(times, body)),
         ]
     });
     prop::collection::vec(part, 1..=4)
@@ -395,6 +408,31 @@ proptest! {
         prop_assert_eq!(found.endless, expected.endless);
         if !expected.ends.is_empty() {
             prop_assert_eq!(&found.ends, &expected.ends);
+        }
+    }
+
+    #[test]
+    fn a_claim_is_kept_by_one_ending(
+        parts in parts(),
+        lit in prop::collection::vec(1..=LAMPS, 0..=2),
+        claimed in prop::collection::btree_set(1..=LAMPS, 0..=LAMPS),
+    ) {
+        let domain = domain();
+        let world = world(&domain, LAMPS, &lit);
+        let plan = plan(&domain, &world, &parts);
+        let purpose = Purpose { claim: Some(lit_claim(&domain, &world, &claimed)), ..Purpose::default() };
+        let ends = Enumeration::of(&domain, &world, &plan).ends;
+        let promised: Vec<Fact> = claimed.iter().map(|lamp| fact(&domain, &world, "lit", *lamp)).collect();
+        let promised: Vec<Fact> = promised.into_iter().filter(|fact| !world.state.holds(*fact)).collect();
+        let report = check(&domain, &world, plan, &purpose);
+        // A plan without an end has no ending to keep the claim; it is refused for that.
+        if !ends.is_empty() {
+            let kept = ends.iter().any(|end| promised.iter().all(|fact| end.contains(fact)));
+            prop_assert_eq!(report.claimed.is_some(), kept);
+            prop_assert_eq!(report.violations.iter().any(|found| found.kind() == "claim"), !kept);
+            if let Some(number) = report.claimed {
+                prop_assert!(promised.iter().all(|fact| report.endings[number].after.holds(*fact)));
+            }
         }
     }
 

@@ -128,7 +128,8 @@ fn where_calls_do_not_say_where_the_claim_does() {
             &resolved.complete().unwrap(),
             &resolved.objects,
             purpose.claim.as_ref(),
-        ).unwrap();
+        )
+        .unwrap();
         let report = check(&domain, &world, plan, &purpose);
         let violations = report.violations.iter();
         violations

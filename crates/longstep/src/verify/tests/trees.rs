@@ -1,7 +1,8 @@
 //! Branches, loops and lanes.
 
-use super::bench::{Ask, Part, does, domain, messages, not, report, world};
-use crate::verify::{STATES, Violation};
+use super::bench::{self, Ask, Part, does, domain, messages, not, plan, report, world};
+use crate::effort;
+use crate::verify::{Purpose, STATES, Violation, check as check_plan};
 
 /// What is told of a plan for three lamps of which the first is lit.
 fn check(parts: &[Part], expected: &[&str]) {
@@ -255,5 +256,88 @@ fn what_two_orders_find_on_one_way_is_not_so_on_all() {
             "step 3: press(left, <lamp_2>) needs that lamp 2 is not lit; since step 2 (press(left, <lamp_2>)), lamp 2 is lit (when lamp 2 is warm)",
             "step 3: press(left, <lamp_2>) changes nothing (when lamp 2 is warm)",
         ],
+    );
+}
+
+/// The units that checking takes, and the kinds of what is found.
+fn effort_of(parts: &[Part]) -> (u64, Vec<&'static str>) {
+    let domain = domain();
+    let world = world(&domain, 4, &[1]);
+    let plan = plan(&domain, &world, parts);
+    let spent = effort::within(u64::MAX, || check_plan(&domain, &world, plan, &Purpose::default()));
+    let kinds = spent.result.violations.iter().map(Violation::kind).collect();
+    (spent.units, kinds)
+}
+
+#[test]
+fn a_condition_takes_effort_that_grows_with_its_length() {
+    let pair = || Ask::All(vec![Ask::Is("warm", 2), Ask::Is("cold", 3)]);
+    let condition = |pairs: usize| Ask::Any((0..pairs).map(|_| pair()).collect());
+    let effort = |pairs| effort_of(&[Part::If(condition(pairs), vec![], vec![])]);
+    let (short, kinds) = effort(10);
+    assert_eq!(kinds, ["unsensed", "unsensed"]);
+    let (long, _) = effort(40);
+    assert!(long < 8 * short, "{long} units for four times the {short} of a quarter");
+    // A sensing step in every part: so many outcomes are too many states, not too much memory.
+    let lamps = |at: usize| Ask::Any(vec![Ask::Feel(1 + at % 4), not(Ask::Is("warm", 1 + at % 4))]);
+    let (units, kinds) = effort_of(&[Part::While(Ask::All((0..60).map(lamps).collect()), all(&["wait 1"]))]);
+    assert!(units < effort::OPERATION, "{units} units, {kinds:?}");
+}
+
+#[test]
+fn a_counted_loop_follows_one_period_of_its_states() {
+    let swing = |times| {
+        let toggle = Part::If(Ask::Is("lit", 1), all(&["unpress left 1"]), all(&["press left 1"]));
+        vec![Part::Repeat(times, vec![toggle])]
+    };
+    let (few, kinds) = effort_of(&swing(4));
+    assert_eq!(kinds, Vec::<&str>::new());
+    assert_eq!(effort_of(&swing(1_000_000_000)).0, few);
+    // The state after the last round is that of its remainder: lamp 1 is lit at first.
+    let domain = domain();
+    let world = world(&domain, 4, &[1]);
+    for (times, lit) in [(1, false), (2, true), (999_999_999, false), (1_000_000_000, true)] {
+        let report = report(&domain, &world, &swing(times));
+        let fact = bench::fact(&domain, &world, "lit", 1);
+        assert_eq!(report.ending().after.holds(fact), lit, "{times}");
+    }
+}
+
+#[test]
+fn a_plan_that_takes_too_much_work_is_refused() {
+    // A binary counter of four lamps inside itself: each level multiplies the rounds of the one within.
+    let count = |body: Vec<Part>| {
+        let carry = |lamp: usize, rest: Vec<Part>| {
+            let on = format!("press left {lamp}");
+            let off = format!("unpress left {lamp}");
+            let mut carried = all(&[off.as_str()]);
+            carried.extend(rest);
+            Part::If(Ask::Is("lit", lamp), carried, all(&[on.as_str()]))
+        };
+        let mut rounds = vec![carry(1, vec![carry(2, vec![carry(3, vec![carry(4, vec![])])])])];
+        rounds.extend(body);
+        vec![Part::Repeat(13, rounds)]
+    };
+    let deep = (0..8).fold(Vec::new(), |body, _| count(body));
+    let (units, kinds) = effort_of(&deep);
+    assert_eq!(kinds, ["too_much_work"]);
+    assert!(units < effort::OPERATION + effort::OPERATION / 4, "{units}");
+}
+
+#[test]
+fn a_rule_that_is_broken_at_the_start_binds_from_where_it_is_kept() {
+    let rule = "[[rule]]\nname = \"dark\"\nholds = \"always\"\ncondition = \"(forall (?lamp - lamp) (not (lit ?lamp)))\"\nsays = \"{lamp} must be dark\"\n";
+    let domain = bench::domain_with(rule);
+    let world = world(&domain, 3, &[1]);
+    let check = |texts: &[&str], expected: &[&str]| {
+        let report = report(&domain, &world, &all(texts));
+        assert_eq!(messages(&domain, &world, &report), expected, "{texts:?}");
+    };
+    check(&["unpress left 1"], &[]);
+    check(&["feel 2", "unpress left 1"], &[]);
+    check(&["press left 2"], &["after step 1: lamp 2 must be dark"]);
+    check(
+        &["unpress left 1", "press left 1"],
+        &["after step 2: lamp 1 must be dark"],
     );
 }
