@@ -3,6 +3,8 @@
 from pathlib import Path
 from random import Random
 
+from .pddl import parse_effect, parse_sexpr
+
 KINDS = ["thing", "spot", "piece"]
 STATIC_ONE, STATIC_TWO = ["sturdy", "hollow"], ["linked", "facing"]
 FLUENT_ONE = ["lit", "sealed", "warm", "tagged"]
@@ -40,6 +42,8 @@ class Maker:
         if sensing:
             for look, group in zip(LOOKS, random.sample(SENSED, random.randint(1, 2))):
                 self.outcomes.append((look, group, self.kind()))
+        # Events that an action brings about; a predicate that nothing does is an event to nobody.
+        self.brought_about: set[str] = set()
         self.fresh = 0
 
     def kind(self) -> str:
@@ -151,12 +155,13 @@ class Maker:
 
     def make(self) -> tuple[str, str]:
         """The texts of domain.pddl and domain.toml."""
-        pddl, toml = [], []
-        self.words_of_predicates(toml)
+        pddl, actions, toml = [], [], []
         for name in self.random.sample(ACTIONS, self.random.randint(2, 5)):
-            self.action(name, pddl, toml)
+            self.action(name, pddl, actions)
         for look, group, kind in self.outcomes:
-            self.look(look, group, kind, pddl, toml)
+            self.look(look, group, kind, pddl, actions)
+        self.words_of_predicates(toml)
+        toml += actions
         self.rules(toml)
         self.goals(toml)
         return self.header() + "\n" + "\n".join(pddl) + ")\n", "\n".join(toml) + "\n"
@@ -179,7 +184,7 @@ class Maker:
         for name, kinds in self.predicates.items():
             about = " and ".join("{" + "ab"[n] + "}" for n in range(len(kinds))) or "it"
             toml.append(f'[[predicate]]\nname = "{name}"\nsays = "{about} is {name}"\ndenies = "{about} is not {name}"')
-            if name in self.events:
+            if name in self.brought_about:
                 toml.append("event = true")
             if name in self.static and len(kinds) == 1 and self.random.random() < 0.3:
                 toml.append('unknown = "assume"')
@@ -207,6 +212,7 @@ class Maker:
             bound = [f"?{letter}" for letter in "xy"[: len(kinds)]]
             declared = " ".join(f"{variable} - {kind}" for variable, kind in zip(bound, kinds))
             effects = [f"(forall ({declared}) ({fluent} {' '.join(bound)}))"]
+        self.brought_about |= {event for event in self.events if self.adds(event, effects)}
         parameters = " ".join(f"{variable} - {kind}" for variable, kind in scope.items())
         pddl.append(
             f"  (:action {name}\n    :parameters ({parameters})\n    :precondition (and {' '.join(parts)})\n"
@@ -218,6 +224,16 @@ class Maker:
         toml.append(f'[[action]]\nname = "{name}"\ncall = "{name}({shown})"\nsays = "{says.strip()}"\nmeans = "To {name}."')
         if hidden and self.random.random() < 0.4:
             toml.append(f'object = "{hidden[0]}"')
+
+    def adds(self, event: str, effects: list[str]) -> bool:
+        """True if effects make an event true."""
+
+        def look(effect: tuple) -> bool:
+            if effect[0] == "and":
+                return any(map(look, effect[1]))
+            return look(effect[2]) if effect[0] in ("forall", "when") else effect[:2] == ("add", event)
+
+        return any(look(parse_effect(parse_sexpr(effect))) for effect in effects)
 
     def look(self, name: str, group: list[str], kind: str, pddl: list[str], toml: list[str]) -> None:
         """A sensing action."""

@@ -40,7 +40,7 @@ class Judge:
             done = subprocess.run(
                 [self.program], input=lines, capture_output=True, text=True, timeout=PATIENCE + 0.2 * len(requests)
             )
-            output, why = done.stdout, f"the program ended with {done.returncode}: {done.stderr[-600:]}"
+            output, why = done.stdout, f"the program ended with {done.returncode}: {done.stderr[:500]}"
         except subprocess.TimeoutExpired as expired:
             output, why = (expired.stdout or b"").decode(), "no answer in time"
         whole = output[: output.rfind("\n") + 1]

@@ -286,7 +286,7 @@ class Grower:
         """The nodes with one thing changed."""
         nodes = copy.deepcopy(nodes)
         lists = [part for part in blocks(nodes) if part]
-        if not lists:
+        if not lists or not self.world.all_actions():
             return nodes
         part = self.random.choice(lists)
         place = self.random.randrange(len(part))
@@ -299,9 +299,9 @@ class Grower:
         elif kind == 2:
             part.insert(place, copy.deepcopy(part[place]))
         elif kind == 3:
-            part.insert(place, self.entry(self.pick(self.acting or self.actions)))
+            part.insert(place, self.entry(self.pick(self.world.all_actions())))
         elif kind == 4 and "call" in part[place]:
-            part[place] = self.entry(self.pick(self.acting or self.actions))
+            part[place] = self.entry(self.pick(self.world.all_actions()))
         else:
             self.other_argument(part[place])
         return nodes

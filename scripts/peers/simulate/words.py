@@ -105,9 +105,18 @@ def condition(text: str) -> tuple:
 
 
 def read_rule(entry: dict) -> Rule:
-    """A `[[rule]]`; each binding of its outermost `forall` is kept or broken by itself."""
-    whole = condition(entry["condition"])
-    variables, inner = (whole[1], whole[2]) if whole[0] == "forall" else ([], whole)
+    """A `[[rule]]`; each binding of its outermost quantifiers is kept or broken by itself.
+
+    `(not (exists ..))` is `(forall .. (not ..))`, and foralls that stand directly in each other are one.
+    """
+    inner, positive = condition(entry["condition"]), True
+    variables: list[tuple[str, str]] = []
+    while inner[0] == "not" or inner[0] == ("forall" if positive else "exists"):
+        if inner[0] == "not":
+            inner, positive = inner[1], not positive
+        else:
+            variables, inner = variables + inner[1], inner[2]
+    inner = inner if positive else ("not", inner)
     return Rule(entry["name"], entry["holds"], variables, inner, entry.get("unless", []))
 
 
