@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use longstep::answer::Status;
+use longstep::repair::Pins;
 
 use crate::arguments::VerifyArguments;
 use crate::draft::Draft;
@@ -20,7 +21,7 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     if arguments.json {
         show::json(&answer)?;
     } else if arguments.feedback && answer.status == Status::Invalid {
-        anstream::print!("{}", attempt.feedback(&domain, &world));
+        anstream::print!("{}", attempt.feedback(&domain, &world, &Pins::default()));
     } else if !arguments.feedback || answer.status == Status::Question {
         show::answer(&answer, show::Changes::Shown);
         let advice = (answer.status == Status::Invalid)

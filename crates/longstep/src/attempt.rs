@@ -196,13 +196,13 @@ impl Attempt {
         Some(format!("`longstep repair` makes it valid: {}", told.join("; ")))
     }
 
-    /// What a model would be told about the plan.
-    pub fn feedback(&self, domain: &Domain, world: &World) -> String {
+    /// The feedback for a model about the plan, with the smallest change that mends it around what is pinned.
+    pub fn feedback(&self, domain: &Domain, world: &World, pins: &Pins) -> String {
         let (violations, steps) = match self.simulate(domain, world) {
             Ok((report, _)) => (report.violations, report.plan),
             Err(issues) => (issues, Plan::default()),
         };
-        let edits = match self.repair(domain, world, &Pins::default()) {
+        let edits = match self.repair(domain, world, pins) {
             Outcome::Repaired(repaired) => repaired.edits,
             _ => Vec::new(),
         };

@@ -22,6 +22,7 @@ use edit::Script;
 use target::Meant;
 
 use crate::domain::Domain;
+use crate::effort;
 use crate::plan::{Plan, Resolved};
 use crate::search::{Asked, Found, Scope, cheapest, greedy, reduce};
 use crate::verify::{Purpose, VerifiedPlan, Violation, bind_as_far, check};
@@ -33,6 +34,9 @@ pub const LIMIT: usize = 6_000;
 
 /// Drafts with more steps than this are not repaired: no instruction needs as many, and each state would take long.
 const LONGEST: usize = 500;
+
+/// The units of work of one repair: binding, checking and searching, on all ways of a plan that branches.
+const EFFORT: u64 = 60_000_000;
 
 /// How far it looks for something cheaper in the rest of the world, once it knows a way.
 const PROOF: usize = 200;
@@ -114,7 +118,15 @@ pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpos
 /// The same, around what a person settled: no repair undoes a pin, and where none can be had without undoing one,
 /// there is none.
 pub fn repair_pinned(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
-    repair_within(LIMIT, domain, world, draft, purpose, pins)
+    let spent = effort::within(EFFORT, || repair_within(LIMIT, domain, world, draft, purpose, pins));
+    match spent.result {
+        outcome @ (Outcome::Valid(_) | Outcome::Repaired(_)) => outcome,
+        Outcome::ProvenUnsolvable { expanded } if spent.exhausted => Outcome::GaveUp {
+            why: format!("no repair found in {expanded} states, which took all the work that a repair may take"),
+            expanded,
+        },
+        outcome => outcome,
+    }
 }
 
 fn repair_within(

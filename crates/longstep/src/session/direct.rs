@@ -138,7 +138,7 @@ impl Session {
                     true => sentence(answer.status).to_owned(),
                     false => wrong.join("; "),
                 };
-                let told = attempt.feedback(domain, world);
+                let told = attempt.feedback(domain, world, &pins);
                 let stuck = Stuck {
                     why,
                     trouble: Trouble::Plan,

@@ -357,6 +357,32 @@ fn what_a_person_asked_for_is_not_repaired_away_when_the_model_writes_the_plan()
 }
 
 #[test]
+fn feedback_to_the_model_does_not_bring_back_what_a_person_took_out() {
+    let mut session = session(direct());
+    let without_grasp: Vec<&str> = MOVE_PEN
+        .iter()
+        .copied()
+        .filter(|call| *call != "grasp_object()")
+        .collect();
+    session.set_settings(Settings { rounds: 1, ..direct() });
+    play(
+        &mut session,
+        &[
+            ("person", "The pen goes on the shelf"),
+            ("model", &pen_plan(&MOVE_PEN, "shelf")),
+            ("feedback", "do not grasp it"),
+            ("model", &pen_plan(&without_grasp, "shelf")),
+        ],
+    );
+    let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+        panic!("the model was not asked again")
+    };
+    let told = &prepared.request.messages.last().unwrap().text;
+    assert!(told.contains("needs that"), "{told}");
+    assert!(!told.contains("grasp_object() before"), "{told}");
+}
+
+#[test]
 fn a_plan_that_ignores_what_the_person_said_is_not_taken_for_an_answer() {
     let mut session = session(direct());
     session.set_settings(Settings { rounds: 1, ..direct() });

@@ -344,14 +344,21 @@ impl Binder<'_> {
         unmet(self.world, state, precondition, &mut arguments.to_vec())
     }
 
-    /// Does the step behind those of `way`; tells how many of its claims do not hold then.
+    /// Does the step behind those of `way`; returns how many of its claims do not hold then, and how many of the conditions
+    /// behind it ask what nothing has sensed.
     fn advance(&self, state: &mut State, way: &[Vec<EntityId>], arguments: &[EntityId]) -> usize {
         let turn = &self.turns[way.len()];
         apply(self.world, state, self.action(way.len()), arguments);
-        let broken = turn.claims.iter().filter(|fact| !state.holds(**fact)).count();
+        let mut broken = turn.claims.iter().filter(|fact| !state.holds(**fact)).count();
         for learned in &turn.learned {
             match *learned {
-                Learned::Fact(fact, holds) => learn(self.domain, state, fact, holds),
+                Learned::Fact(fact, holds) => {
+                    // A condition that nothing has sensed speaks against the choice as a broken claim does.
+                    let outcomes = self.domain.outcomes(fact);
+                    let known = outcomes.is_empty() || outcomes.iter().any(|outcome| state.holds(*outcome));
+                    broken += usize::from(!known);
+                    learn(self.domain, state, fact, holds);
+                }
                 Learned::Outcome(place, first) => {
                     let arguments = way.get(place).map_or(arguments, Vec::as_slice);
                     if let Some(atom) = self.action(place).senses.first() {

@@ -2,7 +2,7 @@
 //!
 //! These are one-sided: "no" is certain, "yes" means that nothing unchanging speaks against it.
 
-use crate::domain::{ActionId, Condition, Domain, Term};
+use crate::domain::{ActionId, Condition, Domain, Effect, Term, TypeId};
 use crate::effort;
 use crate::world::{Bindings, EntityId, Fact, World, ground, grounded_term};
 
@@ -47,7 +47,8 @@ pub(crate) fn can_apply(domain: &Domain, world: &World, action: ActionId, argume
     )
 }
 
-/// Whether some action can make the fact true in this world.
+/// Whether some action can make the fact true in this world: nothing unchanging forbids the action, nor what the effect
+/// depends on.
 pub(crate) fn can_be_brought_about(domain: &Domain, world: &World, fact: Fact) -> bool {
     domain.action_ids().any(|(id, action)| {
         let adding = action
@@ -55,46 +56,61 @@ pub(crate) fn can_be_brought_about(domain: &Domain, world: &World, fact: Fact) -
             .iter()
             .filter(|effect| effect.adds && effect.atom.predicate == fact.predicate());
         adding.into_iter().any(|effect| {
-            let mut bound: Vec<Option<EntityId>> = vec![None; action.parameters.len()];
+            let kinds = action.parameters.iter().map(|parameter| parameter.kind);
+            let own = effect.forall.iter().map(|(_, kind)| *kind);
+            let mut maker = Maker {
+                domain,
+                world,
+                action: id,
+                effect,
+                slots: kinds.chain(own).map(|kind| (kind, None)).collect(),
+            };
             let fits = effect.atom.terms.iter().enumerate().all(|(place, term)| {
                 let entity = fact.argument(place);
                 match *term {
                     Term::Constant(constant) => constant == entity,
-                    Term::Variable(slot) => match bound.get_mut(slot) {
-                        Some(parameter) => *parameter.get_or_insert(entity) == entity,
-                        // A variable of the effect's own.
+                    Term::Variable(slot) => match maker.slots.get_mut(slot) {
+                        Some((_, bound)) => *bound.get_or_insert(entity) == entity,
                         None => true,
                     },
                 }
             });
-            fits && some_arguments(domain, world, id, &bound, &mut Vec::new())
+            fits && maker.some_arguments(&mut Vec::new())
         })
     })
 }
 
-/// Whether the open arguments can be filled in so that the action can apply.
-fn some_arguments(
-    domain: &Domain,
-    world: &World,
-    id: ActionId,
-    bound: &[Option<EntityId>],
-    arguments: &mut Vec<EntityId>,
-) -> bool {
-    let Some(parameter) = domain.action(id).parameters.get(arguments.len()) else {
-        return can_apply(domain, world, id, arguments);
-    };
-    let fixed = bound[arguments.len()];
-    let candidates = fixed
-        .as_ref()
-        .map_or(world.of_kind(parameter.kind), std::slice::from_ref);
-    candidates
-        .iter()
-        .filter(|entity| world.is_of_kind(**entity, parameter.kind))
-        .take_while(|_| effort::spend(1))
-        .any(|entity| {
-            arguments.push(*entity);
-            let possible = some_arguments(domain, world, id, bound, arguments);
-            arguments.pop();
-            possible
-        })
+/// An effect that makes a fact true.
+struct Maker<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    action: ActionId,
+    effect: &'a Effect,
+    /// The types of the action's parameters and of the effect's own variables, with what the fact binds them to.
+    slots: Vec<(TypeId, Option<EntityId>)>,
+}
+
+impl Maker<'_> {
+    /// Whether the open arguments can be filled in so that the action can apply and the effect can happen.
+    fn some_arguments(&self, arguments: &mut Vec<EntityId>) -> bool {
+        let (domain, world) = (self.domain, self.world);
+        let parameters = domain.action(self.action).parameters.len();
+        if arguments.len() == parameters && !can_apply(domain, world, self.action, arguments) {
+            return false;
+        }
+        let Some((kind, fixed)) = self.slots.get(arguments.len()) else {
+            return possibly(domain, world, &self.effect.condition, arguments);
+        };
+        let candidates = fixed.as_ref().map_or(world.of_kind(*kind), std::slice::from_ref);
+        candidates
+            .iter()
+            .filter(|entity| world.is_of_kind(**entity, *kind))
+            .take_while(|_| effort::spend(1))
+            .any(|entity| {
+                arguments.push(*entity);
+                let possible = self.some_arguments(arguments);
+                arguments.pop();
+                possible
+            })
+    }
 }

@@ -62,8 +62,10 @@ impl Claim {
                     world,
                     state: &claim.state,
                 };
-                if holds(moment, &default.when, &mut bindings) {
-                    claim.state.set(ground(&default.atom, &bindings), true);
+                // A default fills in what nobody says; it promises no change.
+                let fact = ground(&default.atom, &bindings);
+                if world.state.holds(fact) && holds(moment, &default.when, &mut bindings) {
+                    claim.state.set(fact, true);
                 }
             }
         }

@@ -147,3 +147,52 @@ fn where_calls_do_not_say_where_the_claim_does() {
         ["at the end, this is claimed and not so: the cup is on the table"]
     );
 }
+
+#[test]
+fn a_claim_promises_nothing_of_what_it_is_silent_about() {
+    let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    let text = r#"{"assets": ["<room_1>", "<desk_2>"], "objects": ["<mug_4>"],
+        "asset_states": {"<desk_2>": ["INSIDE(<room_1>)"]}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let claimed = Environment::from_json(r#"{"assets": ["<desk_2>"], "objects": []}"#).unwrap();
+    let claim = Claim::read(&domain, &world, &claimed);
+    assert_eq!(claim.promises(&domain, &world), vec![]);
+}
+
+#[test]
+fn what_an_effect_depends_on_decides_what_can_come_about() {
+    let domain = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
+        "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let inside = |place: &str| {
+        let claimed =
+            format!(r#"{{"objects": ["<milk>"], "object_states": {{"<milk>": "inside_something({place})"}}}}"#);
+        let claim = Claim::read(&domain, &world, &Environment::from_json(&claimed).unwrap());
+        let [promised] = claim.promises(&domain, &world)[..] else {
+            panic!("{claim:?}")
+        };
+        can_be_brought_about(&domain, &world, promised)
+    };
+    assert!(inside("<fridge>"));
+    assert!(!inside("<counter>"));
+}
+
+#[test]
+fn a_hidden_argument_of_sensing_is_what_a_later_condition_asks() {
+    let domain = domain::shipped("household-checks").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>", "<sponge>"],
+        "object_states": {"<cup>": "on_something(<table>)", "<sponge>": "on_something(<shelf>)"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    for place in ["<table>", "<shelf>"] {
+        let script = format!("move_hand()\ncheck_cleanness()\nif clean(\"{place}\"):\n    pass\n");
+        let written = TaskCohesion::from_written(crate::plan::script::read(&script).unwrap());
+        let resolved = resolve(&domain, &world, &written);
+        let (plan, _) = bind_tree(&domain, &world, &resolved, None).unwrap();
+        let report = check(&domain, &world, plan, &Purpose::default());
+        assert_eq!(report.violations, vec![], "{place}");
+    }
+}
