@@ -57,7 +57,7 @@ class Flat:
                     nexts = [made for _, made in self.world.sense(action, state)]
                 else:
                     nexts = [self.world.apply(action, state)]
-                if any(self.world.newly_broken(state, made) for made in nexts):
+                if not action.senses and any(self.world.newly_broken(state, made) for made in nexts):
                     break
                 after.update(nexts)
             else:

@@ -28,6 +28,7 @@ class Tally:
     cases: int = 0
     valid: int = 0
     over: int = 0
+    missed: int = 0
     disagreements: list[dict] = field(default_factory=list)
 
 
@@ -45,6 +46,7 @@ def run_chunk(program: Path, seeds: list[int], kinds: list[str], faults: frozens
             tally.cases += 1
             tally.valid += comparison.valid
             tally.over += comparison.over
+            tally.missed += comparison.missed
             if comparison.difference is None:
                 continue
             difference = comparison.difference
@@ -89,17 +91,18 @@ def merge(total: Tally, more: Tally) -> None:
     total.cases += more.cases
     total.valid += more.valid
     total.over += more.over
+    total.missed += more.missed
     total.disagreements += more.disagreements
 
 
 def print_table(total: dict[str, Tally]) -> None:
     """Prints the counts."""
-    print(f"{'class':10}{'cases':>9}{'valid':>9}{'over the bound':>16}{'disagree':>10}")
+    print(f"{'class':10}{'cases':>9}{'valid':>9}{'over a bound':>14}{'binding missed':>16}{'disagree':>10}")
     for kind in CLASSES:
         if kind in total:
             tally = total[kind]
             share = f"{100 * tally.valid / max(1, tally.cases):.0f} %"
-            print(f"{kind:10}{tally.cases:>9}{share:>9}{tally.over:>16}{len(tally.disagreements):>10}")
+            print(f"{kind:10}{tally.cases:>9}{share:>9}{tally.over:>14}{tally.missed:>16}{len(tally.disagreements):>10}")
 
 
 def main() -> None:

@@ -118,7 +118,8 @@ class Walk:
             else:
                 outcomes = [(0, self.world.apply(action, state))]
             for number, after in outcomes:
-                for _ in self.world.newly_broken(state, after):
+                # A rule that sensing reveals to be broken is no fault of the plan.
+                if not action.senses and self.world.newly_broken(state, after):
                     self.blame("rule", step.number)
                 made.append((state, number, after))
         return made
