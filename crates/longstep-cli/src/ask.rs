@@ -57,7 +57,6 @@ pub(crate) struct Waiting {
 
 impl Waiting {
     pub(crate) fn new() -> Self {
-        interrupted().store(false, Ordering::Relaxed);
         Self {
             spinner: Spinner::new(),
         }
@@ -78,6 +77,11 @@ impl Watch for Waiting {
 pub(crate) fn watch_for_interrupts() {
     // Where no handler can be set, Ctrl-C ends the program as it does elsewhere; the session is on the disk.
     let _ = ctrlc::set_handler(|| interrupted().store(true, Ordering::Relaxed));
+}
+
+/// Returns whether Ctrl-C was pressed since this was last asked.
+pub(crate) fn take_interrupt() -> bool {
+    interrupted().swap(false, Ordering::Relaxed)
 }
 
 /// Whether Ctrl-C was pressed.

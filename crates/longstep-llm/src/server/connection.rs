@@ -149,7 +149,8 @@ impl Connection {
         let source = match error {
             GenaiError::WebStream { error, .. } => error.as_ref(),
             GenaiError::StreamParse { serde_error, .. } => {
-                return Failure::Final(bad(endpoint, &format!("a part of it is no JSON: {serde_error}")));
+                let reason = endpoint.one_line(&serde_error.to_string());
+                return Failure::Final(bad(endpoint, &format!("a part of it is no JSON: {reason}")));
             }
             GenaiError::ChatResponse { body, .. } => {
                 let message = endpoint.one_line(&complaint(&body.to_string()));
