@@ -147,8 +147,6 @@ fn create(folder: &Path) -> Result<()> {
     std::fs::rename(draft.keep(), folder).map_err(failed)?;
     print_line!("{shown} is a domain now; look at it with");
     print_line!("  longstep domain check {shown}");
-    print_line!(
-        "  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}"
-    );
+    print_line!("  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}");
     Ok(())
 }

@@ -24,9 +24,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
         return Ok(answer.status.exit_code());
     };
     match arguments.format {
-        PlanFormat::Python => {
-            output::document(&script::write(&Written::of_plan(&domain, &world, verified.plan())))
-        }
+        PlanFormat::Python => output::document(&script::write(&Written::of_plan(&domain, &world, verified.plan()))),
         PlanFormat::Json => output::json(&answer.plan)?,
     }
     Ok(answer.status.exit_code())

@@ -11,8 +11,8 @@ use longstep::solution;
 use longstep::verify::Purpose;
 
 use crate::arguments::SolveArguments;
-use crate::solve::{milliseconds, stopwatch};
 use crate::output::print_line;
+use crate::solve::{milliseconds, stopwatch};
 use crate::{inputs, show};
 
 pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8> {

@@ -33,8 +33,7 @@ impl Spinner {
             Progress::Writing { .. } => output::progress(&self.bar, "thinking"),
             Progress::Waiting => output::progress(&self.bar, "waiting for the server"),
             Progress::Warning(text) => {
-                self.bar
-                    .suspend(|| remark!("{} {text}", "warning:".yellow().bold()));
+                self.bar.suspend(|| remark!("{} {text}", "warning:".yellow().bold()));
             }
             _ => {}
         }

@@ -9,8 +9,8 @@ use serde_json::Value;
 
 use crate::arguments::SessionCommand;
 use crate::output::{Style, print_line};
-use crate::{inputs, output};
 use crate::solve::stopwatch;
+use crate::{inputs, output};
 
 /// Characters of an instruction that a table shows.
 const SHOWN: usize = 60;

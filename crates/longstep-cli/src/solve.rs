@@ -53,13 +53,7 @@ pub(crate) fn goal_lines(domain: &Domain, world: &World, goal: &Goal) -> Vec<Str
 }
 
 /// Saves, prints, and returns the exit code. `lanes` are the lines that show a plan side by side, none for a list.
-pub(crate) fn finish(
-    answer: &Answer,
-    goal: &[String],
-    lanes: &[Line],
-    save: Option<&Path>,
-    json: bool,
-) -> Result<u8> {
+pub(crate) fn finish(answer: &Answer, goal: &[String], lanes: &[Line], save: Option<&Path>, json: bool) -> Result<u8> {
     if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
         inputs::save(path, &answer.plan)?;
     }

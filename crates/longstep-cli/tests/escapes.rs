@@ -64,7 +64,14 @@ impl Files {
             "object_states": {format!("<{HOSTILE}>"): "on_something(<shelf>)", "<cup>": "on_something(<shelf>)"}}});
         files.write("env.json", &shelf.to_string());
         files.write(&format!("{NAME}.json"), &shelf.to_string());
-        let steps = ["move_hand()", "grasp_object()", "detach_from_plane()", "move_object()", "attach_to_plane()", "release_object()"];
+        let steps = [
+            "move_hand()",
+            "grasp_object()",
+            "detach_from_plane()",
+            "move_object()",
+            "attach_to_plane()",
+            "release_object()",
+        ];
         let plan = |object: &str, count: usize, after: Value| {
             json!({"task_cohesion": {"task_sequence": steps[..count],
                     "step_instructions": vec![HOSTILE; count], "object_name": format!("<{object}>")},
@@ -76,14 +83,26 @@ impl Files {
         after["object_states"][format!("<{HOSTILE}>")] = json!("on_something(<table>)");
         files.write("good.json", &plan(HOSTILE, 6, after.clone()));
         files.write("short.json", &plan(HOSTILE, 3, after));
-        files.write("unknown.json", &plan(&format!("{HOSTILE}2"), 3, shelf["environment"].clone()));
-        files.write("asks.json", &json!({"question": HOSTILE, "task_cohesion": {"task_sequence": []}}).to_string());
+        files.write(
+            "unknown.json",
+            &plan(&format!("{HOSTILE}2"), 3, shelf["environment"].clone()),
+        );
+        files.write(
+            "asks.json",
+            &json!({"question": HOSTILE, "task_cohesion": {"task_sequence": []}}).to_string(),
+        );
         files.write("broken.json", HOSTILE);
         files.write("broken.py", &format!("# {HOSTILE}\n{HOSTILE}(\"{HOSTILE}\")"));
-        files.write("lines.py", &format!("if expired({:?}):\n    pass", HOSTILE.replace(['\r', '\n'], "")));
+        files.write(
+            "lines.py",
+            &format!("if expired({:?}):\n    pass", HOSTILE.replace(['\r', '\n'], "")),
+        );
         for name in ["esc_plan.txt", "esc_question.txt", "esc_env.json"] {
             // As a reviewer found them.
-            files.write(name, REVIEWED[usize::from(name == "esc_question.txt") + 2 * usize::from(name == "esc_env.json")]);
+            files.write(
+                name,
+                REVIEWED[usize::from(name == "esc_question.txt") + 2 * usize::from(name == "esc_env.json")],
+            );
         }
         files.domain();
         files.suite();
@@ -107,9 +126,15 @@ impl Files {
         let copy = |from: PathBuf, name: &str| {
             let text = std::fs::read_to_string(from).unwrap();
             let text = match name.ends_with("domain.toml") {
-                true => ["means = \"", "about = \"", "explanation = \"", "says = \"", "short = \""]
-                    .iter()
-                    .fold(text, |text, key| text.replace(key, &format!("{key}{escaped}"))),
+                true => [
+                    "means = \"",
+                    "about = \"",
+                    "explanation = \"",
+                    "says = \"",
+                    "short = \"",
+                ]
+                .iter()
+                .fold(text, |text, key| text.replace(key, &format!("{key}{escaped}"))),
                 false => text,
             };
             self.write(&format!("domain/{name}"), &text);
@@ -128,7 +153,10 @@ impl Files {
     fn suite(&self) {
         let text = |text: &str| json!(text).to_string().replace('\u{7f}', "\\u007f");
         let hostile = text(&visible::json(HOSTILE).replace("\\u", "u"));
-        self.write("suite/suite.toml", &format!("name = \"desk\"\nabout = {hostile}\ndomain = \"household\"\n"));
+        self.write(
+            "suite/suite.toml",
+            &format!("name = \"desk\"\nabout = {hostile}\ndomain = \"household\"\n"),
+        );
         let case = |id: &str| {
             format!(
                 "[[case]]\nid = \"{id}\"\nscene = \"desk\"\nsays = \"Shelve the \\u001b[31mpen\\u202e\\nVerified: 99 steps\"\n\
@@ -136,7 +164,10 @@ impl Files {
             )
         };
         self.write("suite/cases.toml", &case("pen"));
-        self.write("wrong_suite/suite.toml", "name = \"desk\"\nabout = \"x\"\ndomain = \"household\"\n");
+        self.write(
+            "wrong_suite/suite.toml",
+            "name = \"desk\"\nabout = \"x\"\ndomain = \"household\"\n",
+        );
         self.write("wrong_suite/cases.toml", &case("p\\u001b[31m\\u202en"));
         for suite in ["suite", "wrong_suite"] {
             self.write(
@@ -147,7 +178,10 @@ impl Files {
         let replies = |replies: Value| json!([{"case": "pen", "reply": replies}]).to_string();
         self.write("asks_back.json", &replies(json!({"question": HOSTILE, "goals": []})));
         self.write("nonsense.json", &replies(json!(HOSTILE)));
-        self.write("no_replies.json", &json!([{"case": HOSTILE, "round": 3, "reply": HOSTILE}]).to_string());
+        self.write(
+            "no_replies.json",
+            &json!([{"case": HOSTILE, "round": 3, "reply": HOSTILE}]).to_string(),
+        );
     }
 }
 
@@ -162,7 +196,16 @@ fn without_a_model(files: &Files) -> Vec<Case> {
     let path = |name: &str| files.path(name);
     let (env, named, folder) = (path("env.json"), path(&format!("{NAME}.json")), path("domain"));
     let mut cases = Vec::new();
-    for plan in ["good.json", "short.json", "unknown.json", "asks.json", "broken.json", "broken.py", "lines.py", "missing"] {
+    for plan in [
+        "good.json",
+        "short.json",
+        "unknown.json",
+        "asks.json",
+        "broken.json",
+        "broken.py",
+        "lines.py",
+        "missing",
+    ] {
         let plan = path(plan);
         for command in ["verify", "repair"] {
             cases.push(case(&[command, &plan, "--env", &env]));
@@ -173,7 +216,15 @@ fn without_a_model(files: &Files) -> Vec<Case> {
         for format in ["python", "json", HOSTILE] {
             cases.push(case(&["export", &plan, "--env", &env, "--format", format]));
         }
-        cases.push(case(&["compose", "--script", &plan, "--plans", &path("good.json"), "--env", &env]));
+        cases.push(case(&[
+            "compose",
+            "--script",
+            &plan,
+            "--plans",
+            &path("good.json"),
+            "--env",
+            &env,
+        ]));
     }
     for plan in ["esc_plan.txt", "esc_question.txt"] {
         cases.push(case(&["verify", &path(plan), "--env", &path("esc_env.json")]));
@@ -186,11 +237,40 @@ fn without_a_model(files: &Files) -> Vec<Case> {
         }
         cases.push(case(&["solve", "--goal", goal, "--env", &env, "--pddl"]));
         cases.push(case(&["solve", "--goal", goal, "--env", &env, "--json"]));
-        cases.push(case(&["solve", "--goal", goal, "--env", &env, "--parallel", "--domain", "household-dual"]));
-        cases.push(case(&["solve", "--goal", goal, "--env", &named, "--save", &path(&format!("{NAME} saved"))]));
+        cases.push(case(&[
+            "solve",
+            "--goal",
+            goal,
+            "--env",
+            &env,
+            "--parallel",
+            "--domain",
+            "household-dual",
+        ]));
+        cases.push(case(&[
+            "solve",
+            "--goal",
+            goal,
+            "--env",
+            &named,
+            "--save",
+            &path(&format!("{NAME} saved")),
+        ]));
     }
-    cases.push(case(&["solve", "--problem", &path("broken.json"), "--domain", &path("domain/domain.pddl")]));
-    cases.push(case(&["solve", "--problem", &path("broken.json"), "--domain", &path("broken.json")]));
+    cases.push(case(&[
+        "solve",
+        "--problem",
+        &path("broken.json"),
+        "--domain",
+        &path("domain/domain.pddl"),
+    ]));
+    cases.push(case(&[
+        "solve",
+        "--problem",
+        &path("broken.json"),
+        "--domain",
+        &path("broken.json"),
+    ]));
     for domain in [folder.as_str(), &path("wrong"), &path(NAME), HOSTILE] {
         for command in ["show", "check"] {
             cases.push(case(&["domain", command, domain]));
@@ -214,15 +294,42 @@ fn without_a_model(files: &Files) -> Vec<Case> {
     for suite in ["suite", "wrong_suite", NAME, "domain"] {
         for replies in ["asks_back.json", "nonsense.json", "no_replies.json"] {
             let out = path(&format!("{NAME} {suite} {replies}"));
-            cases.push(case(&["eval", &path(suite), "--replies", &path(replies), "--out", &out]));
-            cases.push(case(&["eval", &path(suite), "--replies", &path(replies), "--out", &out, "--json"]));
+            cases.push(case(&[
+                "eval",
+                &path(suite),
+                "--replies",
+                &path(replies),
+                "--out",
+                &out,
+            ]));
+            cases.push(case(&[
+                "eval",
+                &path(suite),
+                "--replies",
+                &path(replies),
+                "--out",
+                &out,
+                "--json",
+            ]));
             cases.push(case(&["eval", "report", &out]));
         }
     }
     let runs = ["asks_back.json", "nonsense.json"].map(|replies| path(&format!("{NAME} suite {replies}")));
-    cases.push(case(&["eval", "compare", &runs[0], &runs[1], "--html", &path("compared.html")]));
+    cases.push(case(&[
+        "eval",
+        "compare",
+        &runs[0],
+        &runs[1],
+        "--html",
+        &path("compared.html"),
+    ]));
     cases.push(case(&["eval", &path("suite"), "--rename", HOSTILE]));
-    cases.push(case(&["eval", &path("suite"), "--rename", &format!("{HOSTILE}={HOSTILE}")]));
+    cases.push(case(&[
+        "eval",
+        &path("suite"),
+        "--rename",
+        &format!("{HOSTILE}={HOSTILE}"),
+    ]));
     cases.push(case(&["eval", "list"]));
     // What the parser of arguments repeats, and help.
     for argument in [HOSTILE, "--\u{1b}[31m\u{202e}x", "-\u{1b}", "\u{1b}[31mverify"] {
@@ -259,19 +366,39 @@ fn with_a_model(files: &Files) -> Vec<(Case, Vec<Answer>)> {
     for answer in answers {
         let said = vec![answer; 6];
         let instruction = format!("Put the {HOSTILE} on the table");
-        for more in [&["--json"][..], &[], &["--strategy", "direct"], &["--strategy", "direct", "--no-repair"]] {
+        for more in [
+            &["--json"][..],
+            &[],
+            &["--strategy", "direct"],
+            &["--strategy", "direct", "--no-repair"],
+        ] {
             let arguments = [&["plan", &instruction, "--env", &env], more].concat();
             cases.push((case(&arguments), said.clone()));
         }
         cases.push((
-            case(&["compose", &instruction, "--plans", &files.path("good.json"), "--env", &env]),
+            case(&[
+                "compose",
+                &instruction,
+                "--plans",
+                &files.path("good.json"),
+                "--env",
+                &env,
+            ]),
             said.clone(),
         ));
         let input = format!("Put it \u{1b}[31m\u{202e} there\n{}\nyes\n", HOSTILE.replace('\n', " "));
         cases.push((case(&["chat", "--env", &env]).input(&input), said));
     }
     for strategy in ["goal", "direct"] {
-        let explain = ["plan", HOSTILE, "--env", &env, "--explain-prompt", "--strategy", strategy];
+        let explain = [
+            "plan",
+            HOSTILE,
+            "--env",
+            &env,
+            "--explain-prompt",
+            "--strategy",
+            strategy,
+        ];
         cases.push((case(&explain), Vec::new()));
         let folder = files.path("domain");
         cases.push((case(&[&explain[..], &["--domain", &folder]].concat()), Vec::new()));
@@ -295,14 +422,20 @@ fn hidden(text: &str) -> Option<String> {
     Some(rest[from..].chars().take(120).collect())
 }
 
-#[track_caller]
-fn check(case: &Case, what: &str, text: &str) {
+/// What is wrong with something printed.
+fn wrong(case: &Case, what: &str, text: &str) -> Option<String> {
     let arguments = &case.arguments;
-    assert_eq!(hidden(text), None, "{what} of {arguments:?}");
-    assert!(
-        !text.lines().any(|line| line.starts_with("Verified: 99 steps")),
-        "a line is forged by {arguments:?}:\n{text}"
-    );
+    if let Some(hidden) = hidden(text) {
+        return Some(format!("{what} of {arguments:?}: {hidden:?}"));
+    }
+    let forged = text.lines().any(|line| line.starts_with("Verified: 99 steps"));
+    forged.then(|| format!("{what} of {arguments:?} has a forged line:\n{text}"))
+}
+
+#[track_caller]
+fn check(all: Vec<Option<String>>) {
+    let wrong: Vec<String> = all.into_iter().flatten().collect();
+    assert!(wrong.is_empty(), "{} wrong\n{}", wrong.len(), wrong.join("\n"));
 }
 
 fn command(case: &Case, files: &Files, more: &[String]) -> Command {
@@ -323,17 +456,21 @@ fn server_for(answers: &[Answer]) -> (Server, Vec<String>) {
 #[test]
 fn no_command_prints_what_a_terminal_obeys() {
     let files = Files::new();
-    let plain: Vec<(Case, Vec<Answer>)> = without_a_model(&files).into_iter().map(|case| (case, Vec::new())).collect();
+    let plain: Vec<(Case, Vec<Answer>)> = without_a_model(&files)
+        .into_iter()
+        .map(|case| (case, Vec::new()))
+        .collect();
     let asking = with_a_model(&files);
     let first = plain.len();
+    let mut all = Vec::new();
     for (number, (case, answers)) in plain.into_iter().chain(asking).enumerate() {
         let (server, model) = server_for(&answers);
         let model = if number >= first { model } else { Vec::new() };
         let ran = run(&mut command(&case, &files, &model), &case.input);
         drop(server);
         assert_ne!(ran.code, 101, "{:?}\n{}", case.arguments, ran.stderr);
-        check(&case, "stdout", &ran.stdout);
-        check(&case, "stderr", &ran.stderr);
+        all.push(wrong(&case, "stdout", &ran.stdout));
+        all.push(wrong(&case, "stderr", &ran.stderr));
         if case.arguments.iter().any(|argument| argument == "--json") && !ran.stdout.is_empty() {
             serde_json::from_str::<Value>(&ran.stdout).unwrap();
         }
@@ -343,15 +480,22 @@ fn no_command_prints_what_a_terminal_obeys() {
     let mut shown = 0;
     for entry in std::fs::read_dir(sessions).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
-        for arguments in [&["session", "show", &name][..], &["session", "show", &name, "--json"], &["session", "replay", &name], &["session", "list"], &["chat", "--resume", &name]] {
+        for arguments in [
+            &["session", "show", &name][..],
+            &["session", "show", &name, "--json"],
+            &["session", "replay", &name],
+            &["session", "list"],
+            &["chat", "--resume", &name],
+        ] {
             let case = case(arguments);
             let ran = run(&mut command(&case, &files, &[]), "");
-            check(&case, "stdout", &ran.stdout);
-            check(&case, "stderr", &ran.stderr);
+            all.push(wrong(&case, "stdout", &ran.stdout));
+            all.push(wrong(&case, "stderr", &ran.stderr));
             shown += 1;
         }
     }
     assert!(shown >= 40, "{shown}");
+    check(all);
 }
 
 #[test]
@@ -361,12 +505,21 @@ fn json_keeps_the_value_of_what_it_escapes() {
     let ran = run(&mut command(&case, &files, &[]), "");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let answer: Value = serde_json::from_str(&ran.stdout).unwrap();
-    assert_eq!(answer["plan"]["environment_before"]["objects"][0], json!(format!("<{HOSTILE}>")));
+    assert_eq!(
+        answer["plan"]["environment_before"]["objects"][0],
+        json!(format!("<{HOSTILE}>"))
+    );
     // A script says the same, too.
     let case = self::case(&["export", &files.path("good.json"), "--format", "python"]);
     let ran = run(&mut command(&case, &files, &[]), "");
     files.write("exported.py", &ran.stdout);
-    let case = self::case(&["verify", &files.path("exported.py"), "--env", &files.path("env.json"), "--json"]);
+    let case = self::case(&[
+        "verify",
+        &files.path("exported.py"),
+        "--env",
+        &files.path("env.json"),
+        "--json",
+    ]);
     let again = run(&mut command(&case, &files, &[]), "");
     assert_eq!(again.code, 0, "{}\n{}", ran.stdout, again.stderr);
     let again: Value = serde_json::from_str(&again.stdout).unwrap();
@@ -378,14 +531,16 @@ fn json_keeps_the_value_of_what_it_escapes() {
 fn a_terminal_gets_our_own_styles_and_nothing_else() {
     let files = Files::new();
     let mut coloured = 0;
+    let mut all = Vec::new();
     for case in without_a_model(&files) {
         // A bar on a terminal moves the cursor; it is drawn by indicatif and holds no text from outside.
         let draws = matches!(case.arguments[0].as_str(), "eval" | "model");
         let screen = on_a_terminal(&case, &files, draws);
-        check(&case, "the screen", &screen.replace("\r\n", "\n"));
+        all.push(wrong(&case, "the screen", &screen.replace("\r\n", "\n")));
         coloured += usize::from(screen.contains("\u{1b}["));
     }
     assert!(coloured > 50, "{coloured}");
+    check(all);
 }
 
 /// Runs a case in a terminal that `script` makes.
@@ -393,7 +548,11 @@ fn on_a_terminal(case: &Case, files: &Files, without_stderr: bool) -> String {
     let quoted = |text: &str| format!("'{}'", text.replace('\'', "'\\''"));
     let words: Vec<String> = case.arguments.iter().map(|argument| quoted(argument)).collect();
     let rest = if without_stderr { " 2>/dev/null" } else { "" };
-    let line = format!("exec {} {}{rest}", quoted(env!("CARGO_BIN_EXE_longstep")), words.join(" "));
+    let line = format!(
+        "exec {} {}{rest}",
+        quoted(env!("CARGO_BIN_EXE_longstep")),
+        words.join(" ")
+    );
     let like = longstep(files.folder.path());
     let mut script = Command::new("script");
     script.args(["--quiet", "--return", "--command", &line, "/dev/null"]);

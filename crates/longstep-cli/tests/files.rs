@@ -16,7 +16,8 @@ use common::{Answer, PANTRY, Ran, Server, goals, longstep, root, run};
 use serde_json::{Value, json};
 
 const GOAL: [&str; 5] = ["solve", "--goal", "put(juice, counter)", "--env", PANTRY];
-const DESK: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+const DESK: &str =
+    r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 const REPLIES: &str = r#"[{"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}}]"#;
 
 /// Longer than anything here takes.
@@ -30,7 +31,10 @@ fn mode(path: &Path) -> u32 {
 fn suite(folder: &Path) {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     std::fs::create_dir_all(folder.join("desk/scenes")).unwrap();
-    write("desk/suite.toml", "name = \"desk\"\nabout = \"A pen.\"\ndomain = \"household\"\n");
+    write(
+        "desk/suite.toml",
+        "name = \"desk\"\nabout = \"A pen.\"\ndomain = \"household\"\n",
+    );
     write(
         "desk/cases.toml",
         "[[case]]\nid = \"pen\"\nscene = \"desk\"\nsays = \"Shelve the pen.\"\ngoal = \"put(pen, shelf)\"\ntags = [\"x\"]\n",
@@ -72,8 +76,17 @@ fn printing(home: &Path) -> Vec<(Vec<String>, i32)> {
         (vec!["export", plan, "--format", "python"], 0),
         (vec!["export", plan, "--format", "json"], 0),
         (
-            vec!["compose", "--script", "examples/stored/cream.py", "--plans", "examples/stored", "--env",
-                 "examples/environments/larder.json", "--domain", "household-checks"],
+            vec![
+                "compose",
+                "--script",
+                "examples/stored/cream.py",
+                "--plans",
+                "examples/stored",
+                "--env",
+                "examples/environments/larder.json",
+                "--domain",
+                "household-checks",
+            ],
             0,
         ),
         (vec!["domain", "list"], 0),
@@ -89,10 +102,22 @@ fn printing(home: &Path) -> Vec<(Vec<String>, i32)> {
         .into_iter()
         .map(|(words, code)| (words.into_iter().map(str::to_owned).collect(), code))
         .collect();
-    let evaluate = ["eval", &path("desk"), "--replies", &path("replies.json"), "--out", &path("run")];
+    let evaluate = [
+        "eval",
+        &path("desk"),
+        "--replies",
+        &path("replies.json"),
+        "--out",
+        &path("run"),
+    ];
     all.push((evaluate.map(str::to_owned).to_vec(), 0));
     all.push((["eval", "report", &path("run")].map(str::to_owned).to_vec(), 0));
-    all.push((["eval", "compare", &path("run"), &path("run")].map(str::to_owned).to_vec(), 0));
+    all.push((
+        ["eval", "compare", &path("run"), &path("run")]
+            .map(str::to_owned)
+            .to_vec(),
+        0,
+    ));
     all
 }
 
@@ -110,7 +135,10 @@ fn a_full_disk_under_stdout_is_an_error_and_no_panic() {
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(50), "{arguments:?}\n{stderr}");
         let said = "error: cannot write to standard output: no space left on device\n";
-        assert!(stderr.contains(said) && !stderr.contains("panicked"), "{arguments:?}\n{stderr}");
+        assert!(
+            stderr.contains(said) && !stderr.contains("panicked"),
+            "{arguments:?}\n{stderr}"
+        );
     }
 }
 
@@ -139,10 +167,17 @@ fn a_reader_that_goes_away_ends_the_program_quietly() {
     for (arguments, _) in printing(home.path()) {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let output = longstep(home.path()).args(&arguments).stdin(Stdio::null()).stdout(writer).output().unwrap();
+        let output = longstep(home.path())
+            .args(&arguments)
+            .stdin(Stdio::null())
+            .stdout(writer)
+            .output()
+            .unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(50), "{arguments:?}\n{stderr}");
-        let ours = stderr.lines().filter(|line| !line.starts_with("report: ") && !line.starts_with("going on after"));
+        let ours = stderr
+            .lines()
+            .filter(|line| !line.starts_with("report: ") && !line.starts_with("going on after"));
         assert_eq!(ours.collect::<Vec<_>>(), Vec::<&str>::new(), "{arguments:?}");
     }
 }
@@ -159,10 +194,17 @@ fn nothing_is_accepted_that_could_not_be_shown() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let _ = child.stdin.take().unwrap().write_all(b"Put the cereal on the counter\n\nPut the cereal on the counter\n\n");
+    let _ = child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(b"Put the cereal on the counter\n\nPut the cereal on the counter\n\n");
     assert_eq!(child.wait().unwrap().code(), Some(50));
     let log = std::fs::read_to_string(home.path().join("state/longstep/sessions/pantry-1/session.jsonl")).unwrap();
-    assert!(log.contains("\"instruction\"") && !log.contains("\"accept\",\"number\""), "{log}");
+    assert!(
+        log.contains("\"instruction\"") && !log.contains("\"accept\",\"number\""),
+        "{log}"
+    );
     assert!(!home.path().join("state/longstep/sessions/pantry-1/0.json").exists());
 }
 
@@ -218,8 +260,17 @@ fn what_has_no_end_is_not_read_to_it() {
         let _ = std::fs::remove_file(&path);
         symlink("/dev/zero", path).unwrap();
     };
-    for name in ["domain/domain.pddl", "domain/domain.toml", "prompt/role.md", "zero/scenes/desk.json", "zero/suite.toml",
-                 "plans/0.json", "session/session.jsonl", "run/run.json"] {
+    for name in [
+        "domain/domain.pddl",
+        "domain/prompt/role.md",
+        "domain/domain.toml",
+        "prompt/role.md",
+        "zero/scenes/desk.json",
+        "zero/suite.toml",
+        "plans/0.json",
+        "session/session.jsonl",
+        "run/run.json",
+    ] {
         zero(name);
     }
     let plan = "crates/longstep-cli/tests/plans/good.json";
@@ -276,22 +327,55 @@ fn what_people_said_is_for_its_owner_alone() {
     let path = |name: &str| home.path().join(name);
     let text = |name: &str| path(name).to_str().unwrap().to_owned();
     let server = Server::giving(vec![goals(&["put(cereal, counter)"])]);
-    let chat = ["chat", "--env", PANTRY, "--model", &server.reference(), "--record", &text("recording")];
+    let chat = [
+        "chat",
+        "--env",
+        PANTRY,
+        "--model",
+        &server.reference(),
+        "--record",
+        &text("recording"),
+    ];
     let ran = run(
         &mut limited(home.path(), "umask 000", &chat),
         &format!("Put the cereal on the counter\n\n/save {}\n", text("saved/inside")),
     );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    let evaluate = ["eval", &text("desk"), "--replies", &text("replies.json"), "--out", &text("runs/one")];
+    let evaluate = [
+        "eval",
+        &text("desk"),
+        "--replies",
+        &text("replies.json"),
+        "--out",
+        &text("runs/one"),
+    ];
     let ran = run(&mut limited(home.path(), "umask 000", &evaluate), "");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let session = "state/longstep/sessions/pantry-1";
-    for folder in ["state", "state/longstep", "state/longstep/sessions", session, "saved", "saved/inside", "runs", "runs/one"] {
+    for folder in [
+        "state",
+        "state/longstep",
+        "state/longstep/sessions",
+        session,
+        "saved",
+        "saved/inside",
+        "runs",
+        "runs/one",
+    ] {
         assert_eq!(mode(&path(folder)), 0o700, "{folder}");
     }
     let session_file = |name: &str| format!("{session}/{name}");
-    for file in [&session_file("session.jsonl"), &session_file("0.json"), "recording", "saved/inside/0.json", "runs/one/run.json",
-                 "runs/one/results.jsonl", "runs/one/timings.jsonl", "runs/one/report.html", "runs/one/report.md"] {
+    for file in [
+        &session_file("session.jsonl"),
+        &session_file("0.json"),
+        "recording",
+        "saved/inside/0.json",
+        "runs/one/run.json",
+        "runs/one/results.jsonl",
+        "runs/one/timings.jsonl",
+        "runs/one/report.html",
+        "runs/one/report.md",
+    ] {
         assert_eq!(mode(&path(file)), 0o600, "{file}");
     }
     // Folders of an older version lose their broader modes; a folder with something else in it keeps its own.
@@ -306,7 +390,11 @@ fn what_people_said_is_for_its_owner_alone() {
             std::fs::set_permissions(path(folder), Permissions::from_mode(0o755)).unwrap();
             std::fs::set_permissions(path(folder).join(file), Permissions::from_mode(0o644)).unwrap();
             assert_eq!(run(longstep(home.path()).args(command), "").code, 0);
-            assert_eq!((mode(&path(folder)), mode(&path(folder).join(file))), (expected, 0o600), "{folder}");
+            assert_eq!(
+                (mode(&path(folder)), mode(&path(folder).join(file))),
+                (expected, 0o600),
+                "{folder}"
+            );
         }
     }
 }
@@ -321,8 +409,17 @@ fn asked(server: &Server, times: usize) {
 }
 
 fn interrupt(child: &Child) {
-    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let status = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
     assert!(status.success());
+}
+
+/// Reads until a line has this. Lines end with the program, so that nothing here waits for ever.
+#[track_caller]
+fn wait(lines: &mut impl Iterator<Item = std::io::Result<String>>, text: &str) {
+    assert!(lines.any(|line| line.unwrap().contains(text)), "no `{text}`");
 }
 
 #[test]
@@ -343,10 +440,6 @@ fn ctrl_c_on_a_pipe_loses_nothing() {
     let mut stdin = child.stdin.take().unwrap();
     let mut shown = BufReader::new(child.stdout.take().unwrap()).lines();
     let mut remarks = BufReader::new(child.stderr.take().unwrap()).lines();
-    // Both end with the program, so that nothing here waits for ever.
-    let mut wait = |lines: &mut dyn Iterator<Item = std::io::Result<String>>, text: &str| {
-        assert!(lines.any(|line| line.unwrap().contains(text)), "no `{text}`");
-    };
     stdin.write_all(b"Put the cereal on the counter\n\n").unwrap();
     wait(&mut shown, "Accepted as plan 0");
     // In the middle of a request, it calls off the request.
@@ -371,7 +464,10 @@ fn ctrl_c_on_a_pipe_loses_nothing() {
 fn evaluate(home: &Path, server: &str) -> Ran {
     let path = |name: &str| home.join(name).to_str().unwrap().to_owned();
     let model = format!("{server}#m");
-    run(longstep(home).args(["eval", &path("desk"), "--out", &path("run"), "--model", &model]), "")
+    run(
+        longstep(home).args(["eval", &path("desk"), "--out", &path("run"), "--model", &model]),
+        "",
+    )
 }
 
 #[test]
@@ -389,20 +485,37 @@ fn a_run_goes_on_with_its_own_server_only() {
         assert!(!known.contains(secret), "{known}");
     }
     // The same server, written in another way.
-    for same in [one.address().to_owned(), format!("{}/", one.address().replace("http", "HTTP"))] {
-        let ran = evaluate(home.path(), &same);
-        assert_eq!(ran.code, 0, "{}", ran.stderr);
-    }
+    let ran = evaluate(home.path(), &format!("{}/", one.address()));
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
     let ran = evaluate(home.path(), other.address());
     assert_eq!(ran.code, 30, "{}", ran.stderr);
-    assert!(ran.stderr.contains("holds another run: the model's server is another one\n"), "{}", ran.stderr);
-    assert_eq!(std::fs::read_to_string(home.path().join("run/run.json")).unwrap(), known);
+    assert!(
+        ran.stderr
+            .contains("holds another run: the model's server is another one\n"),
+        "{}",
+        ran.stderr
+    );
+    assert_eq!(
+        std::fs::read_to_string(home.path().join("run/run.json")).unwrap(),
+        known
+    );
     assert_eq!(other.bodies().len(), 0);
     // Recorded replies are told apart by what is in them.
-    let replies = ["eval", &path("desk"), "--out", &path("replied"), "--replies", &path("replies.json")];
+    let replies = [
+        "eval",
+        &path("desk"),
+        "--out",
+        &path("replied"),
+        "--replies",
+        &path("replies.json"),
+    ];
     assert_eq!(run(longstep(home.path()).args(replies), "").code, 0);
     assert_eq!(run(longstep(home.path()).args(replies), "").code, 0);
-    std::fs::write(path("replies.json"), REPLIES.replace("put(pen, shelf)", "put(pen, desk)")).unwrap();
+    std::fs::write(
+        path("replies.json"),
+        REPLIES.replace("put(pen, shelf)", "put(pen, desk)"),
+    )
+    .unwrap();
     let ran = run(longstep(home.path()).args(replies), "");
     assert_eq!(ran.code, 30, "{}", ran.stderr);
     assert!(ran.stderr.contains("model_sha256 was"), "{}", ran.stderr);
@@ -437,10 +550,16 @@ fn a_key_that_a_server_repeats_is_shown_and_kept_nowhere() {
                     .env("LONGSTEP_API_KEY", KEY),
                 "Put the cereal on the counter\n",
             );
-            let log = std::fs::read_to_string(home.path().join("state/longstep/sessions/pantry-1/session.jsonl")).unwrap();
+            let log =
+                std::fs::read_to_string(home.path().join("state/longstep/sessions/pantry-1/session.jsonl")).unwrap();
             let recorded = std::fs::read_to_string(&record).unwrap_or_default();
             assert!(!server.bodies().is_empty());
-            for (what, text) in [("stdout", &ran.stdout), ("stderr", &ran.stderr), ("log", &log), ("recording", &recorded)] {
+            for (what, text) in [
+                ("stdout", &ran.stdout),
+                ("stderr", &ran.stderr),
+                ("log", &log),
+                ("recording", &recorded),
+            ] {
                 for secret in forms.iter().map(String::as_str).chain(["sk-secret", "hunter2secret"]) {
                     assert!(!text.contains(secret), "{secret} in {what}: {text}");
                     let escaped = json!(secret).to_string();

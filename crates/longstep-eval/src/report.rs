@@ -50,7 +50,10 @@ pub fn text(results: &Results) -> String {
 
 /// Lines that a terminal shows and does not obey: models write what they like. No line can be two.
 pub(crate) fn printable(lines: &[String]) -> String {
-    lines.iter().map(|line| visible::line(line).into_owned() + "\n").collect()
+    lines
+        .iter()
+        .map(|line| visible::line(line).into_owned() + "\n")
+        .collect()
 }
 
 /// A share that reports show.

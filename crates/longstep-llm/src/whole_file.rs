@@ -174,7 +174,13 @@ mod tests {
     fn pipes_devices_and_sockets_are_written_through() {
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe");
-        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(&pipe)
+                .status()
+                .unwrap()
+                .success()
+        );
         let reader = {
             let pipe = pipe.clone();
             std::thread::spawn(move || std::fs::read(pipe).unwrap())
@@ -215,7 +221,10 @@ mod tests {
         assert_eq!(mode(&path), 0o600);
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o644)).unwrap();
         append(&path).unwrap().write_all(b"two").unwrap();
-        assert_eq!((mode(&path), std::fs::read(&path).unwrap()), (0o644, b"onetwo".to_vec()));
+        assert_eq!(
+            (mode(&path), std::fs::read(&path).unwrap()),
+            (0o644, b"onetwo".to_vec())
+        );
         append(Path::new("/dev/null")).unwrap();
     }
 }

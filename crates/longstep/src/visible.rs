@@ -100,9 +100,7 @@ pub fn block(text: &str) -> Cow<'_, str> {
     if !text.contains(|character| character != '\n' && is_hidden(character)) {
         return Cow::Borrowed(text);
     }
-    let lines = text
-        .split('\n')
-        .map(|one| line(one.strip_suffix('\r').unwrap_or(one)));
+    let lines = text.split('\n').map(|one| line(one.strip_suffix('\r').unwrap_or(one)));
     Cow::Owned(lines.collect::<Vec<_>>().join("\n"))
 }
 
@@ -166,7 +164,9 @@ mod tests {
 
     #[test]
     fn json_keeps_its_value() {
-        let text: String = (0..=0x3000_u32).chain(0xe000..=0xffff).chain(0xe_0000..=0xe_0100)
+        let text: String = (0..=0x3000_u32)
+            .chain(0xe000..=0xffff)
+            .chain(0xe_0000..=0xe_0100)
             .filter_map(char::from_u32)
             .collect();
         let value = serde_json::json!({"name": text});

@@ -49,8 +49,7 @@ impl Bar {
 
     pub(super) fn tell(&self, progress: &Progress) {
         if let Progress::Warning(text) = progress {
-            self.bar
-                .suspend(|| remark!("{} {text}", "warning:".yellow().bold()));
+            self.bar.suspend(|| remark!("{} {text}", "warning:".yellow().bold()));
         }
     }
 

@@ -54,7 +54,9 @@ fn visible_but_styles(text: &str) -> String {
     let mut parts = text.split("\u{1b}[");
     let mut shown = visible::block(parts.next().unwrap_or_default()).into_owned();
     for part in parts {
-        let length = part.find(|c: char| !c.is_ascii_digit() && c != ';').unwrap_or(part.len());
+        let length = part
+            .find(|c: char| !c.is_ascii_digit() && c != ';')
+            .unwrap_or(part.len());
         let (code, rest) = part.split_at(length);
         match rest.strip_prefix('m') {
             Some(rest) => {

@@ -130,7 +130,10 @@ mod tests {
     fn only_our_own_styles_come_through() {
         let name = "\u{1b}[31mju\u{202e}ice\nVerified: 1 step";
         for (line, shown) in [
-            (Line::new(format_args!("{name}")), r"\u{1b}[31mju\u{202e}ice\nVerified: 1 step"),
+            (
+                Line::new(format_args!("{name}")),
+                r"\u{1b}[31mju\u{202e}ice\nVerified: 1 step",
+            ),
             (
                 Line::new(format_args!("a {} b", "c".red().bold())),
                 "a \u{1b}[1m\u{1b}[31mc\u{1b}[39m\u{1b}[22m b",
@@ -141,7 +144,10 @@ mod tests {
             ),
             // A style that went through another text is lost, and nothing else happens.
             (Line::new(format_args!("{}", format!("{}", "x".red()))), "x"),
-            (Line::new(format_args!("<{}>", Line::new(format_args!("{}", "x".red())))), "<\u{1b}[31mx\u{1b}[39m>"),
+            (
+                Line::new(format_args!("<{}>", Line::new(format_args!("{}", "x".red())))),
+                "<\u{1b}[31mx\u{1b}[39m>",
+            ),
         ] {
             assert_eq!(line.shown(), shown);
         }

@@ -235,7 +235,9 @@ fn ollama_address(host: &str) -> String {
 /// The password of an address, decoded; its user where there is no password, since that is a token then.
 fn password(base: &str) -> Option<String> {
     let url = reqwest::Url::parse(base).ok()?;
-    let written = url.password().or(Some(url.username()).filter(|user| !user.is_empty()))?;
+    let written = url
+        .password()
+        .or(Some(url.username()).filter(|user| !user.is_empty()))?;
     let mut bytes = Vec::new();
     let mut rest = written.as_bytes();
     while let Some((first, more)) = rest.split_first() {

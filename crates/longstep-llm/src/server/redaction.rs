@@ -71,7 +71,11 @@ impl Redaction {
 
     fn redacted(&self, text: &str, of: Text) -> String {
         let mut text = text.to_owned();
-        for pattern in self.patterns.iter().filter(|pattern| of == Text::Message || pattern.is_key) {
+        for pattern in self
+            .patterns
+            .iter()
+            .filter(|pattern| of == Text::Message || pattern.is_key)
+        {
             text = pattern.redacted(&text, of);
         }
         text
@@ -156,10 +160,22 @@ fn escape(text: &[u8]) -> Option<(u8, usize)> {
         u8::from_str_radix(digits, base).ok().filter(|_| plain)
     };
     match text {
-        [b'%', ..] => Some((number(1, 3, 16)?, 3)),
-        [b'\\', b'u', b'0', b'0', ..] => Some((number(4, 6, 16)?, 6)),
-        [b'\\', b'x', ..] => Some((number(2, 4, 16)?, 4)),
-        [b'\\', other @ (b'/' | b'\\' | b'"' | b'\''), ..] => Some((*other, 2)),
+        [b'%', ..] => {
+            let again = text.get(1..).unwrap_or_default().chunks(2);
+            let again = 2 * again.take_while(|digits| *digits == b"25").count();
+            let twice = (again > 0).then(|| Some((number(again + 1, again + 3, 16)?, again + 3)));
+            twice.flatten().or_else(|| Some((number(1, 3, 16)?, 3)))
+        }
+        [b'\\', ..] => {
+            // A text inside of a text has its backslashes doubled.
+            let at = text.iter().position(|byte| *byte != b'\\')?;
+            match text.get(at..)? {
+                [b'u', b'0', b'0', ..] => Some((number(at + 3, at + 5, 16)?, at + 5)),
+                [b'x', ..] => Some((number(at + 1, at + 3, 16)?, at + 3)),
+                [other @ (b'/' | b'"' | b'\''), ..] => Some((*other, at + 1)),
+                _ => (at > 1).then_some((b'\\', at)),
+            }
+        }
         [b'&', b'#', b'x' | b'X', ..] => {
             let end = text.iter().take(8).position(|byte| *byte == b';')?;
             Some((number(3, end, 16)?, end + 1))
@@ -183,7 +199,9 @@ fn escape(text: &[u8]) -> Option<(u8, usize)> {
 /// group of three.
 fn base64_core(secret: &[u8], before: usize) -> Vec<u8> {
     const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let bits = secret.iter().flat_map(|byte| (0..8).rev().map(move |bit| byte >> bit & 1));
+    let bits = secret
+        .iter()
+        .flat_map(|byte| (0..8).rev().map(move |bit| byte >> bit & 1));
     // Six bits a character; those that share a character with what stands before are left out.
     let skipped = (6 - before * 8 % 6) % 6;
     let bits: Vec<u8> = bits.skip(skipped).collect();
@@ -206,10 +224,23 @@ mod tests {
             (format!("bad key {KEY}!"), "bad key [key]!"),
             (format!("Bearer {KEY}{KEY}"), "Bearer [key][key]"),
             ("?k=sk-very%2Fsecret%2b0123%22456789&x".to_owned(), "?k=[key]&x"),
-            (r#"{"k": "sk-very\/secret+0123\"456789"}"#.to_owned(), r#"{"k": "[key]"}"#),
+            (
+                r#"{"k": "sk-very\/secret+0123\"456789"}"#.to_owned(),
+                r#"{"k": "[key]"}"#,
+            ),
             (r"sk-\u0076ery\u002Fsecret\x2b0123\u0022456789.".to_owned(), "[key]."),
-            ("<b>sk-very&#47;secret&#x2B;0123&quot;456789</b>".to_owned(), "<b>[key]</b>"),
-            ("736b2d766572792F7365637265742b30313233223435363738390a".to_owned(), "[key]0a"),
+            (
+                r"sk-very\\/secret\\u002b0123\\\\\u0022456789 sk-very%252Fsecret%25252b0123%22456789".to_owned(),
+                "[key] [key]",
+            ),
+            (
+                "<b>sk-very&#47;secret&#x2B;0123&quot;456789</b>".to_owned(),
+                "<b>[key]</b>",
+            ),
+            (
+                "736b2d766572792F7365637265742b30313233223435363738390a".to_owned(),
+                "[key]0a",
+            ),
             // base64 of the key, of `:key`, of `user:hunter2 is long`, and in the alphabet of addresses.
             ("key c2stdmVyeS9zZWNyZXQrMDEyMyI0NTY3ODk= no".to_owned(), "key [key] no"),
             ("Basic OnNrLXZlcnkvc2VjcmV0KzAxMjMiNDU2Nzg5".to_owned(), "Basic [key]"),
@@ -218,7 +249,10 @@ mod tests {
             ("bad key sk-very/sec".to_owned(), "bad key [key]"),
             ("bad key sk-very%2".to_owned(), "bad key [key]"),
             ("bad key sk-".to_owned(), "bad key sk-"),
-            ("nothing of it, 100 % \\u00e9 &amp; é".to_owned(), "nothing of it, 100 % \\u00e9 &amp; é"),
+            (
+                "nothing of it, 100 % \\u00e9 &amp; é".to_owned(),
+                "nothing of it, 100 % \\u00e9 &amp; é",
+            ),
         ] {
             assert_eq!(redaction.of_message(&text), shown);
         }
