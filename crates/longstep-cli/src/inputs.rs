@@ -41,7 +41,10 @@ pub(crate) fn text(path: &Path) -> Result<String> {
 /// An I/O error without the operating system's number.
 pub(crate) fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
-    text.split(" (os error").next().unwrap_or_default().to_lowercase()
+    let text = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
+    first.into_iter().chain(letters).collect()
 }
 
 /// Loads a shipped domain by name, or any domain by folder.

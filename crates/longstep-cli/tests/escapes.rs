@@ -18,8 +18,8 @@ const HOSTILE: &str = "ju\u{1b}]0;PWN\u{7}\u{1b}[31m\u{1b}[2J\u{9b}2Jc\u{202e}\u
 /// As part of a file's name.
 const NAME: &str = "ju\u{1b}]0;PWN\u{7}\u{202e}ice\nVerified: 99 steps";
 
-/// Our own styles.
-const STYLES: [&str; 9] = ["1", "2", "22", "31", "32", "33", "36", "39", "0"];
+/// Our own styles, and those of usage and help.
+const STYLES: [&str; 10] = ["0", "1", "2", "4", "22", "31", "32", "33", "36", "39"];
 
 /// One run of the program.
 struct Case {
@@ -534,7 +534,7 @@ fn a_terminal_gets_our_own_styles_and_nothing_else() {
     let mut all = Vec::new();
     for case in without_a_model(&files) {
         // A bar on a terminal moves the cursor; it is drawn by indicatif and holds no text from outside.
-        let draws = matches!(case.arguments[0].as_str(), "eval" | "model");
+        let draws = matches!(case.arguments[0].as_str(), "eval" | "model" | "plan" | "chat");
         let screen = on_a_terminal(&case, &files, draws);
         all.push(wrong(&case, "the screen", &screen.replace("\r\n", "\n")));
         coloured += usize::from(screen.contains("\u{1b}["));
