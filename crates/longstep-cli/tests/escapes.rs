@@ -422,7 +422,7 @@ fn hidden(text: &str) -> Option<String> {
     Some(rest[from..].chars().take(120).collect())
 }
 
-/// What is wrong with something printed.
+/// Describes a hidden character or a forged line in printed text.
 fn wrong(case: &Case, what: &str, text: &str) -> Option<String> {
     let arguments = &case.arguments;
     if let Some(hidden) = hidden(text) {

@@ -20,10 +20,10 @@ const HISTORY: usize = 1000;
 /// Bytes that a line of a pipe may have.
 const LINE_LIMIT: usize = 64 << 10;
 
-/// How often Ctrl-C is looked for while a pipe says nothing.
+/// Time between two checks for Ctrl-C while a pipe is silent.
 const TICK: Duration = Duration::from_millis(50);
 
-/// What was read.
+/// One read from a terminal or a pipe.
 #[derive(Debug)]
 pub(super) enum Input {
     Line(String),
@@ -33,7 +33,7 @@ pub(super) enum Input {
     Interrupted,
 }
 
-/// Where lines come from.
+/// The source of a conversation's lines.
 pub(super) enum Lines {
     Terminal {
         editor: Box<Editor<(), DefaultHistory>>,

@@ -129,7 +129,7 @@ pub(super) fn replies(path: &Path) -> Result<(Recorded, String)> {
     Ok((recorded, sha256(text.as_bytes())))
 }
 
-/// What tells a model from others of its name: SHA-256 of its file or its recording, and the address of its server.
+/// Returns marks that tell a model from others of its name: SHA-256 of its file or its recording, and the address of its server.
 pub(super) fn origin(reference: &ModelReference) -> Result<(Option<String>, Option<String>)> {
     let hash = match reference {
         ModelReference::Catalogue(entry) => Some(entry.sha256.to_owned()),

@@ -8,7 +8,7 @@ const KEY_LENGTH: usize = 8;
 /// A truncated key at the end of a text is recognised by so many bytes.
 const PREFIX: usize = 4;
 
-/// What stands in a key's place.
+/// Replacement of a secret.
 const REDACTED: &str = "[key]";
 
 /// The secrets of an endpoint, in the forms in which a server may repeat them: as they are, percent-encoded, with escapes
@@ -18,12 +18,12 @@ pub(super) struct Redaction {
     patterns: Vec<Pattern>,
 }
 
-/// What secrets are taken out of.
+/// Kind of text that secrets are taken out of.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Text {
     /// A complaint of a server.
     Message,
-    /// What a model said.
+    /// A reply of a model.
     Reply,
 }
 
@@ -31,7 +31,7 @@ enum Text {
 struct Pattern {
     bytes: Vec<u8>,
     form: Form,
-    /// Whether the secret is long enough to be taken out of replies, too.
+    /// True if the secret is long enough to be taken out of replies, too.
     is_key: bool,
 }
 
@@ -115,7 +115,7 @@ impl Pattern {
         shown
     }
 
-    /// Where the pattern ends that begins here, if it does: whole, or cut off by the end of a message.
+    /// Returns the end of the pattern that begins at `start`: whole, or cut off by the end of a message.
     fn found(&self, text: &[u8], start: usize, of: Text) -> Option<usize> {
         let cut_off = |matched| of == Text::Message && matched >= PREFIX;
         let mut at = start;
