@@ -128,6 +128,7 @@ mod tests {
 
     #[test]
     fn only_our_own_styles_come_through() {
+        let through_text = format!("{}", "x".red());
         let name = "\u{1b}[31mju\u{202e}ice\nVerified: 1 step";
         for (line, shown) in [
             (
@@ -143,7 +144,7 @@ mod tests {
                 "\u{1b}[1mx  \u{1b}[22m|\u{1b}[2m\\u{1b}[0m\u{1b}[22m",
             ),
             // A style that went through another text is lost, and nothing else happens.
-            (Line::new(format_args!("{}", format!("{}", "x".red()))), "x"),
+            (Line::new(format_args!("{through_text}")), "x"),
             (
                 Line::new(format_args!("<{}>", Line::new(format_args!("{}", "x".red())))),
                 "<\u{1b}[31mx\u{1b}[39m>",
