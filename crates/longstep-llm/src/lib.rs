@@ -28,12 +28,14 @@
 //! ```
 
 mod advance;
+mod bounded;
 mod cache;
 mod call;
 pub mod catalogue;
 mod embedded;
 mod error;
 mod model;
+mod private;
 mod record;
 mod reference;
 mod server;
@@ -45,11 +47,14 @@ mod understand;
 mod whole_file;
 
 pub use advance::{AdvanceError, advance};
+pub use bounded::{LOG_LIMIT, read_bounded};
 pub use cache::{cache_directory, session_directory};
 pub use error::{AnswerLimit, ModelError};
 pub use model::{ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch, open};
+pub use private::{create_private_folder, tighten_folder};
 pub use record::Recording;
 pub use reference::ModelReference;
+pub use server::server_address;
 pub use session_folder::{FolderError, LOG, SessionFolder};
 pub use understand::{UnderstandError, understand};
 pub use whole_file::write_whole;

@@ -222,6 +222,10 @@ fn adopt_locked(entry: &Entry, cache: &Path, file: &Path, tell: &mut Tell<'_>) -
         incoming.write(part)?;
         let done = incoming.written();
         tell(PullProgress::Bytes { done, total });
+        // A longer file is another one, and some, as `/dev/zero`, have no end.
+        if done > total {
+            break;
+        }
     }
     incoming.finish(entry, &path, &file.display().to_string())?;
     Ok(path)
