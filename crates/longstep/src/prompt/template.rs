@@ -254,7 +254,7 @@ mod unit_tests {
     }
 
     #[test]
-    fn deep_templates_are_refused_and_overflow_no_stack() {
+    fn deep_templates_overflow_no_stack() {
         for (open, close) in [
             ("{% if name %}", "{% endif %}"),
             ("{% for a in actions %}", "{% endfor %}"),
@@ -275,7 +275,9 @@ mod unit_tests {
             } else {
                 open.repeat(4_000) + &close.repeat(4_000)
             };
-            assert!(rendered(&source).is_err(), "{open}");
+            // The parser follows a chain of `not` without recursion; everything else is too deep for it.
+            let refused = rendered(&source).is_err();
+            assert_eq!(refused, open != "{{ not ", "{open}");
         }
     }
 }
