@@ -1,6 +1,7 @@
 //! What can be typed.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use longstep::session::{RepairPolicy, Settings, Strategy};
@@ -78,6 +79,12 @@ pub(crate) struct ModelArguments {
     /// Tokens that prompt and answer may have together [default: what the model says, 8192 for an embedded one]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) context: Option<u32>,
+    /// Seconds that one call to a server may take, with all its tries
+    #[arg(long, value_name = "SECONDS", env = "LONGSTEP_TIMEOUT", default_value = "600", value_parser = seconds)]
+    pub(crate) timeout: Duration,
+    /// Seconds that a server may send nothing
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = seconds)]
+    pub(crate) silence: Duration,
     /// Also write every request and its reply to a file, which --model replay:FILE answers from
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
@@ -89,6 +96,17 @@ fn temperature(text: &str) -> Result<f64, String> {
         .contains(&value)
         .then_some(value)
         .ok_or_else(|| "it is from 0 to 2".to_owned())
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    /// More than anybody waits for one reply.
+    const WEEK: f64 = 604_800.0;
+    let value: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
+    let duration = (value > 0.0 && value <= WEEK).then(|| Duration::try_from_secs_f64(value));
+    match duration {
+        Some(Ok(duration)) if !duration.is_zero() => Ok(duration),
+        _ => Err("it is above 0 and up to 604800 (a week)".to_owned()),
+    }
 }
 
 fn share(text: &str) -> Result<f64, String> {
@@ -446,4 +464,19 @@ pub(crate) enum ModelCommand {
         /// Its name
         name: String,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_are_positive_and_finite() {
+        for (text, expected) in [("600", Some(600.0)), ("0.5", Some(0.5)), ("604800", Some(604_800.0))] {
+            assert_eq!(seconds(text).ok().map(|time| time.as_secs_f64()), expected, "{text}");
+        }
+        for text in ["0", "-1", "1e-30", "604801", "inf", "NaN", "", "soon"] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
 }

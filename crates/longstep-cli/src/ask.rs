@@ -1,12 +1,11 @@
 //! What `longstep plan` and `longstep chat` share: a model, opened, and watched while a person waits.
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Result;
 use longstep::session::ModelFacts;
 use longstep_llm::{
-    ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, Watch, cache_directory, open,
+    ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, StopFlag, Watch, cache_directory, open,
 };
 
 use crate::arguments::ModelArguments;
@@ -33,6 +32,9 @@ fn opened(
     options.threads = arguments.threads.map(usize::from);
     options.context_tokens = arguments.context;
     options.record.clone_from(&arguments.record);
+    options.timeout = arguments.timeout;
+    options.silence = arguments.silence;
+    options.stop = interrupted().clone();
     options.sampling = Sampling {
         temperature: arguments.temperature,
         top_p: arguments.top_p,
@@ -57,7 +59,6 @@ pub(crate) struct Waiting {
 
 impl Waiting {
     pub(crate) fn new() -> Self {
-        interrupted().store(false, Ordering::Relaxed);
         Self {
             spinner: Spinner::new(),
         }
@@ -70,18 +71,18 @@ impl Watch for Waiting {
     }
 
     fn stop(&self) -> bool {
-        interrupted().load(Ordering::Relaxed)
+        interrupted().is_set()
     }
 }
 
 /// From now on Ctrl-C calls off the call at hand and not the program.
 pub(crate) fn watch_for_interrupts() {
     // Where no handler can be set, Ctrl-C ends the program as it does elsewhere; the session is on the disk.
-    let _ = ctrlc::set_handler(|| interrupted().store(true, Ordering::Relaxed));
+    let _ = ctrlc::set_handler(|| interrupted().set(true));
 }
 
-/// Whether Ctrl-C was pressed.
-pub(crate) fn interrupted() -> &'static AtomicBool {
-    static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
-    INTERRUPTED.get_or_init(|| AtomicBool::new(false))
+/// The flag that Ctrl-C sets.
+pub(crate) fn interrupted() -> &'static StopFlag {
+    static INTERRUPTED: OnceLock<StopFlag> = OnceLock::new();
+    INTERRUPTED.get_or_init(StopFlag::default)
 }

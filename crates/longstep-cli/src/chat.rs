@@ -253,19 +253,22 @@ impl Chat<'_> {
     /// Has the session go on until it needs the person, and shows what came of it.
     fn go_on(&mut self, interactive: bool) -> Result<()> {
         if self.session.wants_model() {
+            // Ctrl-C from now on is about this call; one from before was about something else.
+            ask::interrupted().set(false);
             self.open_model()?;
+            if ask::interrupted().is_set() {
+                self.session.cancel()?;
+                self.folder.keep(&mut self.session)?;
+                self.notice_stopped();
+                return Ok(());
+            }
             let Some(model) = self.model.as_deref_mut() else {
                 return Ok(());
             };
             let advanced = advance(&mut self.session, model, Some(&mut self.folder), &mut Waiting::new());
             match advanced {
                 Ok(need) => screen::need(&self.session, &need, interactive),
-                Err(AdvanceError::Model(ModelError::Stopped)) => {
-                    screen::notice(match self.session.proposal() {
-                        Some(_) => "stopped; the plan stays as it was, /plan shows it",
-                        None => "stopped",
-                    });
-                }
+                Err(AdvanceError::Model(ModelError::Stopped)) => self.notice_stopped(),
                 Err(error) => return Err(error.into()),
             }
         } else {
@@ -278,10 +281,21 @@ impl Chat<'_> {
         Ok(())
     }
 
+    fn notice_stopped(&self) {
+        screen::notice(match self.session.proposal() {
+            Some(_) => "stopped; the plan stays as it was, /plan shows it",
+            None => "stopped",
+        });
+    }
+
     fn open_model(&mut self) -> Result<()> {
         if self.model.is_none() {
             let model = ask::model(&self.model_name, self.arguments)?;
             let facts: ModelFacts = ask::facts(model.as_ref());
+            // The question about the context was called off: nothing is known of the model.
+            if ask::interrupted().is_set() {
+                return Ok(());
+            }
             if self.session.model() != &facts {
                 self.session.set_model(facts);
             }

@@ -210,7 +210,7 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
     let outcome = campaign.run(
         rest,
         source,
-        ask::interrupted(),
+        ask::interrupted().atomic(),
         &|progress| bar.tell(&progress),
         |lines| {
             folder.add(&lines)?;

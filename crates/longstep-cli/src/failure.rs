@@ -86,7 +86,7 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     });
     if let Some(error) = model {
         let code = match error {
-            ModelError::TooLong { .. } => LIMIT,
+            ModelError::TooLong { .. } | ModelError::TimedOut { .. } | ModelError::TooLarge { .. } => LIMIT,
             ModelError::UnknownReference { .. } => UNREADABLE,
             _ => MODEL,
         };

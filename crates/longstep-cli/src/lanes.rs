@@ -30,7 +30,7 @@ pub(crate) fn side_by_side(
         }
         None => {
             let note = format!(
-                "nothing of it can be done side by side: {}",
+                "no way was found to do it side by side: {}",
                 arms::makespan(plan.plan())
             );
             answer.notes.push(note);

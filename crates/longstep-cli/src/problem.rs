@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
     };
     let (world, wanted) = (&problem.world, &problem.wanted);
     let mut answer = solution::of_wanted(&domain, world, wanted, &purpose, None, &problem.name, stopwatch).answer;
-    answer.goal = pddl::write_goal(&domain, &problem.world, &problem.wanted);
+    answer.goal = pddl::write_goal(&domain, &problem.world, &problem.wanted)?;
     answer.timings_ms.total = milliseconds(started);
     if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
         inputs::save(path, &answer.plan)?;

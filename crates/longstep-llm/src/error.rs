@@ -123,6 +123,22 @@ pub enum ModelError {
         /// How long it may.
         seconds: f64,
     },
+    /// A call to a server that took longer than it may.
+    #[error("{server} gave no whole answer within {seconds} s")]
+    TimedOut {
+        /// The server.
+        server: String,
+        /// The time for the call, with all its tries.
+        seconds: f64,
+    },
+    /// An answer of a server that passed a limit on its size.
+    #[error("the answer of {server} is too large: {limit}")]
+    TooLarge {
+        /// The server.
+        server: String,
+        /// The limit.
+        limit: AnswerLimit,
+    },
     /// A request that is not in the recording that is replayed.
     #[error("{} has no answer to this request: {difference}", path.display())]
     NotRecorded {
@@ -169,6 +185,27 @@ pub enum ModelError {
     },
 }
 
+/// A limit on the size of a server's answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AnswerLimit {
+    /// Bytes of the whole answer.
+    #[error("it has more than {0} bytes")]
+    Bytes(u64),
+    /// Bytes of one line.
+    #[error("a line of it has more than {0} bytes")]
+    LineBytes(u64),
+    /// Bytes of one event.
+    #[error("an event of it has more than {0} bytes")]
+    EventBytes(u64),
+    /// Lines of the whole answer.
+    #[error("it has more than {0} lines")]
+    Lines(u64),
+    /// Headers: about 400 kB, or 100 of them.
+    #[error("its headers have no end")]
+    Headers,
+}
+
 impl ModelError {
     /// What to do about it, where something can be said.
     #[must_use]
@@ -192,7 +229,17 @@ impl ModelError {
             Self::NoAddress { variable, .. } => {
                 Some(format!("set {variable}, for example https://NAME.openai.azure.com"))
             }
-            Self::Silent { .. } => Some("the server may be busy or the model large: try again, or wait longer".into()),
+            Self::Silent { .. } => Some(
+                "the server may be busy or the model large: try again, or wait longer with --silence SECONDS".into(),
+            ),
+            Self::TimedOut { .. } => Some(
+                "the server may be busy or the model large: try again, or allow more time with --timeout SECONDS"
+                    .into(),
+            ),
+            Self::TooLarge { .. } => Some(
+                "no model writes this much: check that the address is that of a server with OpenAI's chat completions"
+                    .into(),
+            ),
             Self::NotRecorded { .. } => {
                 Some("record it again with the model, or ask exactly what was asked then".into())
             }

@@ -29,6 +29,7 @@
 
 mod advance;
 mod cache;
+mod call;
 pub mod catalogue;
 mod embedded;
 mod error;
@@ -45,8 +46,8 @@ mod whole_file;
 
 pub use advance::{AdvanceError, advance};
 pub use cache::{cache_directory, session_directory};
-pub use error::ModelError;
-pub use model::{ChatModel, OpenOptions, Progress, Sampling, Watch, open};
+pub use error::{AnswerLimit, ModelError};
+pub use model::{ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch, open};
 pub use record::Recording;
 pub use reference::ModelReference;
 pub use session_folder::{FolderError, LOG, SessionFolder};

@@ -1,6 +1,8 @@
 //! The trait that every model stands behind, and how one is opened.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use longstep::prompt::{ChatRequest, ConstraintKind, Reply, TokenCounter};
@@ -75,6 +77,36 @@ pub enum Progress {
     Warning(String),
 }
 
+/// A request to stop, shared by whoever makes it and whoever heeds it.
+#[derive(Debug, Clone, Default)]
+pub struct StopFlag(Arc<AtomicBool>);
+
+impl StopFlag {
+    /// Requests to stop, or takes the request back.
+    pub fn set(&self, stop: bool) {
+        self.0.store(stop, Ordering::Relaxed);
+    }
+
+    /// Whether a stop is requested.
+    #[must_use]
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// The flag itself, for what takes one.
+    #[must_use]
+    pub fn atomic(&self) -> &AtomicBool {
+        &self.0
+    }
+}
+
+/// Two flags are equal if they are the same.
+impl PartialEq for StopFlag {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
 /// How a model is opened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenOptions {
@@ -89,8 +121,14 @@ pub struct OpenOptions {
     pub context_tokens: Option<u32>,
     /// How the next token is chosen.
     pub sampling: Sampling,
-    /// How long a server may say nothing, before its answer and between the pieces of it; 60 s.
+    /// How long a server may send nothing, before its answer and between the pieces of it; 60 s.
     pub silence: Duration,
+    /// The time for one call of [`ChatModel::chat`] to a server, with all its tries; 600 s. Afterwards the call ends with
+    /// [`ModelError::TimedOut`].
+    pub timeout: Duration,
+    /// Calls off what goes on with a server, also where no [`Watch`] looks on: the questions about the size of its
+    /// context and about tokens.
+    pub stop: StopFlag,
     /// A file that every request and reply is appended to, as `replay:FILE` reads it. It holds what was said, and no
     /// keys.
     pub record: Option<PathBuf>,
@@ -106,6 +144,8 @@ impl OpenOptions {
             context_tokens: None,
             sampling: Sampling::default(),
             silence: Duration::from_secs(60),
+            timeout: Duration::from_secs(600),
+            stop: StopFlag::default(),
             record: None,
         }
     }

@@ -115,6 +115,9 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
+/// Words with more characters are like no other.
+const LONGEST_COMPARED: usize = 100;
+
 /// The candidate nearest to `word`, if one is near enough to be what was meant.
 ///
 /// ```
@@ -124,9 +127,15 @@ impl std::error::Error for Diagnostics {}
 /// ```
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = word.to_lowercase();
-    let limit = (lower.chars().count() / 3).max(1);
+    let length = lower.chars().count();
+    // Comparing two texts takes the product of their lengths, and nobody mistypes a whole page.
+    if length > LONGEST_COMPARED {
+        return None;
+    }
+    let limit = (length / 3).max(1);
     candidates
         .into_iter()
+        .filter(|candidate| candidate.chars().take(length + limit + 1).count().abs_diff(length) <= limit)
         .map(|candidate| {
             (
                 strsim::damerau_levenshtein(&lower, &candidate.to_lowercase()),

@@ -6,6 +6,7 @@ use anyhow::Result;
 use longstep::diagnostic::nearest;
 use longstep::plan::StepId;
 use longstep::session::{self, Settings, Strategy};
+use longstep_llm::ModelError;
 
 use super::{Chat, Next, screen};
 use crate::failure::Failure;
@@ -135,9 +136,14 @@ impl Chat<'_> {
             anstream::println!("{}", self.model_name);
             return Ok(());
         }
-        // The old one stays when the new one cannot be opened.
+        // The old one stays when the new one cannot be opened, or when Ctrl-C calls the question about it off.
+        ask::interrupted().set(false);
         let model = ask::model(rest, self.arguments)?;
-        self.session.set_model(ask::facts(model.as_ref()));
+        let facts = ask::facts(model.as_ref());
+        if ask::interrupted().is_set() {
+            return Err(ModelError::Stopped.into());
+        }
+        self.session.set_model(facts);
         self.model = Some(model);
         rest.clone_into(&mut self.model_name);
         screen::notice(&format!("{rest} is asked from now on"));

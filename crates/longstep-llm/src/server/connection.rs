@@ -1,35 +1,30 @@
-//! One try: a request out, the streamed answer in. genai does the talking; this is its blocking side.
+//! One try: a request out, the streamed answer in, with a limit on every part of it.
 
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use genai::chat::{
-    ChatOptions, ChatRequest as GenaiRequest, ChatStreamEvent, StopReason, StreamEnd, Usage as GenaiUsage,
-};
-use genai::webc::StreamTimeout;
-use genai::{Client, Error as GenaiError};
-use longstep::prompt::{Finish, Reply, Usage};
+use longstep::prompt::{ChatRequest, Reply};
+use reqwest::header::RETRY_AFTER;
+use reqwest::{RequestBuilder, Response};
 use serde_json::Value;
-use tokio_stream::StreamExt;
 
-use super::endpoint::{Endpoint, Kind};
+use super::answer::{Answer, Effect, Unreadable};
+use super::dialect::Dialect;
+use super::endpoint::Endpoint;
+use super::event::{Broken, EventReader};
+use super::limit::{self, COMPLAINT_BYTES, COMPLAINT_TIME};
 use super::retry::retry_after;
-use crate::{ModelError, Progress, Watch};
+use crate::call::{self, Call, GivenUp, root};
+use crate::{AnswerLimit, ModelError, Progress, Sampling, StopFlag};
 
-/// How often whoever waits is asked whether it still does.
-pub(super) const TICK: Duration = Duration::from_millis(50);
-
-/// The longest time that a connection may take to be made.
-const CONNECT: Duration = Duration::from_secs(10);
-
-/// The way to a server.
+/// A client for one server.
 #[derive(Debug)]
 pub(super) struct Connection {
-    genai: Client,
-    /// The same client under genai, for questions beside the chat.
-    pub(super) http: reqwest::Client,
-    /// How long a server may say nothing.
+    http: reqwest::Client,
+    /// How long a server may send nothing.
     silence: Duration,
+    /// The time for one call, with all its tries.
+    pub(super) timeout: Duration,
+    pub(super) stop: StopFlag,
 }
 
 /// How a try failed.
@@ -48,143 +43,244 @@ pub(super) enum Failure {
     Unreachable(ModelError),
 }
 
-impl Connection {
-    pub(super) fn new(silence: Duration) -> Result<Self, String> {
-        // A program that has chosen its cryptography already keeps it.
-        let _ = rustls::crypto::ring::default_provider().install_default();
-        let http = reqwest::Client::builder()
-            .connect_timeout(CONNECT)
-            // A key is for the host that it was given for.
-            .redirect(reqwest::redirect::Policy::none())
-            // Between calls nobody would notice that a server hung up.
-            .pool_max_idle_per_host(0)
-            .user_agent(concat!("longstep/", env!("CARGO_PKG_VERSION")))
-            .build()
-            .map_err(|error| root(&error))?;
-        let genai = Client::builder()
-            .with_reqwest(http.clone())
-            .build()
-            .map_err(|error| error.to_string())?;
-        Ok(Self { genai, http, silence })
-    }
+/// What is sent for a reply.
+pub(super) struct Outgoing<'a> {
+    pub(super) endpoint: &'a Endpoint,
+    pub(super) dialect: Dialect,
+    pub(super) request: &'a ChatRequest,
+    pub(super) sampling: &'a Sampling,
+}
 
-    /// Runs to the end, on this thread alone. What is still under way afterwards (a connection, a name being looked up)
-    /// is let go.
-    pub(super) fn wait<T>(work: impl Future<Output = T>) -> std::io::Result<T> {
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        let outcome = runtime.block_on(work);
-        runtime.shutdown_background();
-        Ok(outcome)
+/// A reply, and whether it was cut off here because the server went on.
+pub(super) struct Received {
+    pub(super) reply: Reply,
+    pub(super) cut: bool,
+}
+
+impl Connection {
+    pub(super) fn new(silence: Duration, timeout: Duration, stop: StopFlag) -> Result<Self, String> {
+        // A key is for the host that it was given for.
+        let http = call::client(0)?;
+        Ok(Self {
+            http,
+            silence,
+            timeout,
+            stop,
+        })
     }
 
     /// Sends a request and reads the answer as it comes.
     pub(super) fn ask(
         &self,
-        endpoint: &Endpoint,
-        request: GenaiRequest,
-        options: ChatOptions,
-        watch: &mut dyn Watch,
-    ) -> Result<Reply, Failure> {
-        let work = self.stream(endpoint, request, options, watch);
-        Self::wait(work).unwrap_or_else(|error| Err(Failure::Final(unreachable(endpoint, &error.to_string()))))
+        outgoing: &Outgoing<'_>,
+        call: &Call<'_>,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<Received, Failure> {
+        let endpoint = outgoing.endpoint;
+        call::run(self.stream(outgoing, call, tell))
+            .unwrap_or_else(|error| Err(Failure::Final(unreachable(endpoint, &error.to_string()))))
+    }
+
+    /// Sends a question beside the chat and returns the body of the answer, if one comes that is no error, in time and
+    /// not too long.
+    pub(super) fn question(&self, request: impl FnOnce(&reqwest::Client) -> RequestBuilder) -> Option<Vec<u8>> {
+        let stopped = || self.stop.is_set();
+        let call = Call::new(limit::QUESTION_TIME, &stopped);
+        let request = request(&self.http);
+        let work = async {
+            let time = limit::QUESTION_TIME;
+            let mut response = call.wait(time, request.send()).await.ok()?.ok()?;
+            if !response.status().is_success() {
+                return None;
+            }
+            let mut body = Vec::new();
+            while let Some(part) = call.wait(time, response.chunk()).await.ok()?.ok()? {
+                if body.len() + part.len() > limit::QUESTION_BYTES {
+                    return None;
+                }
+                body.extend_from_slice(&part);
+            }
+            Some(body)
+        };
+        call::run(work).ok().flatten()
     }
 
     async fn stream(
         &self,
-        endpoint: &Endpoint,
-        request: GenaiRequest,
-        options: ChatOptions,
-        watch: &mut dyn Watch,
-    ) -> Result<Reply, Failure> {
-        let refusal = Arc::new(Mutex::new(String::new()));
-        let heard = Arc::clone(&refusal);
-        let options = options
-            .with_stream_header_timeout(self.silence)
-            .with_stream_read_timeout(self.silence)
-            // genai leaves refusals out of its events.
-            .with_raw_frame_fn(move |_, frame| {
-                if frame.data.contains("\"refusal\"")
-                    && let Some(frame) = frame.json()
-                    && let Some(words) = frame.pointer("/choices/0/delta/refusal").and_then(Value::as_str)
-                {
-                    heard.lock().unwrap_or_else(PoisonError::into_inner).push_str(words);
-                }
-            });
-        let failed = |error: GenaiError, begun: bool| self.failure(endpoint, &error, begun);
-        let answer = self
-            .genai
-            .exec_chat_stream(endpoint.target(), request, Some(&options))
-            .await
-            .map_err(|error| failed(error, false))?;
-        let mut events = answer.stream;
-        let (mut text, mut tokens) = (String::new(), 0);
-        loop {
-            let event = match tokio::time::timeout(TICK, events.next()).await {
-                _ if watch.stop() => return Err(Failure::Final(ModelError::Stopped)),
-                Err(_) => continue,
-                Ok(None) => break,
-                Ok(Some(event)) => event.map_err(|error| failed(error, tokens > 0))?,
-            };
-            match event {
-                ChatStreamEvent::Chunk(chunk) => text.push_str(&chunk.content),
-                ChatStreamEvent::ReasoningChunk(_) => {}
-                // Gemini has no mark at the end but the reason for it, and genai makes up an end without one.
-                ChatStreamEvent::End(end) if endpoint.kind == Kind::Gemini && end.captured_stop_reason.is_none() => {
-                    break;
-                }
-                ChatStreamEvent::End(end) => {
-                    let refusal = refusal.lock().unwrap_or_else(PoisonError::into_inner).clone();
-                    return reply(text, &refusal, &end).map_err(|reason| Failure::Final(bad(endpoint, reason)));
-                }
-                _ => continue,
-            }
-            // A piece is a token with most servers, and a few with others.
-            tokens += 1;
-            watch.tell(Progress::Writing { tokens });
+        outgoing: &Outgoing<'_>,
+        call: &Call<'_>,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<Received, Failure> {
+        let Outgoing {
+            endpoint,
+            dialect,
+            request,
+            sampling,
+        } = outgoing;
+        let mut post = self.http.post(endpoint.chat_url());
+        for (name, value) in endpoint.chat_headers() {
+            post = post.header(name, value);
         }
-        Err(Failure::Final(bad(endpoint, BROKEN_OFF)))
+        let post = post.json(&dialect.body(&endpoint.model, request, sampling));
+        let sent = call.wait(self.silence, post.send()).await;
+        let mut response = sent
+            .map_err(|reason| self.given_up(reason, endpoint, call))?
+            .map_err(|error| no_answer(endpoint, &error))?;
+        if !response.status().is_success() {
+            return Err(self.rejected(response, endpoint, call).await);
+        }
+        let mut incoming = Incoming::new(endpoint, request.max_tokens);
+        loop {
+            let part = call.wait(self.silence, response.chunk()).await;
+            let part = part
+                .map_err(|reason| self.given_up(reason, endpoint, call))?
+                .map_err(|error| Failure::Final(broken_off(endpoint, &error)))?;
+            let ended = incoming.add(part.as_deref(), tell).map_err(Failure::Final)?;
+            if ended {
+                return incoming.received().map_err(Failure::Final);
+            }
+            if part.is_none() {
+                return Err(Failure::Final(bad(endpoint, BROKEN_OFF)));
+            }
+        }
     }
 
-    fn failure(&self, endpoint: &Endpoint, error: &GenaiError, begun: bool) -> Failure {
-        let source = match error {
-            GenaiError::WebStream { error, .. } => error.as_ref(),
-            GenaiError::StreamParse { serde_error, .. } => {
-                return Failure::Final(bad(endpoint, &format!("a part of it is no JSON: {serde_error}")));
+    /// Reads the beginning of an error's body. An error that comes slowly, or without an end, is still an error with a
+    /// status.
+    async fn rejected(&self, mut response: Response, endpoint: &Endpoint, call: &Call<'_>) -> Failure {
+        let status = response.status().as_u16();
+        let wait = response.headers().get(RETRY_AFTER).and_then(retry_after);
+        let stopped = || call.stopped();
+        let reading = Call::new(COMPLAINT_TIME.min(call.left()), &stopped);
+        let mut body = Vec::new();
+        while body.len() < COMPLAINT_BYTES {
+            match reading.wait(self.silence, response.chunk()).await {
+                Ok(Ok(Some(part))) => body.extend_from_slice(&part),
+                Err(GivenUp::Stopped) => return Failure::Final(ModelError::Stopped),
+                Ok(Ok(None) | Err(_)) | Err(GivenUp::Late | GivenUp::TimedOut) => break,
             }
-            GenaiError::ChatResponse { body, .. } => {
-                let message = endpoint.one_line(&complaint(&body.to_string()));
-                return Failure::Final(bad(endpoint, &format!("{BROKEN_OFF}: {message}")));
-            }
-            other => other,
-        };
-        if let Some(GenaiError::HttpError {
-            status, body, headers, ..
-        }) = source.downcast_ref()
-        {
-            return Failure::Rejected {
-                status: status.as_u16(),
-                message: endpoint.one_line(&complaint(body)),
-                wait: headers.get(reqwest::header::RETRY_AFTER).and_then(retry_after),
-            };
         }
-        if source.is::<StreamTimeout>() {
-            return Failure::Final(ModelError::Silent {
+        if body.len() >= COMPLAINT_BYTES {
+            // The last bytes may be the beginning of the key, which would not be recognised.
+            body.truncate(COMPLAINT_BYTES - KEY_BYTES);
+        }
+        let message = endpoint.one_line(&complaint(&String::from_utf8_lossy(&body)));
+        Failure::Rejected { status, message, wait }
+    }
+
+    fn given_up(&self, reason: GivenUp, endpoint: &Endpoint, call: &Call<'_>) -> Failure {
+        Failure::Final(match reason {
+            GivenUp::Stopped => ModelError::Stopped,
+            GivenUp::TimedOut => call.timed_out(&endpoint.server),
+            GivenUp::Late => ModelError::Silent {
                 server: endpoint.server.clone(),
                 seconds: self.silence.as_secs_f64(),
-            });
+            },
+        })
+    }
+}
+
+/// A streamed answer that is being read.
+struct Incoming<'a> {
+    endpoint: &'a Endpoint,
+    events: EventReader,
+    answer: Answer,
+    /// Bytes so far, as they came off the wire, and the most that may come.
+    bytes: u64,
+    most: u64,
+    /// Pieces of text so far.
+    pieces: usize,
+    cut: bool,
+}
+
+impl<'a> Incoming<'a> {
+    fn new(endpoint: &'a Endpoint, max_tokens: u32) -> Self {
+        Self {
+            endpoint,
+            events: EventReader::default(),
+            answer: Answer::new(endpoint.kind, limit::text_bytes(max_tokens)),
+            bytes: 0,
+            most: limit::answer_bytes(max_tokens),
+            pieces: 0,
+            cut: false,
         }
-        let reason = endpoint.one_line(&root(source));
-        match source.downcast_ref::<reqwest::Error>() {
-            Some(error) if !begun && !error.is_body() && !error.is_decode() => {
-                Failure::Unreachable(unreachable(endpoint, &reason))
+    }
+
+    /// Adds the bytes that came, or the end of the stream. Returns true when the answer is complete.
+    fn add(&mut self, part: Option<&[u8]>, tell: &mut dyn FnMut(Progress)) -> Result<bool, ModelError> {
+        self.bytes += part.map_or(0, |part| part.len() as u64);
+        if self.bytes > self.most {
+            return Err(limit::too_large(&self.endpoint.server, AnswerLimit::Bytes(self.most)));
+        }
+        let mut rest = part;
+        loop {
+            let event = match &mut rest {
+                Some(rest) => self.events.next(rest),
+                None => self.events.end(),
+            };
+            let Some(event) = event.map_err(|reason| broken(self.endpoint, reason))? else {
+                return Ok(false);
+            };
+            let effect = self.answer.add(&event);
+            match effect.map_err(|reason| unreadable(self.endpoint, reason))? {
+                Effect::Nothing => {}
+                Effect::Written => {
+                    // A piece is a token with most servers, and a few with others.
+                    self.pieces += 1;
+                    tell(Progress::Writing { tokens: self.pieces });
+                }
+                Effect::End => return Ok(true),
+                Effect::Full => {
+                    self.cut = true;
+                    return Ok(true);
+                }
             }
-            Some(_) => Failure::Final(bad(endpoint, &format!("{BROKEN_OFF}: {reason}"))),
-            None => Failure::Final(bad(endpoint, &reason)),
         }
+    }
+
+    fn received(self) -> Result<Received, ModelError> {
+        let reply = self.answer.reply(self.cut);
+        let reply = reply.map_err(|reason| bad(self.endpoint, reason))?;
+        Ok(Received { reply, cut: self.cut })
     }
 }
 
 const BROKEN_OFF: &str = "it broke off before its end";
+
+/// The longest key that is recognised where an error's body is cut.
+const KEY_BYTES: usize = 8 << 10;
+
+/// The failure of a request that got no answer.
+fn no_answer(endpoint: &Endpoint, error: &reqwest::Error) -> Failure {
+    let reason = endpoint.one_line(&root(error));
+    match call::http_error(error) {
+        Some(error) if error.is_parse_too_large() => {
+            Failure::Final(limit::too_large(&endpoint.server, AnswerLimit::Headers))
+        }
+        Some(error) if error.is_parse() => Failure::Final(bad(endpoint, &format!("it is not HTTP: {reason}"))),
+        _ => Failure::Unreachable(unreachable(endpoint, &reason)),
+    }
+}
+
+fn broken_off(endpoint: &Endpoint, error: &reqwest::Error) -> ModelError {
+    let reason = endpoint.one_line(&root(error));
+    bad(endpoint, &format!("{BROKEN_OFF}: {reason}"))
+}
+
+fn broken(endpoint: &Endpoint, reason: Broken) -> ModelError {
+    match reason {
+        Broken::TooLarge(limit) => limit::too_large(&endpoint.server, limit),
+        Broken::NoText(error) => bad(endpoint, &format!("a part of it is no text: {error}")),
+    }
+}
+
+fn unreadable(endpoint: &Endpoint, reason: Unreadable) -> ModelError {
+    let reason = match reason {
+        Unreadable::NoJson(reason) => format!("a part of it is no JSON: {reason}"),
+        Unreadable::Complaint(event) => format!("{BROKEN_OFF}: {}", endpoint.one_line(&complaint(&event))),
+    };
+    bad(endpoint, &reason)
+}
 
 fn bad(endpoint: &Endpoint, reason: &str) -> ModelError {
     ModelError::BadAnswer {
@@ -200,15 +296,6 @@ fn unreachable(endpoint: &Endpoint, reason: &str) -> ModelError {
     }
 }
 
-/// What is at the bottom of an error: what is above it names the address, which may have a password in it.
-fn root(error: &(dyn std::error::Error + 'static)) -> String {
-    let mut deepest = error;
-    while let Some(source) = deepest.source() {
-        deepest = source;
-    }
-    deepest.to_string()
-}
-
 /// The sentence in a server's complaint, or all of it.
 fn complaint(body: &str) -> String {
     let value: Option<Value> = serde_json::from_str(body).ok();
@@ -218,33 +305,4 @@ fn complaint(body: &str) -> String {
         text.as_str()
     });
     message.unwrap_or(body).to_owned()
-}
-
-fn reply(text: String, refusal: &str, end: &StreamEnd) -> Result<Reply, &'static str> {
-    let usage = end.captured_usage.as_ref().map_or_else(Usage::default, usage);
-    let finish = match &end.captured_stop_reason {
-        Some(StopReason::MaxTokens(_)) => Finish::Length,
-        Some(StopReason::ContentFilter(_)) => Finish::Refused,
-        _ => Finish::Stop,
-    };
-    let (text, finish) = match refusal {
-        "" => (text, finish),
-        words => (words.to_owned(), Finish::Refused),
-    };
-    if text.is_empty() && finish == Finish::Stop {
-        return Err("its message has no content");
-    }
-    let usage = Usage { calls: 1, ..usage };
-    Ok(Reply { text, finish, usage })
-}
-
-fn usage(told: &GenaiUsage) -> Usage {
-    let count = |tokens: Option<i32>| tokens.and_then(|tokens| u64::try_from(tokens).ok()).unwrap_or(0);
-    let details = told.prompt_tokens_details.as_ref();
-    Usage {
-        calls: 1,
-        prompt_tokens: count(told.prompt_tokens),
-        cached_tokens: count(details.and_then(|details| details.cached_tokens)),
-        completion_tokens: count(told.completion_tokens),
-    }
 }

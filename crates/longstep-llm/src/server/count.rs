@@ -1,6 +1,7 @@
 //! Counting tokens for models that are elsewhere.
 
 use std::collections::HashMap;
+use std::time::{Duration, Instant};
 
 use longstep::prompt::{Counting, EstimatedTokens, Message, Role, TokenCounter, Usage};
 use tiktoken_rs::CoreBPE;
@@ -8,6 +9,7 @@ use tiktoken_rs::tokenizer::{Tokenizer as Family, get_tokenizer};
 
 use super::connection::Connection;
 use super::endpoint::{Endpoint, Kind};
+use super::limit::COUNTING_TIME;
 use super::probe::Tokenizer;
 
 /// Tokens around a message with OpenAI's models, its role not counted, and those that open the answer: as OpenAI's own
@@ -24,6 +26,8 @@ pub(super) struct Counter {
     /// What has been counted: the same fixed parts are counted again and again.
     counted: HashMap<Message, u64>,
     estimate: Calibrated,
+    /// The time that questions to the server have taken.
+    asked: Duration,
 }
 
 #[derive(Debug)]
@@ -51,6 +55,7 @@ impl Counter {
             way,
             counted: HashMap::new(),
             estimate: Calibrated::default(),
+            asked: Duration::ZERO,
         }
     }
 
@@ -60,10 +65,17 @@ impl Counter {
             return *known;
         }
         let text = message.text.as_str();
+        // A question that was called off says nothing about the server.
+        if connection.stop.is_set() {
+            return self.estimate.now().message_tokens(message);
+        }
+        let began = Instant::now();
         if matches!(self.way, Way::Unasked) {
             let answering = |way: &Tokenizer| way.count("one two", endpoint, connection).is_some();
             let found = Tokenizer::ALL.into_iter().find(answering);
-            self.way = found.map_or(Way::Estimate, Way::Server);
+            if !connection.stop.is_set() {
+                self.way = found.map_or(Way::Estimate, Way::Server);
+            }
         }
         let count = match &self.way {
             Way::OpenAi(family) => tokenizer(*family).map(|load| {
@@ -77,6 +89,12 @@ impl Counter {
             }
             Way::Unasked | Way::Estimate => None,
         };
+        self.asked += began.elapsed();
+        let given_up = count.is_none() || self.asked > COUNTING_TIME;
+        if matches!(self.way, Way::Server(_)) && given_up && !connection.stop.is_set() {
+            // A server that has once failed to count, or that is slow, would be waited for with every message.
+            self.way = Way::Estimate;
+        }
         let Some(count) = count else {
             // Not kept: the next reply may teach better.
             return self.estimate.now().message_tokens(message);
@@ -176,6 +194,7 @@ impl Calibrated {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::StopFlag;
 
     #[test]
     fn an_estimate_learns_from_what_servers_count() {
@@ -198,7 +217,8 @@ mod tests {
 
     #[test]
     fn openais_models_are_counted_as_openai_does() {
-        let connection = Connection::new(std::time::Duration::from_secs(1)).unwrap();
+        let second = Duration::from_secs(1);
+        let connection = Connection::new(second, second, StopFlag::default()).unwrap();
         for (model, tokens) in [("gpt-4o-mini", 16), ("gpt-4", 16), ("gpt-oss-20b", 16)] {
             let endpoint = Endpoint::new(Kind::OpenAi, "http://127.0.0.1:9/v1", model, None);
             let mut counter = Counter::of(&endpoint);

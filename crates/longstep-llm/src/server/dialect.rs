@@ -1,10 +1,9 @@
 //! How a server wants to be asked; learnt from what it rejects.
 
-use genai::chat::{ChatMessage, ChatOptions, ChatRequest as GenaiRequest, JsonSpec, ReasoningEffort};
-use longstep::prompt::{ChatRequest, Constraint, Role};
+use longstep::prompt::{ChatRequest, Constraint, Message, Role};
 use serde_json::{Map, Value, json};
 
-use super::endpoint::{Endpoint, Kind};
+use super::endpoint::Kind;
 use crate::Sampling;
 
 /// How a schema is sent.
@@ -105,47 +104,50 @@ impl Dialect {
         Some((Self { limit, ..self }, None))
     }
 
-    /// The options of a request.
-    pub(super) fn options(&self, endpoint: &Endpoint, request: &ChatRequest, sampling: &Sampling) -> ChatOptions {
-        let temperature = self.temperature.then_some(sampling.temperature);
-        let top_p = sampling.top_p.filter(|_| self.top_p);
-        let seed = sampling.seed.filter(|_| self.seed);
+    /// The body of a request.
+    pub(super) fn body(&self, model: &str, request: &ChatRequest, sampling: &Sampling) -> Value {
         let schema = match &request.constraint {
             Constraint::JsonSchema(schema) if self.sends_schema() => Some(schema),
             _ => None,
         };
-        let mut options = ChatOptions::default().with_capture_usage(self.usage);
-        let mut body = Map::new();
-        // Exactly this name: genai takes ends such as `-high` for wishes of its own.
-        body.insert("model".into(), endpoint.model.clone().into());
+        let choice = Choice {
+            temperature: self.temperature.then_some(sampling.temperature),
+            top_p: sampling.top_p.filter(|_| self.top_p),
+            seed: sampling.seed.filter(|_| self.seed),
+        };
         match self.kind {
-            Kind::Anthropic | Kind::Gemini => {
-                options.temperature = temperature;
-                options.top_p = top_p;
-                options.seed = seed;
-                options.max_tokens = Some(request.max_tokens);
-                options.response_format = schema.map(|schema| JsonSpec::new("answer", schema.clone()).into());
-                if self.kind == Kind::Gemini {
-                    // It stands in the address there.
-                    body.clear();
-                }
-            }
-            Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => {
-                // A budget means nothing in this dialect: it is not sent, and the name's end is left alone.
-                options.reasoning_effort = Some(ReasoningEffort::Budget(0));
-                let mut add = |name: &str, value: Option<Value>| {
-                    if let Some(value) = value {
-                        body.insert(name.into(), value);
-                    }
-                };
-                add(self.limit, Some(request.max_tokens.into()));
-                add("temperature", temperature.map(Value::from));
-                add("top_p", top_p.map(Value::from));
-                add("seed", seed.map(Value::from));
-                add("response_format", schema.map(|schema| self.response_format(schema)));
-            }
+            Kind::Anthropic => anthropic(model, request, schema, choice),
+            Kind::Gemini => gemini(request, schema, choice),
+            Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => self.openai(model, request, schema, choice),
         }
-        options.with_extra_body(Value::Object(body))
+    }
+
+    fn openai(&self, model: &str, request: &ChatRequest, schema: Option<&Value>, choice: Choice) -> Value {
+        let messages = request.messages.iter().map(|message| {
+            let role = match message.role {
+                Role::System => "system",
+                Role::User => "user",
+                Role::Assistant => "assistant",
+            };
+            json!({"role": role, "content": message.text})
+        });
+        let mut body = Map::new();
+        body.insert("model".into(), model.into());
+        body.insert("messages".into(), messages.collect());
+        body.insert("stream".into(), true.into());
+        if self.usage {
+            body.insert("stream_options".into(), json!({"include_usage": true}));
+        }
+        body.insert(self.limit.into(), request.max_tokens.into());
+        add(&mut body, "temperature", choice.temperature);
+        add(&mut body, "top_p", choice.top_p);
+        add(&mut body, "seed", choice.seed);
+        add(
+            &mut body,
+            "response_format",
+            schema.map(|schema| self.response_format(schema)),
+        );
+        body.into()
     }
 
     fn response_format(&self, schema: &Value) -> Value {
@@ -156,14 +158,83 @@ impl Dialect {
     }
 }
 
-/// The conversation, in genai's words.
-pub(super) fn conversation(request: &ChatRequest) -> GenaiRequest {
-    let turns = request.messages.iter().map(|message| match message.role {
-        Role::System => ChatMessage::system(message.text.as_str()),
-        Role::User => ChatMessage::user(message.text.as_str()),
-        Role::Assistant => ChatMessage::assistant(message.text.as_str()),
+/// What is sent of a [`Sampling`].
+#[derive(Debug, Clone, Copy)]
+struct Choice {
+    temperature: Option<f64>,
+    top_p: Option<f64>,
+    seed: Option<u64>,
+}
+
+/// Adds a field that is given.
+fn add(fields: &mut Map<String, Value>, name: &str, value: Option<impl Into<Value>>) {
+    if let Some(value) = value {
+        fields.insert(name.to_owned(), value.into());
+    }
+}
+
+/// The system messages as one text, which these dialects keep apart from the conversation; and the other messages.
+fn parted(request: &ChatRequest) -> (Option<String>, impl Iterator<Item = &Message>) {
+    let (system, rest): (Vec<_>, Vec<_>) = request
+        .messages
+        .iter()
+        .partition(|message| message.role == Role::System);
+    let texts: Vec<&str> = system.iter().map(|message| message.text.as_str()).collect();
+    ((!texts.is_empty()).then(|| texts.join("\n\n")), rest.into_iter())
+}
+
+fn anthropic(model: &str, request: &ChatRequest, schema: Option<&Value>, choice: Choice) -> Value {
+    let (system, messages) = parted(request);
+    let messages = messages.map(|message| {
+        let role = if message.role == Role::Assistant {
+            "assistant"
+        } else {
+            "user"
+        };
+        json!({"role": role, "content": message.text})
     });
-    GenaiRequest::new(turns.collect())
+    let mut body = Map::new();
+    body.insert("model".into(), model.into());
+    add(&mut body, "system", system);
+    body.insert("messages".into(), messages.collect());
+    body.insert("stream".into(), true.into());
+    body.insert("max_tokens".into(), request.max_tokens.into());
+    let format = schema.map(|schema| json!({"format": {"type": "json_schema", "schema": schema}}));
+    add(&mut body, "output_config", format);
+    add(&mut body, "temperature", choice.temperature);
+    add(&mut body, "top_p", choice.top_p);
+    body.into()
+}
+
+/// The model stands in the address.
+fn gemini(request: &ChatRequest, schema: Option<&Value>, choice: Choice) -> Value {
+    let (system, messages) = parted(request);
+    let contents = messages.map(|message| {
+        let role = if message.role == Role::Assistant {
+            "model"
+        } else {
+            "user"
+        };
+        json!({"role": role, "parts": [{"text": message.text}]})
+    });
+    let mut settings = Map::new();
+    if let Some(schema) = schema {
+        settings.insert("responseMimeType".into(), "application/json".into());
+        settings.insert("responseJsonSchema".into(), schema.clone());
+    }
+    add(&mut settings, "temperature", choice.temperature);
+    settings.insert("maxOutputTokens".into(), request.max_tokens.into());
+    add(&mut settings, "topP", choice.top_p);
+    add(&mut settings, "seed", choice.seed);
+    let mut body = Map::new();
+    add(
+        &mut body,
+        "systemInstruction",
+        system.map(|text| json!({"parts": [{"text": text}]})),
+    );
+    body.insert("contents".into(), contents.collect());
+    body.insert("generationConfig".into(), settings.into());
+    body.into()
 }
 
 /// Whether an answer is what the schema asks for, as far as can be told at a glance: JSON of the right kind, with the

@@ -1,9 +1,5 @@
 //! Where a server is, how it is spoken to, and the key that opens it.
 
-use genai::adapter::AdapterKind;
-use genai::resolver::{AuthData, Endpoint as GenaiEndpoint};
-use genai::{ModelIden, ServiceTarget};
-
 use super::secret::Secret;
 use crate::{ModelError, ModelReference};
 
@@ -13,6 +9,9 @@ pub(super) type Lookup<'a> = &'a dyn Fn(&str) -> Option<String>;
 /// The version of Azure's interface that is asked for when nobody says another: the oldest generally available one that
 /// takes JSON schemas.
 const AZURE_VERSION: &str = "2024-10-21";
+
+/// The version of Anthropic's interface that is asked for.
+const ANTHROPIC_VERSION: &str = "2023-06-01";
 
 /// Who serves, as far as that makes a difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +35,7 @@ pub(super) struct Endpoint {
     pub(super) server: String,
     /// The base address, without a slash at the end.
     base: String,
-    /// Where chats go; not asked for by Anthropic's and Gemini's dialects, whose addresses genai makes.
+    /// The address of chats.
     chat: String,
     key: Option<Secret>,
 }
@@ -113,36 +112,41 @@ impl Endpoint {
 
     pub(super) fn new(kind: Kind, base: &str, model: &str, key: Option<Secret>) -> Self {
         let base = base.trim_end_matches('/').to_owned();
+        let chat = match kind {
+            Kind::Anthropic => format!("{base}/messages"),
+            Kind::Gemini => format!("{base}/models/{model}:streamGenerateContent?alt=sse"),
+            Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => format!("{base}/chat/completions"),
+        };
         Self {
             kind,
             model: model.to_owned(),
             server: without_password(&base),
-            chat: format!("{base}/chat/completions"),
+            chat,
             base,
             key,
         }
     }
 
-    /// What genai is told: the address, the key, the dialect.
-    pub(super) fn target(&self) -> ServiceTarget {
-        let adapter = match self.kind {
-            Kind::Anthropic => AdapterKind::Anthropic,
-            Kind::Gemini => AdapterKind::Gemini,
-            Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => AdapterKind::OpenAI,
+    /// The address of chats.
+    pub(super) fn chat_url(&self) -> &str {
+        &self.chat
+    }
+
+    /// The headers of a chat: the key, and what the dialect wants besides.
+    pub(super) fn chat_headers(&self) -> Vec<(String, String)> {
+        let key_in = |name: &str| {
+            let key = self.key.as_ref();
+            key.map(|key| (name.to_owned(), key.reveal().to_owned()))
         };
-        let auth = match (adapter, &self.key) {
-            (AdapterKind::OpenAI, key) => AuthData::RequestOverride {
-                url: self.chat.clone(),
-                headers: key.iter().map(Secret::header).collect::<Vec<_>>().into(),
-            },
-            (_, Some(key)) => AuthData::Key(key.reveal().to_owned()),
-            (_, None) => AuthData::None,
+        let headers = match self.kind {
+            Kind::Anthropic => [
+                key_in("x-api-key"),
+                Some(("anthropic-version".to_owned(), ANTHROPIC_VERSION.to_owned())),
+            ],
+            Kind::Gemini => [key_in("x-goog-api-key"), None],
+            Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => [self.key_header(), None],
         };
-        ServiceTarget {
-            endpoint: GenaiEndpoint::from_owned(format!("{}/", self.base)),
-            auth,
-            model: ModelIden::new(adapter, self.model.clone()),
-        }
+        headers.into_iter().flatten().collect()
     }
 
     /// The header that carries the key.

@@ -1,22 +1,27 @@
 //! Models on servers: OpenAI's dialect wherever it is spoken, Anthropic's and Gemini's.
 //!
 //! A request goes out in the server's [`dialect`], which shrinks by what the server rejects; [`connection`] carries it
-//! and reads the streamed answer; [`retry`] says when it is worth another try. Tokens are counted by [`count`].
+//! and reads the streamed answer, [`event`] by event, into an [`answer`]; [`retry`] says when it is worth another try.
+//! Everything that a server sends has a [`limit`]. Tokens are counted by [`count`].
 
+mod answer;
 mod connection;
 mod count;
 mod dialect;
 mod endpoint;
+mod event;
+mod limit;
 mod probe;
 mod retry;
 mod secret;
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 
 use longstep::prompt::{ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, TokenCounter};
 
+use crate::call::{Call, GivenUp};
 use crate::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, Watch};
-use connection::{Connection, Failure};
+use connection::{Connection, Failure, Outgoing, Received};
 use count::Counter;
 use dialect::Dialect;
 use endpoint::{Endpoint, Lookup};
@@ -61,7 +66,8 @@ impl ServerModel {
     }
 
     fn new(endpoint: Endpoint, options: &OpenOptions) -> Result<Self, ModelError> {
-        let connection = Connection::new(options.silence).map_err(|reason| ModelError::Unreachable {
+        let connection = Connection::new(options.silence, options.timeout, options.stop.clone());
+        let connection = connection.map_err(|reason| ModelError::Unreachable {
             server: endpoint.server.clone(),
             reason,
         })?;
@@ -94,11 +100,16 @@ impl ChatModel for ServerModel {
         if let Constraint::Lark(_) = request.constraint {
             return Err(self.unsupported("a server takes a JSON schema, not a grammar"));
         }
+        let watch = RefCell::new(watch);
+        let flag = self.connection.stop.clone();
+        let stopped = || flag.is_set() || watch.borrow().stop();
+        let call = Call::new(self.connection.timeout, &stopped);
+        let mut tell = |progress: Progress| watch.borrow_mut().tell(progress);
         for _ in 0..CHANGES {
-            let failure = match self.try_often(request, watch) {
-                Ok(reply) => {
-                    self.look_at(&reply, request, watch);
-                    return Ok(reply);
+            let failure = match self.try_often(request, &call, &mut tell) {
+                Ok(received) => {
+                    self.look_at(&received, request, &mut tell);
+                    return Ok(received.reply);
                 }
                 Err(failure) => failure,
             };
@@ -106,7 +117,7 @@ impl ChatModel for ServerModel {
             if let Some((dialect, warning)) = self.smaller(&failure, request) {
                 self.dialect = dialect;
                 if let Some(warning) = warning {
-                    watch.tell(Progress::Warning(warning.into()));
+                    tell(Progress::Warning(warning.into()));
                 }
                 continue;
             }
@@ -123,9 +134,17 @@ impl ChatModel for ServerModel {
     }
 
     fn context_tokens(&self) -> Option<u64> {
-        let told = self
-            .context
-            .get_or_init(|| probe::context(&self.endpoint, &self.connection));
+        let told = match self.context.get() {
+            Some(known) => *known,
+            None => {
+                let told = probe::context(&self.endpoint, &self.connection);
+                // A question that was called off has no answer, and is asked again.
+                if !self.connection.stop.is_set() {
+                    let _ = self.context.set(told);
+                }
+                told
+            }
+        };
         told.or(self.given_context)
     }
 }
@@ -146,21 +165,31 @@ impl TokenCounter for ServerModel {
 
 impl ServerModel {
     /// Asks, and asks again where the server is busy or the connection fails.
-    fn try_often(&self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, Failure> {
+    fn try_often(
+        &self,
+        request: &ChatRequest,
+        call: &Call<'_>,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<Received, Failure> {
+        let outgoing = Outgoing {
+            endpoint: &self.endpoint,
+            dialect: self.dialect,
+            request,
+            sampling: &self.sampling,
+        };
         let mut tries = 0;
         loop {
-            if watch.stop() {
+            if call.stopped() {
                 return Err(Failure::Final(ModelError::Stopped));
             }
-            watch.tell(Progress::Waiting);
-            let options = self.dialect.options(&self.endpoint, request, &self.sampling);
-            let conversation = dialect::conversation(request);
-            let failure = match self.connection.ask(&self.endpoint, conversation, options, watch) {
-                Ok(reply) => return Ok(reply),
+            tell(Progress::Waiting);
+            let failure = match self.connection.ask(&outgoing, call, tell) {
+                Ok(received) => return Ok(received),
                 Err(failure) => failure,
             };
             let pause = retry::pause(&failure, tries).filter(|_| self.smaller(&failure, request).is_none());
-            let Some(pause) = pause else {
+            // A pause that outlasts the call is no use: the failure says more than that the time is over.
+            let Some(pause) = pause.filter(|pause| *pause < call.left()) else {
                 return Err(failure);
             };
             tries += 1;
@@ -168,12 +197,14 @@ impl ServerModel {
                 Failure::Rejected { status, .. } => format!("it answered with status {status}"),
                 Failure::Final(error) | Failure::Unreachable(error) => error.to_string(),
             };
-            watch.tell(Progress::Warning(format!(
+            tell(Progress::Warning(format!(
                 "{}: {reason}; trying again in {:.1} s",
                 self.endpoint.server,
                 pause.as_secs_f64()
             )));
-            retry::rest(pause, watch).map_err(Failure::Final)?;
+            if call.rest(pause) == Err(GivenUp::Stopped) {
+                return Err(Failure::Final(ModelError::Stopped));
+            }
         }
     }
 
@@ -189,8 +220,16 @@ impl ServerModel {
         rejected.then(smaller).flatten()
     }
 
-    /// Learns from a reply: what its tokens say about counting, and whether the schema was heeded.
-    fn look_at(&mut self, reply: &Reply, request: &ChatRequest, watch: &mut dyn Watch) {
+    /// Learns from a reply: what its tokens say about counting, and whether limit and schema were heeded.
+    fn look_at(&mut self, received: &Received, request: &ChatRequest, tell: &mut dyn FnMut(Progress)) {
+        let reply = &received.reply;
+        if received.cut {
+            tell(Progress::Warning(format!(
+                "the server wrote more than the {} tokens of the request; its answer is cut off",
+                request.max_tokens
+            )));
+            return;
+        }
         self.counter.learn(&request.messages, &reply.usage);
         if let Constraint::JsonSchema(schema) = &request.constraint
             && reply.finish == Finish::Stop
@@ -200,7 +239,7 @@ impl ServerModel {
         {
             self.ignoring_told = true;
             let warning = "the server ignored the schema: its answer is not what was asked for";
-            watch.tell(Progress::Warning(warning.into()));
+            tell(Progress::Warning(warning.into()));
         }
     }
 

@@ -1,49 +1,142 @@
 //! Questions beside the chat: how large the context is, how many tokens a text has. No answer is an answer too; nothing
-//! here fails, and nothing takes long.
+//! here fails, nothing takes long, and no number is believed that cannot be right. Answers are read without building what
+//! is not looked at: a value of JSON can take a hundred times the memory of its text.
 
-use std::time::Duration;
+use std::collections::BTreeMap;
+use std::fmt;
 
+use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use serde_json::{Value, json};
 
 use super::connection::Connection;
 use super::endpoint::{Endpoint, Kind};
-
-/// How long a server may take for such an answer.
-const PATIENCE: Duration = Duration::from_secs(2);
+use super::limit::TOKENS;
 
 /// How many tokens prompt and answer may have together, where the server says it.
 pub(super) fn context(endpoint: &Endpoint, connection: &Connection) -> Option<u64> {
-    let get = |path: &str| ask(endpoint, connection, path, None);
-    match endpoint.kind {
+    let context = match endpoint.kind {
         Kind::Other => {
-            let llama = || get("/props")?.pointer("/default_generation_settings/n_ctx")?.as_u64();
-            let vllm = || {
-                let models = get("/v1/models")?;
-                let models = models["data"].as_array()?;
-                let ours = models.iter().find(|model| model["id"] == endpoint.model.as_str())?;
-                ours["max_model_len"].as_u64()
-            };
-            llama().or_else(vllm)
+            let props: Option<Props> = ask(endpoint, connection, "/props", None);
+            let llama = props.map(|props| props.default_generation_settings.n_ctx);
+            llama.or_else(|| {
+                let models: Models = ask(endpoint, connection, "/v1/models", None)?;
+                let ours = models.data.into_iter().find(|model| model.id == endpoint.model);
+                ours?.max_model_len
+            })
         }
         Kind::Ollama => {
-            let about = ask(
-                endpoint,
-                connection,
-                "/api/show",
-                Some(json!({"model": endpoint.model})),
-            )?;
-            // What it was told to use, before what the model could: `num_ctx 8192` in a list of parameters.
-            let parameters = about["parameters"].as_str().unwrap_or_default();
-            let told = parameters.lines().find_map(|line| {
-                let (name, value) = line.trim().split_once(char::is_whitespace)?;
-                (name == "num_ctx").then(|| value.trim().parse().ok())?
-            });
-            let sizes = about["model_info"].as_object()?;
-            let trained = sizes.iter().find(|(name, _)| name.ends_with(".context_length"));
-            told.or_else(|| trained?.1.as_u64())
+            let body = json!({"model": endpoint.model});
+            let about: About = ask(endpoint, connection, "/api/show", Some(body))?;
+            about.context()
         }
         Kind::OpenAi | Kind::Azure | Kind::Anthropic | Kind::Gemini => None,
+    };
+    context.filter(|tokens| (1..=TOKENS).contains(tokens))
+}
+
+/// llama.cpp's answer.
+#[derive(Deserialize)]
+struct Props {
+    default_generation_settings: GenerationSettings,
+}
+
+#[derive(Deserialize)]
+struct GenerationSettings {
+    n_ctx: u64,
+}
+
+/// vLLM's answer.
+#[derive(Deserialize)]
+struct Models {
+    data: Vec<ModelEntry>,
+}
+
+#[derive(Deserialize)]
+struct ModelEntry {
+    #[serde(default)]
+    id: String,
+    max_model_len: Option<u64>,
+}
+
+/// Ollama's answer.
+#[derive(Deserialize)]
+struct About {
+    #[serde(default)]
+    parameters: String,
+    #[serde(default)]
+    model_info: BTreeMap<String, Whole>,
+}
+
+/// A whole number; none for any other value, which is passed over.
+struct Whole(Option<u64>);
+
+impl<'de> Deserialize<'de> for Whole {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(WholeVisitor).map(Self)
     }
+}
+
+struct WholeVisitor;
+
+impl<'de> Visitor<'de> for WholeVisitor {
+    type Value = Option<u64>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a value")
+    }
+
+    fn visit_u64<E>(self, number: u64) -> Result<Self::Value, E> {
+        Ok(Some(number))
+    }
+
+    fn visit_i64<E>(self, _: i64) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_f64<E>(self, _: f64) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_bool<E>(self, _: bool) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_str<E>(self, _: &str) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_unit<E>(self) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
+        IgnoredAny.visit_seq(values).map(|IgnoredAny| None)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, entries: A) -> Result<Self::Value, A::Error> {
+        IgnoredAny.visit_map(entries).map(|IgnoredAny| None)
+    }
+}
+
+impl About {
+    /// What it was told to use (`num_ctx 8192` in a list of parameters), before what the model could.
+    fn context(&self) -> Option<u64> {
+        let told = self.parameters.lines().find_map(|line| {
+            let (name, value) = line.trim().split_once(char::is_whitespace)?;
+            (name == "num_ctx").then(|| value.trim().parse().ok())?
+        });
+        let mut sizes = self.model_info.iter();
+        let trained = sizes.find(|(name, _)| name.ends_with(".context_length"));
+        told.or_else(|| trained?.1.0)
+    }
+}
+
+/// An answer about the tokens of a text: their number, or all of them. They are counted and not kept.
+#[derive(Deserialize)]
+struct Tokens {
+    count: Option<u64>,
+    tokens: Option<Vec<IgnoredAny>>,
 }
 
 /// Which of a server's ways to count tokens answers.
@@ -69,26 +162,30 @@ impl Tokenizer {
             ),
             Self::Extras => ("/extras/tokenize/count", json!({"model": model, "input": text})),
         };
-        let answer = ask(endpoint, connection, path, Some(body))?;
-        let counted = answer["count"].as_u64();
-        counted.or_else(|| answer["tokens"].as_array().map(|tokens| tokens.len() as u64))
+        let answer: Tokens = ask(endpoint, connection, path, Some(body))?;
+        let listed = answer.tokens.map(|tokens| tokens.len() as u64);
+        // A token has at least a byte, except for a few that stand around a text.
+        answer.count.or(listed).filter(|count| *count <= text.len() as u64 + 16)
     }
 }
 
 /// A question and the JSON that is answered: sent with `body` or, without one, just asked for.
-fn ask(endpoint: &Endpoint, connection: &Connection, path: &str, body: Option<Value>) -> Option<Value> {
+fn ask<T: DeserializeOwned>(
+    endpoint: &Endpoint,
+    connection: &Connection,
+    path: &str,
+    body: Option<Value>,
+) -> Option<T> {
     let url = endpoint.beside(path);
-    let mut request = match body {
-        Some(body) => connection.http.post(url).json(&body),
-        None => connection.http.get(url),
-    };
-    if let Some((name, value)) = endpoint.key_header() {
-        request = request.header(name, value);
-    }
-    let work = async {
-        let answer = request.timeout(PATIENCE).send().await.ok()?;
-        let answer = answer.error_for_status().ok()?;
-        answer.json().await.ok()
-    };
-    Connection::wait(work).ok().flatten()
+    let answer = connection.question(|http| {
+        let mut request = match body {
+            Some(body) => http.post(url).json(&body),
+            None => http.get(url),
+        };
+        if let Some((name, value)) = endpoint.key_header() {
+            request = request.header(name, value);
+        }
+        request
+    })?;
+    serde_json::from_slice(&answer).ok()
 }

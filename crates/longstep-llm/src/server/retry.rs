@@ -1,11 +1,10 @@
 //! When a request is sent again, and how long to wait before.
 
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 use reqwest::header::HeaderValue;
 
-use super::connection::{Failure, TICK};
-use crate::{ModelError, Watch};
+use super::connection::Failure;
 
 /// How often a request is tried again.
 const RETRIES: u32 = 2;
@@ -26,21 +25,6 @@ pub(super) fn pause(failure: &Failure, tries: u32) -> Option<Duration> {
         Failure::Rejected { .. } | Failure::Final(_) => return None,
     };
     (tries < RETRIES && pause <= PATIENCE).then_some(pause)
-}
-
-/// Waits, as long as somebody waits for the answer.
-pub(super) fn rest(pause: Duration, watch: &dyn Watch) -> Result<(), ModelError> {
-    let began = Instant::now();
-    loop {
-        if watch.stop() {
-            return Err(ModelError::Stopped);
-        }
-        let left = pause.saturating_sub(began.elapsed());
-        if left.is_zero() {
-            return Ok(());
-        }
-        std::thread::sleep(left.min(TICK));
-    }
 }
 
 /// How long a busy server asks to wait: seconds, or until a date.

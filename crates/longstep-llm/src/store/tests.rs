@@ -21,7 +21,7 @@ fn content() -> Vec<u8> {
 }
 
 /// An entry for that content. Its parts come in three wheels.
-fn entry(on_the_hub: bool) -> &'static Entry {
+pub(super) fn entry(on_the_hub: bool) -> &'static Entry {
     let hash: String = Sha256::digest(content())
         .iter()
         .map(|byte| format!("{byte:02x}"))
@@ -44,20 +44,20 @@ fn entry(on_the_hub: bool) -> &'static Entry {
 }
 
 /// A cache, and a folder that pip takes for the package index.
-struct Place {
-    cache: TempDir,
+pub(super) struct Place {
+    pub(super) cache: TempDir,
     index: TempDir,
 }
 
 impl Place {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             cache: tempfile::tempdir().unwrap(),
             index: tempfile::tempdir().unwrap(),
         }
     }
 
-    fn options(&self, hub: &str) -> PullOptions {
+    pub(super) fn options(&self, hub: &str) -> PullOptions {
         let links = self.index.path().as_os_str().to_owned();
         let set = |name: &str, value: OsString| (OsString::from(name), value);
         PullOptions {
@@ -84,7 +84,7 @@ impl Place {
         names
     }
 
-    fn model(&self, name: &str) -> PathBuf {
+    pub(super) fn model(&self, name: &str) -> PathBuf {
         self.cache.path().join("models").join(name)
     }
 
@@ -393,7 +393,13 @@ fn a_file_that_changes_in_the_cache_is_noticed() {
 fn of_two_pulls_one_waits() {
     let place = Place::new();
     fs::create_dir_all(place.cache.path().join("models")).unwrap();
-    let held = lock(entry(true), &place.cache.path().join("models"), &mut |_| {}).unwrap();
+    let held = lock(
+        entry(true),
+        &place.cache.path().join("models"),
+        &StopFlag::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     let file = place.index.path().join("mine.bin");
     fs::write(&file, content()).unwrap();
     let (sender, told) = channel();
@@ -409,6 +415,11 @@ fn of_two_pulls_one_waits() {
         "{first:?}"
     );
     assert!(!place.model("tiny.gguf").exists());
+    // Waiting can be called off as well.
+    let options = place.options("");
+    options.stop.set(true);
+    let error = pull(entry(true), place.cache.path(), &options, &mut |_| {}).unwrap_err();
+    assert!(matches!(error, ModelError::Stopped), "{error}");
     drop(held);
     assert!(other.join().unwrap().unwrap().exists());
 }

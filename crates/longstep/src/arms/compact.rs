@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::footprint::{Contended, Footprint, Grounded};
 use super::{Makespan, actors, makespan};
 use crate::domain::Domain;
+use crate::effort;
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, apply, check};
 use crate::world::{EntityId, State, World};
@@ -27,6 +28,11 @@ pub struct Compacted {
 /// None if the plan is no plain list, has one actor only, gains no time, or would end otherwise than it did: the
 /// result is verified in every order in which the lanes' steps can happen.
 pub fn compact(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
+    let spent = effort::within(effort::OPERATION, || compact_within(domain, world, plan, purpose));
+    spent.result.filter(|_| !spent.exhausted)
+}
+
+fn compact_within(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
     if !plan.plan().is_sequence() {
         return None;
     }
@@ -83,6 +89,7 @@ fn timed<'a>(domain: &Domain, steps: &'a [Step], prints: &[Footprint]) -> Vec<Ti
         let (mut start, mut awaits) = (0, BTreeMap::new());
         for (before, print) in timed.iter().zip(prints) {
             let end = before.start + 1;
+            effort::spend(1);
             if before.actor == actor {
                 start = start.max(end);
             } else if print.is_needed_before(own) {

@@ -3,6 +3,7 @@
 use super::compact::{Compacted, arranged, compact};
 use super::makespan;
 use crate::domain::Domain;
+use crate::effort;
 use crate::plan::{Plan, Step};
 use crate::verify::{Purpose, VerifiedPlan, apply, check};
 use crate::world::{EntityId, Moment, World, holds};
@@ -17,6 +18,14 @@ const LONGEST: usize = 60;
 /// purpose: a hand that the goal names stays. Of equally good choices the first is taken, so the answer is always the
 /// same.
 pub fn spread(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> VerifiedPlan {
+    let spent = effort::within(effort::OPERATION, || spread_within(domain, world, plan, purpose));
+    match spent.exhausted {
+        true => plan.clone(),
+        false => spent.result,
+    }
+}
+
+fn spread_within(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> VerifiedPlan {
     let mut best = plan.clone();
     if !plan.plan().is_sequence() || plan.steps().len() > LONGEST {
         return best;

@@ -1,5 +1,7 @@
 //! A composition with every stored plan's steps in place of its name.
 
+use std::rc::Rc;
+
 use super::asked::{called, spelled_out};
 use super::{Misfit, Recalled, Stored};
 use crate::diagnostic::nearest;
@@ -8,6 +10,10 @@ use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Test};
 use crate::plan::{StepId, Written, WrittenNode, WrittenStep};
 use crate::prompt::actors;
 use crate::world::World;
+
+/// The steps of a composition, those of its stored plans included: a script of 20 kB can name a plan of 1,000 steps
+/// 2,000 times.
+const LONGEST: usize = 2_000;
 
 /// A composition as one plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,7 +45,7 @@ pub fn inline(
         composition,
         recalled: stored
             .iter()
-            .map(|plan| (plan, Recalled::of(domain, world, plan)))
+            .map(|plan| (plan, Recalled::of(domain, world, plan).map(Rc::new)))
             .collect(),
         steps: Vec::new(),
         origins: Vec::new(),
@@ -91,7 +97,7 @@ struct Inliner<'a> {
     domain: &'a Domain,
     world: &'a World,
     composition: &'a Written,
-    recalled: Vec<(&'a Stored, Result<Recalled, Misfit>)>,
+    recalled: Vec<(&'a Stored, Result<Rc<Recalled>, Misfit>)>,
     /// The steps of the whole, without those in conditions.
     steps: Vec<WrittenStep>,
     origins: Vec<Option<String>>,
@@ -139,17 +145,17 @@ impl<'a> Inliner<'a> {
 
     /// The stored plan that a call means, if it means one that can be used; nothing if it is an action's call. What it
     /// should mean and does not is told.
-    fn meant(&mut self, step: &WrittenStep) -> Option<(String, Recalled)> {
+    fn meant(&mut self, step: &WrittenStep) -> Option<(String, Rc<Recalled>)> {
         let name = &step.call.name;
         let (plan, recalled) = self.recalled.iter().find(|(plan, _)| plan.name == *name)?;
         if !step.call.arguments.is_empty() || !step.implicit.is_empty() {
             self.misfits.push(Misfit::Arguments { name: name.clone() });
         }
         match recalled {
-            Ok(recalled) => Some((plan.name.clone(), recalled.clone())),
+            Ok(recalled) => Some((plan.name.clone(), Rc::clone(recalled))),
             Err(misfit) => {
                 self.misfits.push(misfit.clone());
-                Some((plan.name.clone(), Recalled::default()))
+                Some((plan.name.clone(), Rc::default()))
             }
         }
     }
@@ -179,6 +185,10 @@ impl<'a> Inliner<'a> {
     /// The nodes of a stored plan, numbered as they are here.
     fn spliced(&mut self, name: &str, recalled: &Recalled) -> Vec<WrittenNode> {
         let before = self.steps.len();
+        if before + recalled.written.steps.len() > LONGEST {
+            self.misfits.push(Misfit::TooLong { limit: LONGEST });
+            return Vec::new();
+        }
         self.steps.extend(recalled.written.steps.iter().cloned());
         let mut body = vec![Node::Remark(recalled.remark(name))];
         for node in &recalled.written.body {

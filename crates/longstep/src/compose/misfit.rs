@@ -82,6 +82,12 @@ pub enum Misfit {
         /// How deep they may.
         limit: usize,
     },
+    /// The stored plans have too many steps together.
+    #[error("the plans have more than {limit} steps together")]
+    TooLong {
+        /// How many they may have.
+        limit: usize,
+    },
 }
 
 impl Misfit {
@@ -98,6 +104,7 @@ impl Misfit {
             Self::WrongLane { .. } => "wrong_lane",
             Self::NoLanes { .. } => "no_lanes",
             Self::TooDeep { .. } => "too_deep",
+            Self::TooLong { .. } => "too_long",
         }
     }
 }

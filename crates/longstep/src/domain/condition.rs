@@ -81,6 +81,41 @@ impl Condition {
         }
     }
 
+    /// The condition with every slot from `from` on moved by so many places: room for variables that are bound between
+    /// those outside of the condition and its own.
+    #[must_use]
+    pub(crate) fn shifted(self, from: Slot, by: usize) -> Self {
+        let slot = |slot: Slot| if slot < from { slot } else { slot + by };
+        let term = |term: Term| match term {
+            Term::Variable(variable) => Term::Variable(slot(variable)),
+            constant @ Term::Constant(_) => constant,
+        };
+        let all = |parts: Vec<Self>| parts.into_iter().map(|part| part.shifted(from, by)).collect();
+        match self {
+            Self::And(parts) => Self::And(all(parts)),
+            Self::Or(parts) => Self::Or(all(parts)),
+            Self::Forall(variable, kind, inner) => {
+                Self::Forall(slot(variable), kind, Box::new(inner.shifted(from, by)))
+            }
+            Self::Exists(variable, kind, inner) => {
+                Self::Exists(slot(variable), kind, Box::new(inner.shifted(from, by)))
+            }
+            Self::Atom { atom, holds, initially } => Self::Atom {
+                atom: Atom {
+                    predicate: atom.predicate,
+                    terms: atom.terms.into_iter().map(term).collect(),
+                },
+                holds,
+                initially,
+            },
+            Self::Equal { left, right, holds } => Self::Equal {
+                left: term(left),
+                right: term(right),
+                holds,
+            },
+        }
+    }
+
     /// Calls `visit` for every atom, with whether it must hold.
     pub fn for_each_atom(&self, visit: &mut impl FnMut(&Atom, bool)) {
         match self {

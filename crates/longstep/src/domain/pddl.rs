@@ -421,7 +421,9 @@ impl Reader<'_> {
                     forall.push((scope.len(), variable.kind));
                     scope.push((variable.name, variable.kind));
                 }
-                self.effect(inner, scope, forall, when, names, effects);
+                // The variables of a `when` around it come behind those of the effect.
+                let when = when.clone().shifted(outer, scope.len() - outer);
+                self.effect(inner, scope, forall, &when, names, effects);
                 scope.truncate(outer);
                 forall.truncate(quantified);
             }
@@ -569,6 +571,30 @@ mod tests {
                 :effect (and (full ?c) (forall (?t - thing) (when (at ?t) (not (at ?t)))))))",
             &[],
         );
+    }
+
+    #[test]
+    fn variables_of_an_effect_come_before_those_of_the_condition_around_it() {
+        let text = "(define (domain d) (:types cup) (:predicates (full ?c - cup) (seen ?c - cup))
+            (:action spill :parameters (?p - cup) :precondition (and)
+              :effect (when (forall (?v - cup) (full ?v)) (forall (?w - cup) (when (seen ?w) (not (full ?w)))))))";
+        let mut findings = Vec::new();
+        let read = read("domain.pddl", text, Written::ForUs, &mut findings);
+        assert!(findings.is_empty(), "{findings:?}");
+        let effect = &read.actions[0].effects[0];
+        assert_eq!(effect.forall.iter().map(|(slot, _)| *slot).collect::<Vec<_>>(), [1]);
+        let Condition::And(parts) = &effect.condition else {
+            panic!("{effect:?}")
+        };
+        let Condition::Forall(slot, _, inner) = &parts[0] else {
+            panic!("{effect:?}")
+        };
+        assert_eq!(*slot, 2);
+        let asks = |condition: &Condition, slot: usize| match condition {
+            Condition::Atom { atom, .. } => atom.terms == [Term::Variable(slot)],
+            _ => false,
+        };
+        assert!(asks(inner, 2) && asks(&parts[1], 1), "{effect:?}");
     }
 
     #[test]

@@ -4,11 +4,14 @@
 //! see that: a goal whose subject the instruction does not speak of is left out, and shown as left out. When
 //! nothing is left, or when the instruction speaks of a thing that is not there, the person is asked.
 
+use rustc_hash::{FxHashMap, FxHashSet};
+
 use super::ambiguous::which;
 use super::depends::{Clauses, is_word_of_outcomes};
 use super::negated::asserted;
 use super::{Conditional, Goal, GoalFact};
 use crate::domain::{Domain, base_name, ends_with, head, plain_words, singular};
+use crate::effort;
 use crate::world::{EntityId, World};
 
 /// What was made of a model's answer.
@@ -61,8 +64,12 @@ pub(super) const DETERMINERS: &str = "the a an that this my your some those thes
 const SEVERAL: &str = "all both each every everything two three four five six several many";
 
 pub(super) fn among(list: &str, word: &str) -> bool {
-    list.split_whitespace().any(|entry| entry == word)
+    // No list has longer words, and looking through one takes longer than asking for its length.
+    word.len() <= LONGEST_LISTED && list.split_ascii_whitespace().any(|entry| entry == word)
 }
+
+/// The bytes of the longest word in a list.
+const LONGEST_LISTED: usize = 16;
 
 /// What an instruction speaks of.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -71,6 +78,10 @@ pub struct Spoken {
     pub entities: Vec<EntityId>,
     /// Its words, in lower case, without what it says only to rule it out.
     words: Vec<String>,
+    /// The singulars of its words.
+    singulars: Vec<String>,
+    /// The same without determiners.
+    bare: Vec<String>,
     /// What it makes its wishes depend on.
     clauses: Clauses,
     /// Whether something was said later, as an answer or about a plan.
@@ -83,33 +94,42 @@ impl Spoken {
     pub fn of(domain: &Domain, world: &World, instruction: &str) -> Self {
         let words = asserted(instruction);
         let singulars: Vec<String> = words.iter().map(|word| singular(word)).collect();
+        let said = Places::of(&singulars);
         let scored: Vec<(EntityId, usize)> = world
             .entities()
-            .map(|(id, entity)| (id, entity.words_in(&singulars)))
+            .map(|(id, entity)| (id, entity.words_said(&|word| said.has(word))))
             .filter(|(_, score)| *score > 0)
             .collect();
-        let head = |id: EntityId| head(&world.entity(id).name);
+        let heads: FxHashMap<EntityId, String> = scored
+            .iter()
+            .map(|(id, _)| (*id, head(&world.entity(*id).name)))
+            .collect();
+        let mut best: FxHashMap<&str, usize> = FxHashMap::default();
+        for (id, score) in &scored {
+            let best = best.entry(&heads[id]).or_default();
+            *best = (*best).max(*score);
+        }
         let beaten = |id: EntityId, score: usize| {
-            let name = head(id);
-            scored
-                .iter()
-                .any(|(other, better)| *better > score && head(*other) == name)
-                && singulars.iter().filter(|word| **word == name).count() == 1
+            let name = heads[&id].as_str();
+            best[name] > score && said.of_word(name).len() == 1
         };
         let implied = |id: EntityId| {
             let base = base_name(&world.entity(id).identifier);
             let mut stems = domain.implied.iter().filter(|(name, _)| ends_with(&base, name));
             stems.any(|(_, stems)| begins_with_any(&words, stems))
         };
-        let names = FullNames::of(world, &singulars);
-        let named = |id: EntityId| {
-            let best = |(other, score): &(EntityId, usize)| *other == id && !beaten(id, *score);
-            scored.iter().any(best) && !names.cover(world, &singulars, id)
-        };
+        let names = FullNames::of(world, &said, &singulars);
+        let named: FxHashSet<EntityId> = scored
+            .iter()
+            .filter(|(id, score)| !beaten(*id, *score) && !names.cover(world, &said, *id))
+            .map(|(id, _)| *id)
+            .collect();
         let all = world.entities().map(|(id, _)| id);
-        let entities: Vec<EntityId> = all.filter(|id| named(*id) || implied(*id)).collect();
+        let entities: Vec<EntityId> = all.filter(|id| named.contains(id) || implied(*id)).collect();
         Self {
             entities,
+            bare: bare(&words),
+            singulars,
             words,
             clauses: Clauses::of(instruction),
             later: false,
@@ -122,6 +142,8 @@ impl Spoken {
         self.entities.sort_unstable();
         self.entities.dedup();
         self.words.extend(later.words);
+        self.bare.extend(later.bare);
+        self.singulars.extend(later.singulars);
         self.clauses.add(later.clauses);
         self.later = true;
     }
@@ -152,17 +174,10 @@ impl Spoken {
 
     /// Whether the instruction has `before` right in front of a name of the entity, articles aside.
     pub(super) fn has_phrase(&self, world: &World, before: &str, entity: EntityId) -> bool {
-        let bare = |words: Vec<String>| -> Vec<String> {
-            words
-                .iter()
-                .filter(|word| !among(DETERMINERS, word))
-                .map(|word| singular(word))
-                .collect()
-        };
-        let words = bare(self.words.clone());
         world.entity(entity).names.iter().any(|name| {
-            let phrase = bare(plain_words(&format!("{before} {name}")));
-            words.windows(phrase.len()).any(|window| window == phrase)
+            let phrase = bare(&plain_words(&format!("{before} {name}")));
+            effort::spend(self.bare.len() / 16 + 1);
+            !phrase.is_empty() && self.bare.windows(phrase.len()).any(|window| window == phrase)
         })
     }
 
@@ -182,11 +197,12 @@ impl Spoken {
     pub(super) fn comes_after(&self, world: &World, entity: EntityId, before: &str) -> bool {
         const APART: &str = "and or with of from off out on onto in into to at by";
         let heads: Vec<String> = world.entity(entity).names.iter().map(|name| head(name)).collect();
+        effort::spend(1 + self.words.len() / 4);
         let places = self
-            .words
+            .singulars
             .iter()
             .enumerate()
-            .filter(|(_, word)| heads.contains(&singular(word)));
+            .filter(|(_, word)| heads.contains(word));
         places.into_iter().any(|(place, _)| {
             let mut back = self.words[place.saturating_sub(4)..place].iter().rev();
             back.find(|word| among(APART, word) || among(before, word))
@@ -200,41 +216,131 @@ impl Spoken {
     }
 }
 
-/// Where an instruction says whole names of things: first word, length, and whose name it is.
-struct FullNames(Vec<(usize, usize, EntityId)>);
+/// The places at which each word of an instruction stands.
+struct Places<'w>(FxHashMap<&'w str, Vec<usize>>);
+
+impl<'w> Places<'w> {
+    fn of(words: &'w [String]) -> Self {
+        let mut places: FxHashMap<&str, Vec<usize>> = FxHashMap::default();
+        for (place, word) in words.iter().enumerate() {
+            places.entry(word).or_default().push(place);
+        }
+        Self(places)
+    }
+
+    fn of_word(&self, word: &str) -> &[usize] {
+        self.0.get(word).map_or(&[], Vec::as_slice)
+    }
+
+    fn has(&self, word: &str) -> bool {
+        self.0.contains_key(word)
+    }
+}
+
+/// The places at which an instruction says whole names of entities.
+///
+/// Many entities share a name ("box"), and an instruction may say it at every second word. So occurrences are found once
+/// for each name, not for each entity, and a place knows only the longest name that covers it and the longest one of any
+/// other entity.
+struct FullNames {
+    /// By entity: the names that the instruction says, as numbers into `occurrences`.
+    names: FxHashMap<EntityId, Vec<usize>>,
+    /// By name: its length in words, and the places at which it begins.
+    occurrences: Vec<(usize, Vec<usize>)>,
+    /// By place: the longest name that covers it, and the longest one of another entity than the first one's.
+    longest: Vec<[(usize, Option<EntityId>); 2]>,
+}
 
 impl FullNames {
-    fn of(world: &World, singulars: &[String]) -> Self {
-        let mut found = Vec::new();
+    fn of(world: &World, said: &Places<'_>, singulars: &[String]) -> Self {
+        let mut numbers: FxHashMap<Vec<String>, Option<usize>> = FxHashMap::default();
+        let mut names: FxHashMap<EntityId, Vec<usize>> = FxHashMap::default();
+        let mut occurrences: Vec<(usize, Vec<usize>)> = Vec::new();
+        // Of the entities with a name, two are enough to know the longest name of any other entity.
+        let mut owners: Vec<[Option<EntityId>; 2]> = Vec::new();
         for (id, entity) in world.entities() {
             for name in std::iter::once(&entity.name).chain(&entity.names) {
                 let parts: Vec<String> = plain_words(name).iter().map(|part| singular(part)).collect();
                 if parts.is_empty() {
                     continue;
                 }
-                let starts = singulars.windows(parts.len()).enumerate();
-                let starts = starts.filter(|(_, window)| *window == parts);
-                found.extend(starts.map(|(start, _)| (start, parts.len(), id)));
+                let known = numbers.get(&parts).copied();
+                let number = known.unwrap_or_else(|| {
+                    let begins = said.of_word(&parts[0]).iter().copied();
+                    let starts: Vec<usize> = begins.filter(|start| singulars[*start..].starts_with(&parts)).collect();
+                    let number = (!starts.is_empty()).then_some(occurrences.len());
+                    if number.is_some() {
+                        occurrences.push((parts.len(), starts));
+                        owners.push([None; 2]);
+                    }
+                    numbers.insert(parts, number);
+                    number
+                });
+                let Some(number) = number else { continue };
+                let own = names.entry(id).or_default();
+                if own.contains(&number) {
+                    continue;
+                }
+                own.push(number);
+                if let Some(free) = owners[number].iter_mut().find(|owner| owner.is_none()) {
+                    *free = Some(id);
+                }
             }
         }
-        Self(found)
+        let mut longest = vec![[(0, None); 2]; singulars.len()];
+        for ((length, starts), owners) in occurrences.iter().zip(&owners) {
+            for place in starts.iter().flat_map(|start| *start..start + length) {
+                owners
+                    .iter()
+                    .flatten()
+                    .for_each(|owner| enter(&mut longest[place], *length, *owner));
+            }
+        }
+        Self {
+            names,
+            occurrences,
+            longest,
+        }
     }
 
-    /// Whether the words that could mean the thing are all parts of longer names of other things: who says "drawer 2"
-    /// speaks of no other drawer, and who says "tv stand" of no tv.
-    fn cover(&self, world: &World, singulars: &[String], id: EntityId) -> bool {
-        let heads: Vec<String> = world.entity(id).names.iter().map(|name| head(name)).collect();
-        let longest = |place: usize, own: bool| {
-            let here = |(start, length, whose): &&(usize, usize, EntityId)| {
-                (*whose == id) == own && (*start..start + length).contains(&place)
-            };
-            self.0.iter().filter(here).map(|(_, length, _)| *length).max()
+    /// Whether the words that could mean the entity are all parts of longer names of other entities: "drawer 2" names no
+    /// other drawer, and "tv stand" names no tv.
+    fn cover(&self, world: &World, said: &Places<'_>, id: EntityId) -> bool {
+        let heads: FxHashSet<String> = world.entity(id).names.iter().map(|name| head(name)).collect();
+        let own = self.names.get(&id).map_or(&[][..], Vec::as_slice);
+        let mut own_longest: FxHashMap<usize, usize> = FxHashMap::default();
+        for number in own {
+            let (length, starts) = &self.occurrences[*number];
+            for place in starts.iter().flat_map(|start| *start..start + length) {
+                let longest = own_longest.entry(place).or_default();
+                *longest = (*longest).max(*length);
+            }
+        }
+        let covered = |place: &usize| {
+            let others = self.longest[*place].iter().filter(|(_, owner)| *owner != Some(id));
+            let other = others.map(|(length, _)| *length).max().unwrap_or(0);
+            other > own_longest.get(place).copied().unwrap_or(1)
         };
-        let places = singulars.iter().enumerate().filter(|(_, word)| heads.contains(word));
-        let covered =
-            |place: usize| longest(place, false).is_some_and(|other| other > longest(place, true).unwrap_or(1));
-        places.map(|(place, _)| place).all(covered)
+        heads.iter().flat_map(|word| said.of_word(word)).all(covered)
     }
+}
+
+/// Enters a name that covers a place.
+fn enter(longest: &mut [(usize, Option<EntityId>); 2], length: usize, owner: EntityId) {
+    let [first, second] = longest;
+    if first.1 == Some(owner) {
+        first.0 = first.0.max(length);
+    } else if length > first.0 {
+        (*second, *first) = (*first, (length, Some(owner)));
+    } else if length > second.0 {
+        *second = (length, Some(owner));
+    }
+}
+
+/// The singulars of words that are no determiners.
+fn bare(words: &[String]) -> Vec<String> {
+    let kept = words.iter().filter(|word| !among(DETERMINERS, word));
+    kept.map(|word| singular(word)).collect()
 }
 
 fn begins_with_any(words: &[String], stems: &[String]) -> bool {
@@ -338,7 +444,7 @@ pub(crate) fn understand_spoken(
 /// A thing that the instruction names with a determiner and that nothing in the world is called.
 pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Option<String> {
     let words = plain_words(instruction);
-    let mut known: Vec<String> = Vec::new();
+    let mut known: FxHashSet<String> = FxHashSet::default();
     for (_, entity) in world.entities() {
         for name in &entity.names {
             known.extend(plain_words(name).iter().map(|word| singular(word)));

@@ -1,7 +1,10 @@
 //! Which goals make sense in the state at hand.
 
+use rustc_hash::{FxHashMap, FxHashSet};
+
 use super::{Goal, GoalFact, Spoken};
 use crate::domain::{Domain, GoalWord, GoalWordId, base_name};
+use crate::effort;
 use crate::search::{self, Limits, Outcome};
 use crate::verify;
 use crate::world::{Bindings, EntityId, Fact, Moment, State, World, holds};
@@ -80,7 +83,8 @@ pub(crate) fn offers_on(
         if !spoken.entities.is_empty() {
             // A phrase decides between forms of a word; for a word with one form it only narrows.
             let only_form = domain.goal_words.iter().filter(|other| other.word == word.word).count() == 1;
-            let phrased = |bindings: &Vec<EntityId>| is_phrased(world, word, spoken, bindings);
+            let phrases = Phrases::of(world, word, spoken);
+            let phrased = |bindings: &Vec<EntityId>| phrases.fit(bindings);
             if !only_form || arguments.iter().any(phrased) {
                 arguments.retain(phrased);
             }
@@ -149,10 +153,29 @@ fn doubles(world: &World, spoken: &Spoken, bindings: &[EntityId]) -> bool {
     })
 }
 
-/// Whether the instruction uses one of the word's phrases with these arguments, if it has any.
-fn is_phrased(world: &World, word: &GoalWord, spoken: &Spoken, bindings: &[EntityId]) -> bool {
-    let said = |(before, parameter): &(String, usize)| spoken.has_phrase(world, before, bindings[*parameter]);
-    word.phrases.is_empty() || word.phrases.iter().any(said)
+/// The entities that the instruction names with one of a word's phrases, by parameter.
+struct Phrases(Vec<(usize, FxHashSet<EntityId>)>);
+
+impl Phrases {
+    fn of(world: &World, word: &GoalWord, spoken: &Spoken) -> Self {
+        let said = |(before, parameter): &(String, usize)| {
+            let all = world.of_kind(word.parameters[*parameter].kind).iter().copied();
+            (
+                *parameter,
+                all.filter(|entity| spoken.has_phrase(world, before, *entity)).collect(),
+            )
+        };
+        Self(word.phrases.iter().map(said).collect())
+    }
+
+    /// Whether the instruction uses one of the phrases with these arguments, if there are any.
+    fn fit(&self, bindings: &[EntityId]) -> bool {
+        self.0.is_empty()
+            || self
+                .0
+                .iter()
+                .any(|(parameter, said)| said.contains(&bindings[*parameter]))
+    }
 }
 
 /// A word and what it holds of already, as the instruction asks.
@@ -203,13 +226,14 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
         world,
         state: &world.state,
     };
+    let phrases = Phrases::of(world, word, spoken);
     let fits = |bindings: &Vec<EntityId>| {
         let bindings = &mut bindings.clone();
         let disturbed = bindings
             .iter()
             .any(|e| said.iter().any(|fact| disturbs(domain, fact, *e)));
         !disturbed
-            && is_phrased(world, word, spoken, bindings)
+            && phrases.fit(bindings)
             && holds(moment, &word.offered, bindings)
             && holds(moment, &word.condition, bindings)
     };
@@ -242,7 +266,7 @@ fn named_for_the_same(domain: &Domain, world: &World, spoken: &Spoken, mut offer
         things
     };
     let says = |offer: &&Offer| spoken.says(world, &domain.goal_word(offer.word).cues);
-    let named: Vec<Vec<EntityId>> = offers
+    let named: FxHashSet<Vec<EntityId>> = offers
         .iter()
         .filter(says)
         .flat_map(|offer| offer.arguments.iter().map(sorted))
@@ -270,13 +294,16 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
             .cloned()
             .collect();
         for offer in offers.iter_mut().filter(|offer| word(offer).phrases.is_empty()) {
-            let rival = |bindings: &Vec<EntityId>| {
-                phrased.iter().any(|other| {
-                    word(other).word == domain.goal_word(offer.word).word
-                        && other.arguments.iter().any(|more| more.starts_with(bindings))
-                })
-            };
-            offer.arguments.retain(|bindings| !rival(bindings));
+            let same = phrased
+                .iter()
+                .filter(|other| word(other).word == domain.goal_word(offer.word).word);
+            let more = same.flat_map(|other| &other.arguments);
+            let beginnings: FxHashSet<&[EntityId]> = more
+                .flat_map(|more| (0..=more.len()).map(|length| &more[..length]))
+                .collect();
+            offer
+                .arguments
+                .retain(|bindings| !beginnings.contains(bindings.as_slice()));
         }
         offers.retain(|offer| !offer.arguments.is_empty());
     }
@@ -338,8 +365,15 @@ fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, ar
     let meant = &spoken.entities;
     // Where it says "on the table", a plate beside it is something to carry, and "from the counter" is no place to go.
     if parameters == 2 && !meant.is_empty() {
-        let towards = |entity: EntityId| spoken.comes_after(world, entity, TOWARDS);
-        let from = |entity: EntityId| spoken.comes_after(world, entity, FROM);
+        let second: FxHashSet<EntityId> = arguments.iter().map(|bindings| bindings[1]).collect();
+        let led_to = |before: &str| -> FxHashSet<EntityId> {
+            let all = second.iter().copied();
+            all.filter(|entity| spoken.comes_after(world, *entity, before))
+                .collect()
+        };
+        let (towards, from) = (led_to(TOWARDS), led_to(FROM));
+        let towards = |entity: EntityId| towards.contains(&entity);
+        let from = |entity: EntityId| from.contains(&entity);
         let portable = |entity: EntityId| world.is_of_kind(entity, domain.environment.object);
         if arguments.iter().any(|bindings| towards(bindings[1])) {
             arguments.retain(|bindings| towards(bindings[1]) || !(portable(bindings[1]) || from(bindings[1])));
@@ -356,30 +390,61 @@ fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, ar
     // "The pan on the stove by the door" tells where the pan is: of the places that are spoken of, those that
     // a thing is at already are the last ones that it should go to.
     if parameters == 2 && !meant.is_empty() {
-        let at: Vec<(EntityId, EntityId)> = relations(domain, world);
-        keep(&|b| !leads_to(&at, b[0], b[1], at.len()) && !leads_to(&at, b[1], b[0], at.len()));
-        // "On the tray on the desk" is on the tray.
-        let tuples = arguments.clone();
-        let nearer = |b: &Vec<EntityId>, other: &Vec<EntityId>| {
-            other[0] == b[0] && meant.contains(&other[1]) && leads_to(&at, other[1], b[1], at.len())
+        let at = Relations::of(domain, world, arguments);
+        let mut keep = |fits: &dyn Fn(&Vec<EntityId>) -> bool| {
+            if arguments.iter().any(fits) {
+                arguments.retain(fits);
+            }
         };
-        arguments.retain(|b| !tuples.iter().any(|other| nearer(b, other)));
+        keep(&|b| !at.lead_to(b[0], b[1]) && !at.lead_to(b[1], b[0]));
+        // "On the tray on the desk" is on the tray.
+        let mut places: FxHashMap<EntityId, Vec<EntityId>> = FxHashMap::default();
+        for bindings in arguments.iter().filter(|bindings| meant.contains(&bindings[1])) {
+            places.entry(bindings[0]).or_default().push(bindings[1]);
+        }
+        arguments.retain(|b| {
+            !places
+                .get(&b[0])
+                .is_some_and(|nearer| nearer.iter().any(|place| at.lead_to(*place, b[1])))
+        });
     }
 }
 
-/// Pairs of entities that some changing fact relates: what is where.
-fn relations(domain: &Domain, world: &World) -> Vec<(EntityId, EntityId)> {
-    let binary =
-        |fact: &Fact| domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2;
-    let facts = world.state.iter().filter(binary);
-    facts.map(|fact| (fact.argument(0), fact.argument(1))).collect()
+/// The entities to which changing facts lead from others, over any number of steps: where something is, and where that
+/// is in turn.
+struct Relations(FxHashMap<EntityId, FxHashSet<EntityId>>);
+
+impl Relations {
+    /// Finds where facts lead from the entities of the arguments.
+    fn of(domain: &Domain, world: &World, arguments: &[Vec<EntityId>]) -> Self {
+        let binary = |fact: &Fact| {
+            domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2
+        };
+        let mut next: FxHashMap<EntityId, Vec<EntityId>> = FxHashMap::default();
+        for fact in world.state.iter().filter(binary) {
+            next.entry(fact.argument(0)).or_default().push(fact.argument(1));
+        }
+        let mut reached: FxHashMap<EntityId, FxHashSet<EntityId>> = FxHashMap::default();
+        for entity in arguments.iter().flatten() {
+            reached.entry(*entity).or_insert_with(|| reachable(&next, *entity));
+        }
+        Self(reached)
+    }
+
+    fn lead_to(&self, from: EntityId, to: EntityId) -> bool {
+        self.0.get(&from).is_some_and(|reached| reached.contains(&to))
+    }
 }
 
-fn leads_to(at: &[(EntityId, EntityId)], from: EntityId, to: EntityId, depth: usize) -> bool {
-    let next = |(one, other): &(EntityId, EntityId)| {
-        *one == from && (*other == to || (depth > 0 && leads_to(at, *other, to, depth - 1)))
-    };
-    at.iter().any(next)
+fn reachable(next: &FxHashMap<EntityId, Vec<EntityId>>, from: EntityId) -> FxHashSet<EntityId> {
+    let mut found = FxHashSet::default();
+    let mut open = vec![from];
+    while let Some(entity) = open.pop() {
+        let others = next.get(&entity).map_or(&[][..], Vec::as_slice);
+        effort::spend(1 + others.len());
+        open.extend(others.iter().copied().filter(|other| found.insert(*other)));
+    }
+    found
 }
 
 fn collect(
@@ -392,6 +457,9 @@ fn collect(
 ) {
     if let Some(parameter) = word.parameters.get(bindings.len()) {
         for entity in moment.world.of_kind(parameter.kind) {
+            if !effort::spend(1) {
+                return;
+            }
             bindings.push(*entity);
             collect(domain, moment, word, said, bindings, arguments);
             bindings.pop();

@@ -2,9 +2,12 @@
 
 use std::fmt::Write;
 
+use indexmap::IndexSet;
+
 use super::names::plain;
 use super::object_names;
 use crate::domain::{Domain, RuleTime};
+use crate::effort;
 use crate::search::{Formula, GroundCondition, Literal, Wanted, ground_condition};
 use crate::world::{Fact, World};
 
@@ -17,7 +20,13 @@ pub enum WriteError {
         /// The rule's name.
         rule: String,
     },
+    /// The goal or a rule has too many instances in the world.
+    #[error("the goal has too many instances in this world to be written without quantifiers")]
+    TooLarge,
 }
+
+/// The units of work of writing a problem or a goal.
+const EFFORT: u64 = 25_000_000;
 
 /// Writes a problem that any planner reads together with the domain's own `domain.pddl`.
 ///
@@ -28,8 +37,20 @@ pub enum WriteError {
 ///
 /// # Errors
 ///
-/// When a rule of the domain must hold in every state: a problem cannot say that.
+/// When a rule of the domain must hold in every state: a problem cannot say that. When the goal is too large.
 pub fn write_problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
+    affordable(|| problem(domain, world, wanted, name))?
+}
+
+fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
+    let spent = effort::within(EFFORT, write);
+    match spent.exhausted {
+        true => Err(WriteError::TooLarge),
+        false => Ok(spent.result),
+    }
+}
+
+fn problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
     for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
         let GroundCondition { formula, .. } = ground_condition(domain, world, &rule.everywhere(), &[]);
         if !formula.is_true() {
@@ -63,12 +84,16 @@ pub fn write_problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &s
 }
 
 /// The parts of the goal as [`write_problem`] writes them.
-pub fn write_goal(domain: &Domain, world: &World, wanted: &[Wanted]) -> Vec<String> {
-    ground_goal(domain, world, &object_names(domain, world), wanted)
+///
+/// # Errors
+///
+/// When the goal is too large.
+pub fn write_goal(domain: &Domain, world: &World, wanted: &[Wanted]) -> Result<Vec<String>, WriteError> {
+    affordable(|| ground_goal(domain, world, &object_names(domain, world), wanted))
 }
 
 fn ground_goal(domain: &Domain, world: &World, names: &[String], wanted: &[Wanted]) -> Vec<String> {
-    let mut written: Vec<String> = Vec::new();
+    let mut written: IndexSet<String> = IndexSet::new();
     for wanted in wanted {
         let ground = ground_condition(domain, world, &wanted.condition, &wanted.bindings);
         let parts = match &ground.formula {
@@ -76,13 +101,12 @@ fn ground_goal(domain: &Domain, world: &World, names: &[String], wanted: &[Wante
             other => std::slice::from_ref(other),
         };
         for part in parts {
-            let part = condition(domain, names, &ground.facts, part);
-            if !written.contains(&part) {
-                written.push(part);
+            if effort::spend(part.size()) {
+                written.insert(condition(domain, names, &ground.facts, part));
             }
         }
     }
-    written
+    written.into_iter().collect()
 }
 
 fn atom(domain: &Domain, names: &[String], fact: Fact) -> String {

@@ -1,9 +1,10 @@
 //! What is the same in every request of a domain: the task, and worked examples.
 
-use minijinja::{Environment, UndefinedBehavior, context};
+use minijinja::context;
 use serde_json::json;
 
-use super::{ConstraintKind, Message, Role};
+use super::told::size;
+use super::{ConstraintKind, Message, Role, template};
 use crate::domain::{Domain, GoalWord, StateWord};
 use crate::goal::{Written, read_form};
 
@@ -88,18 +89,8 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
     let conditions: Vec<_> = told
         .map(|word| context! { form => format!("{}(THING)", word.word), means => &word.means })
         .collect();
-    let mut environment = Environment::new();
-    environment.set_undefined_behavior(UndefinedBehavior::Strict);
-    environment
-        .render_str(
-            template,
-            context! { name => &domain.name, about => &domain.about, goals, actions, conditions },
-        )
-        .map(|text| text.trim_end().to_owned())
-        .map_err(|error| {
-            let message = error.detail().map_or_else(|| error.to_string(), str::to_owned);
-            (error.line().unwrap_or(1) as u32, message)
-        })
+    let variables = context! { name => &domain.name, about => &domain.about, goals, actions, conditions };
+    template::render(template, variables, size(domain)).map(|text| text.trim_end().to_owned())
 }
 
 /// The turns that come before the scene and the instruction: the task, then each example as a pair of turns.

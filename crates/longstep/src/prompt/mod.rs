@@ -18,6 +18,7 @@ mod parts;
 mod query;
 mod reply;
 mod scene;
+mod template;
 #[cfg(test)]
 mod tests;
 mod told;

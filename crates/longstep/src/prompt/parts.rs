@@ -5,9 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use minijinja::{Environment, UndefinedBehavior, Value, context};
+use minijinja::{Value, context};
 
-use super::{Message, OverBudget, Role, told, worked};
+use super::{Message, OverBudget, Role, template, told, worked};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::domain::{Domain, Files};
 
@@ -190,6 +190,7 @@ pub(crate) fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
         domain,
         "query.md",
         context! { environment => shown[0], instruction => shown[1] },
+        0,
     ) {
         Ok(text) => {
             let source = domain.parts.source("query.md");
@@ -205,7 +206,7 @@ pub(crate) fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
 }
 
 fn text_part(domain: &Domain, name: PartName) -> Result<Vec<Message>, Diagnostic> {
-    let text = render(domain, name.file(), Value::UNDEFINED)?;
+    let text = render(domain, name.file(), Value::UNDEFINED, 0)?;
     Ok(match name {
         PartName::Role => vec![Message::new(Role::System, text)],
         _ => vec![
@@ -215,21 +216,15 @@ fn text_part(domain: &Domain, name: PartName) -> Result<Vec<Message>, Diagnostic
     })
 }
 
-/// Renders a file of `prompt/` with what the domain says, and with `more`.
-pub(super) fn render(domain: &Domain, file: &str, more: Value) -> Result<String, Diagnostic> {
+/// Renders a file of `prompt/` with what the domain says, and with `more`, whose texts have `more_size` bytes.
+pub(super) fn render(domain: &Domain, file: &str, more: Value, more_size: usize) -> Result<String, Diagnostic> {
     let source = domain.parts.source(file);
-    let mut environment = Environment::new();
-    environment.set_undefined_behavior(UndefinedBehavior::Strict);
-    let context = match more.is_undefined() {
+    let given = told::size(domain) + more_size;
+    let variables = match more.is_undefined() {
         true => told::context(domain),
         false => context! { ..more, ..told::context(domain) },
     };
-    environment
-        .render_str(&source.text, context)
+    template::render(&source.text, variables, given)
         .map(|text| text.trim().to_owned())
-        .map_err(|error| {
-            let line = error.line().unwrap_or(1) as u32;
-            let message = error.detail().map_or_else(|| error.to_string(), str::to_owned);
-            Diagnostic::at(&source.path, Position { line, column: 1 }, message)
-        })
+        .map_err(|(line, message)| Diagnostic::at(&source.path, Position { line, column: 1 }, message))
 }

@@ -31,11 +31,10 @@ pub fn query(domain: &Domain, world: &World, instruction: &str) -> Result<String
 }
 
 pub(super) fn query_text(domain: &Domain, environment: &Environment, instruction: &str) -> Result<String, Diagnostic> {
-    let given = context! {
-        environment => Value::from(contained_json(environment)),
-        instruction => Value::from(contained_json(instruction)),
-    };
-    render(domain, "query.md", given)
+    let (environment, instruction) = (contained_json(environment), contained_json(instruction));
+    let size = environment.len() + instruction.len();
+    let given = context! { environment => Value::from(environment), instruction => Value::from(instruction) };
+    render(domain, "query.md", given, size)
 }
 
 /// A value as JSON in one line, which stays data wherever it is put.

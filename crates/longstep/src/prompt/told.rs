@@ -88,6 +88,16 @@ pub(super) fn context(domain: &Domain) -> Value {
     }
 }
 
+/// Returns the bytes of what the domain's files say in words, about as many as [`context`] has.
+pub(super) fn size(domain: &Domain) -> usize {
+    let actions = domain
+        .actions
+        .iter()
+        .map(|action| action.call.len() + action.means.len());
+    let states = domain.states.iter().map(|state| state.word.len() + state.means.len());
+    actions.chain(states).sum::<usize>() + domain.name.len() + domain.about.len()
+}
+
 /// Whether things of this type are hands, arms or robots.
 fn is_actor(domain: &Domain, kind: TypeId) -> bool {
     let actor_kind = |action: &Action| action.actor.map(|actor| action.parameters[actor].kind);

@@ -38,6 +38,9 @@ const LONGEST: usize = 500;
 /// The units of work of one repair: binding, checking and searching, on all ways of a plan that branches.
 const EFFORT: u64 = 60_000_000;
 
+/// The units of work of one part of the search: writing the draft as a task, and looking for the cheapest way.
+const SEARCH_EFFORT: u64 = 24_000_000;
+
 /// How far it looks for something cheaper in the rest of the world, once it knows a way.
 const PROOF: usize = 200;
 
@@ -171,9 +174,10 @@ fn repair_within(
         pins,
         meant: &meant,
         expanded: 0,
+        exhausted: false,
     };
     let way = search.way(limit, &asked, &about);
-    let expanded = search.expanded;
+    let (expanded, exhausted) = (search.expanded, search.exhausted);
     match way {
         Found::Path(way) => match follow(domain, world, draft, purpose, &meant, way, expanded) {
             Some(repaired) => Outcome::Repaired(Box::new(repaired)),
@@ -185,7 +189,10 @@ fn repair_within(
         },
         Found::Nothing => Outcome::ProvenUnsolvable { expanded },
         Found::Limit => Outcome::GaveUp {
-            why: format!("no repair found in {expanded} states"),
+            why: match exhausted {
+                true => format!("no repair found in {expanded} states, which took all the work that a search may take"),
+                false => format!("no repair found in {expanded} states"),
+            },
             expanded,
         },
     }
@@ -214,6 +221,8 @@ struct Search<'a> {
     pins: &'a Pins,
     meant: &'a Meant,
     expanded: usize,
+    /// Whether a part of the search took all the work that it may take.
+    exhausted: bool,
 }
 
 impl Search<'_> {
@@ -255,6 +264,15 @@ impl Search<'_> {
 
     /// The cheapest way with what is in scope; any, if looking for the cheapest takes too long.
     fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
+        let spent = effort::within(SEARCH_EFFORT, || self.way_within(scope, limit, below));
+        self.exhausted |= spent.exhausted;
+        match spent.exhausted {
+            true => Found::Limit,
+            false => spent.result,
+        }
+    }
+
+    fn way_within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
         let compiled = compile::compile(self.domain, self.world, scope, self.draft, self.purpose, self.pins);
         let (task, moves) = compiled.task(self.domain, self.meant);
         let task = reduce(task);

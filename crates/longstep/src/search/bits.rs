@@ -12,6 +12,11 @@ impl Bits {
         Self(vec![0; facts.div_ceil(64)].into())
     }
 
+    /// The units for a state that is kept: three copies of its bits, and what is known about it.
+    pub(super) fn units(facts: usize) -> usize {
+        32 + facts / 16
+    }
+
     pub(super) fn holds(&self, fact: u32) -> bool {
         self.0[fact as usize / 64] >> (fact % 64) & 1 == 1
     }

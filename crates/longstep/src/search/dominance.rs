@@ -14,6 +14,7 @@ use rustc_hash::FxHashMap;
 use super::bits::Bits;
 use super::formula::Literal;
 use super::task::Task;
+use crate::effort;
 
 /// Which way a fact helps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,6 +72,7 @@ impl Dominance {
     /// steps, is no worse. A state that is worth it is remembered.
     pub(super) fn admits(&mut self, state: &Bits, depth: u32) -> bool {
         let seen = self.seen.entry(state.without(&self.one_way)).or_default();
+        effort::spend(seen.len() / 2 + 1);
         let no_worse = |(steps, other): &(u32, Bits)| *steps <= depth && other.no_worse_than(state, &self.better);
         let admitted = !seen.iter().any(no_worse);
         if admitted {
@@ -101,7 +103,11 @@ fn helps(task: &Task) -> Vec<Helps> {
         operator.precondition.for_each(&mut asked);
     }
     // An effect's condition helps the way that the effect does; where the effect helps both ways, so does it.
+    let units = task.units();
     loop {
+        if !effort::spend(units) {
+            return helps;
+        }
         let mut changed = false;
         for effect in task.operators.iter().flat_map(|operator| &operator.effects) {
             let effect_helps = helps[effect.literal.fact as usize];

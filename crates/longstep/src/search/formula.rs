@@ -55,6 +55,14 @@ impl Formula {
         if any.len() == 1 { any.remove(0) } else { Self::Or(any) }
     }
 
+    /// The number of its parts, itself included.
+    pub(crate) fn size(&self) -> usize {
+        match self {
+            Self::And(parts) | Self::Or(parts) => 1 + parts.iter().map(Self::size).sum::<usize>(),
+            Self::Literal(_) => 1,
+        }
+    }
+
     /// The formula with every literal looked at again.
     pub(crate) fn map(self, literal: &impl Fn(Literal) -> Formula) -> Self {
         match self {

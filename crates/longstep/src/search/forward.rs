@@ -12,6 +12,7 @@ use super::formula::Literal;
 use super::landmark_cut::LandmarkCut;
 use super::relevance;
 use super::task::Task;
+use crate::effort;
 
 /// How far a search goes before it gives up, in states looked at, so that the answer never depends on the
 /// speed of the machine.
@@ -41,6 +42,13 @@ impl Default for Limits {
 /// How much the greedy search prefers states that look close to the goal.
 const GREED: u32 = 5;
 
+/// The units of work of one run: the limits of a search count states, and a state of a task with 20,000 operators takes
+/// a thousand times the work of one with 20.
+const EFFORT: u64 = 8_000_000;
+
+/// The units of work of a run that takes any plan, which comes last.
+const GREEDY_EFFORT: u64 = 44_000_000;
+
 pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     let steps = |path: &[u32], task: &Task| -> Vec<super::GroundAction> {
         let step = |number: &u32| task.operators[*number as usize].step.clone();
@@ -48,11 +56,18 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     };
     let focused = relevance::focus(task);
     let mut heuristic = LandmarkCut::new(task);
-    let (direct, mut expanded) = Search::new(&focused, &mut LandmarkCut::new(&focused), 1, limits.direct).run();
+    let mut exhausted = false;
+    let mut run = |search: Search<'_>| {
+        let limit = if search.weight == 1 { EFFORT } else { GREEDY_EFFORT };
+        let spent = effort::within(limit, || search.run());
+        exhausted |= spent.exhausted;
+        spent.result
+    };
+    let (direct, mut expanded) = run(Search::new(&focused, &mut LandmarkCut::new(&focused), 1, limits.direct));
     match direct {
         Found::Limit => {
             let mut heuristic = LandmarkCut::new(&focused);
-            let (found, more) = Search::new(&focused, &mut heuristic, GREED, limits.any).run();
+            let (found, more) = run(Search::new(&focused, &mut heuristic, GREED, limits.any));
             expanded += more;
             if let Found::Path(path) = found {
                 return Outcome::Solved {
@@ -67,7 +82,7 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
             let mut proof = Search::new(task, &mut heuristic, 1, limits.proof);
             proof.below = Some(direct.len() as u32);
             proof.dominance = Some(Dominance::new(task));
-            let (found, more) = proof.run();
+            let (found, more) = run(proof);
             return Outcome::Solved {
                 shortest: !matches!(found, Found::Limit),
                 steps: match found {
@@ -82,7 +97,7 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
     for (weight, limit) in [(1, limits.shortest), (GREED, limits.any)] {
         let mut search = Search::new(task, &mut heuristic, weight, limit);
         search.dominance = Some(Dominance::new(task));
-        let (found, more) = search.run();
+        let (found, more) = run(search);
         expanded += more;
         match found {
             Found::Path(path) => {
@@ -97,10 +112,13 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
         }
     }
     Outcome::GaveUp {
-        why: format!(
-            "no plan found in {} states",
-            limits.direct + limits.shortest + limits.any
-        ),
+        why: match exhausted {
+            true => format!("no plan found in {expanded} states, which took all the work that a search may take"),
+            false => format!(
+                "no plan found in {} states",
+                limits.direct + limits.shortest + limits.any
+            ),
+        },
         expanded,
     }
 }
@@ -115,7 +133,7 @@ pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<
     if below.is_some() {
         search.dominance = Some(Dominance::new(task));
     }
-    search.run()
+    effort::within(EFFORT, || search.run()).result
 }
 
 /// Some way to the goal, rather soon than cheaply.
@@ -123,7 +141,7 @@ pub(crate) fn greedy(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
     let mut heuristic = LandmarkCut::new(task);
     let mut search = Search::new(task, &mut heuristic, GREED, limit);
     search.free_first = true;
-    search.run()
+    effort::within(EFFORT, || search.run()).result
 }
 
 /// What one search came to.
@@ -167,6 +185,8 @@ struct Search<'a> {
     open: BinaryHeap<Entry>,
     /// For each node, the preferred operators; empty until it is estimated.
     preferred: FxHashMap<u32, Vec<u32>>,
+    /// The units for expanding a node, without what it leads to.
+    expanding: usize,
 }
 
 impl<'a> Search<'a> {
@@ -183,9 +203,11 @@ impl<'a> Search<'a> {
             known: FxHashMap::default(),
             open: BinaryHeap::new(),
             preferred: FxHashMap::default(),
+            expanding: task.units(),
         }
     }
 
+    /// Searches until there is a plan, nothing is left, or the limit or the budget is reached.
     fn run(mut self) -> (Found<Vec<u32>>, usize) {
         let mut start = Bits::none(self.task.initial.len());
         for (fact, holds) in self.task.initial.iter().enumerate() {
@@ -197,6 +219,9 @@ impl<'a> Search<'a> {
         let (mut expanded, mut estimated) = (0, 0);
         self.discover(start, None, 0, 0, false);
         while let Some(Reverse((promise, _, _, number))) = self.open.pop() {
+            if !effort::spend(1) {
+                return (Found::Limit, expanded);
+            }
             let node = &self.nodes[number as usize];
             if node.expanded || promise > self.promise(node) {
                 continue;
@@ -232,6 +257,9 @@ impl<'a> Search<'a> {
             expanded += 1;
             self.expand(number);
         }
+        if effort::is_exhausted() {
+            return (Found::Limit, expanded);
+        }
         (Found::Nothing, expanded)
     }
 
@@ -255,10 +283,14 @@ impl<'a> Search<'a> {
         let task = self.task;
         self.nodes[number as usize].expanded = true;
         let preferred = self.preferred.remove(&number).unwrap_or_default();
+        effort::spend(self.expanding);
         for (index, operator) in task.operators.iter().enumerate() {
             let node = &self.nodes[number as usize];
             if !operator.precondition.holds(&|literal| node.state.is(literal)) {
                 continue;
+            }
+            if !effort::spend(1 + task.initial.len() / 256) {
+                return;
             }
             let mut next = node.state.clone();
             let fires = |holds: bool| {
@@ -301,6 +333,7 @@ impl<'a> Search<'a> {
         {
             return;
         }
+        effort::spend(Bits::units(self.task.initial.len()));
         self.known.insert(state.clone(), number);
         self.nodes.push(Node {
             state,

@@ -6,6 +6,10 @@
 
 use super::relaxed::{NONE, Relaxed};
 use super::task::Task;
+use crate::effort;
+
+/// The propositions and rules that are looked at for one unit of the budget.
+const LOOKS: usize = 8;
 
 /// The value of what cannot be reached.
 const UNREACHED: u32 = u32::MAX;
@@ -36,6 +40,8 @@ pub(super) struct LandmarkCut {
     start: Vec<u32>,
     queue: Vec<u32>,
     cut: Vec<u32>,
+    /// Propositions and rules that were looked at and are not charged to the budget yet.
+    looked_at: usize,
 }
 
 /// What is known of a state.
@@ -68,6 +74,7 @@ impl LandmarkCut {
             start: Vec::new(),
             queue: Vec::new(),
             cut: Vec::new(),
+            looked_at: 0,
         }
     }
 
@@ -86,8 +93,9 @@ impl LandmarkCut {
         }
         let mut bound = 0;
         let mut preferred = Vec::new();
+        self.looked_at = self.price.len() + self.value.len();
         self.values();
-        loop {
+        while effort::spend(std::mem::take(&mut self.looked_at) / LOOKS + 1) {
             match self.value[self.relaxed.goal as usize] {
                 UNREACHED => {
                     return Estimate {
@@ -133,6 +141,7 @@ impl LandmarkCut {
         }
         let mut distance = 0;
         while let Some(proposition) = self.next(&mut distance) {
+            self.looked_at += 1 + self.relaxed.needed_by.of(proposition).len();
             for at in 0..self.relaxed.needed_by.of(proposition).len() {
                 let rule = self.relaxed.needed_by.of(proposition)[at];
                 let missing = &mut self.missing[rule as usize];
@@ -161,6 +170,7 @@ impl LandmarkCut {
         }
         let mut distance = 0;
         while let Some(proposition) = self.next(&mut distance) {
+            self.looked_at += 1 + self.relaxed.needed_by.of(proposition).len();
             for at in 0..self.relaxed.needed_by.of(proposition).len() {
                 let rule = self.relaxed.needed_by.of(proposition)[at];
                 let known = self.reached_at[rule as usize];
@@ -169,6 +179,7 @@ impl LandmarkCut {
                     continue;
                 }
                 let mut dearest = (distance as u32, proposition);
+                self.looked_at += self.relaxed.needs.of(rule).len();
                 for need in self.relaxed.needs.of(rule) {
                     let value = self.value[*need as usize];
                     if value > dearest.0 {
@@ -199,6 +210,7 @@ impl LandmarkCut {
     /// Lowers the values of what a rule gives.
     fn fire(&mut self, rule: u32) {
         let value = self.reached_at[rule as usize] + self.price[rule as usize];
+        self.looked_at += self.relaxed.gives.of(rule).len();
         for at in 0..self.relaxed.gives.of(rule).len() {
             self.improve(self.relaxed.gives.of(rule)[at], value);
         }
@@ -224,13 +236,16 @@ impl LandmarkCut {
             reached,
             queue,
             cut,
+            looked_at,
             ..
         } = self;
         self.round += 1;
         let round = self.round;
         near_goal[relaxed.goal as usize] = round;
         queue.push(relaxed.goal);
+        *looked_at += self.start.len();
         while let Some(proposition) = queue.pop() {
+            *looked_at += 1 + relaxed.given_by.of(proposition).len();
             for rule in relaxed.given_by.of(proposition) {
                 let supporter = supporter[*rule as usize];
                 if supporter != NONE && price[*rule as usize] == 0 && near_goal[supporter as usize] != round {
@@ -247,10 +262,12 @@ impl LandmarkCut {
             }
         }
         while let Some(proposition) = queue.pop() {
+            *looked_at += 1 + relaxed.needed_by.of(proposition).len();
             for rule in relaxed.needed_by.of(proposition) {
                 if supporter[*rule as usize] != proposition {
                     continue;
                 }
+                *looked_at += relaxed.gives.of(*rule).len();
                 for given in relaxed.gives.of(*rule) {
                     if near_goal[*given as usize] == round {
                         // What costs nothing and leads there is near the goal itself.

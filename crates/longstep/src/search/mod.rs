@@ -23,6 +23,7 @@ pub(crate) use scope::{Asked, Scope};
 pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
 
 use crate::domain::{ActionId, Condition, Domain};
+use crate::effort;
 use crate::verify::apply;
 use crate::world::{EntityId, Moment, World, holds};
 
@@ -70,6 +71,24 @@ pub enum Outcome {
     },
 }
 
+impl Outcome {
+    /// Returns how many states were expanded.
+    pub fn expanded(&self) -> usize {
+        match self {
+            Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded } | Self::GaveUp { expanded, .. } => {
+                *expanded
+            }
+        }
+    }
+}
+
+/// The units of work of one search: grounding, leaving out what cannot matter, and all its runs.
+const EFFORT: u64 = 60_000_000;
+
+/// The answer when they are spent.
+const TOO_MUCH: &str =
+    "the conditions have too many instances in this world: the search took all the work that it may take";
+
 /// Finds a shortest plan from the world's state to one in which everything wanted holds.
 ///
 /// In a world that is too large to look at as a whole, only what surrounds the goal is; then no plan is called
@@ -91,6 +110,17 @@ pub enum Outcome {
 /// assert!(shortest && steps.len() == 6);
 /// ```
 pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+    let spent = effort::within(EFFORT, || solve_within(domain, world, wanted, limits));
+    match spent.exhausted {
+        true => Outcome::GaveUp {
+            why: TOO_MUCH.to_owned(),
+            expanded: spent.result.expanded(),
+        },
+        false => spent.result,
+    }
+}
+
+fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
     let asked = Asked::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
@@ -108,6 +138,9 @@ pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits)
     };
     let mut looked_at = 0;
     for scope in scopes {
+        if effort::is_exhausted() {
+            break;
+        }
         let task = relevance::reduce(task::ground(domain, world, &scope, wanted));
         let outcome = forward::search(&task, limits);
         match outcome {

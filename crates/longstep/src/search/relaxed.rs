@@ -3,8 +3,11 @@
 //! Conditions need not be conjunctions: every inner node of a formula becomes a proposition of its own that
 //! costs nothing to derive from its parts. A literal that nothing asks for is no proposition at all.
 
+use rustc_hash::FxHashMap;
+
 use super::formula::{Formula, Literal};
 use super::task::Task;
+use crate::effort;
 
 /// A number that stands for none: no proposition, no rule's payer.
 pub(super) const NONE: u32 = u32::MAX;
@@ -92,6 +95,7 @@ impl Relaxed {
             literals: vec![[NONE; 2]; task.initial.len()],
             propositions: 2,
         };
+        effort::spend(4 * task.units());
         let (truth, goal) = (TRUTH, 1);
         let needs = builder.propositions_of(&task.goal);
         builder.rule(needs, vec![goal], NONE);
@@ -186,8 +190,10 @@ impl Builder {
     /// An operator's effects by condition.
     fn groups(&mut self, operator: &super::task::Operator) -> Vec<EffectGroup> {
         let mut conditions: Vec<(&Formula, Vec<Literal>)> = Vec::new();
+        let mut numbers: FxHashMap<&Formula, usize> = FxHashMap::default();
         for effect in &operator.effects {
-            match conditions.iter_mut().find(|(known, _)| **known == effect.condition) {
+            let number = *numbers.entry(&effect.condition).or_insert(conditions.len());
+            match conditions.get_mut(number) {
                 Some((_, literals)) => literals.push(effect.literal),
                 None => conditions.push((&effect.condition, vec![effect.literal])),
             }

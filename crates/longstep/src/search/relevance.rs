@@ -16,6 +16,7 @@ use rustc_hash::FxHashMap;
 use super::GroundAction;
 use super::formula::{Formula, Literal};
 use super::task::{Operator, Task};
+use crate::effort;
 
 /// The task without what no plan can need.
 pub(crate) fn reduce(mut task: Task) -> Task {
@@ -48,7 +49,8 @@ fn index(literal: Literal) -> usize {
 fn keep_reachable(task: &mut Task) {
     let mut reached: Vec<bool> = task.initial.iter().flat_map(|holds| [!holds, *holds]).collect();
     let mut applied = vec![false; task.operators.len()];
-    loop {
+    let units = task.units();
+    while effort::spend(units) {
         let mut changed = false;
         for (operator, applied) in task.operators.iter().zip(&mut applied) {
             if !*applied && !operator.precondition.holds(&|literal| reached[index(literal)]) {
@@ -79,6 +81,7 @@ fn keep(operators: &mut Vec<Operator>, marked: &[bool]) {
 
 /// Replaces facts that never change by what they are, and drops effects that do nothing.
 fn simplify(task: &mut Task) {
+    effort::spend(2 * task.units());
     let mut changes = vec![false; task.initial.len()];
     for effect in task.operators.iter().flat_map(|operator| &operator.effects) {
         let fact = effect.literal.fact as usize;
@@ -123,6 +126,9 @@ fn keep_relevant(task: &mut Task, focused: bool) {
     task.always.iter().for_each(|rule| search.ask_for(rule));
     while let Some(literal) = search.queue.pop_front() {
         search.expand(literal);
+        if effort::is_exhausted() {
+            break;
+        }
     }
     let mut tracked: Vec<bool> = search
         .asked
@@ -153,6 +159,9 @@ struct Relevance<'a> {
     /// By literal: the operators and effects that bring it about.
     achievers: Vec<Vec<(u32, u32)>>,
     kept: Vec<bool>,
+    /// By literal: the effects of kept operators that bring it about, and how many of them were looked at as what takes
+    /// the opposite away.
+    brought_about: Vec<(Vec<(u32, u32)>, usize)>,
     /// By step of sensing: the operators for its outcomes, which stay or go together.
     siblings: FxHashMap<&'a GroundAction, Vec<u32>>,
     asked: Vec<bool>,
@@ -184,6 +193,7 @@ impl<'a> Relevance<'a> {
             siblings,
             achievers,
             kept: vec![false; task.operators.len()],
+            brought_about: vec![Default::default(); literals],
             asked: vec![false; literals],
             expanded: vec![false; literals],
             queue: VecDeque::new(),
@@ -211,8 +221,8 @@ impl<'a> Relevance<'a> {
 
     /// Whether the literal holds from the start and no kept operator takes it away.
     fn is_safe(&self, literal: Literal) -> bool {
-        let mut takers = self.achievers[index(opposite(literal))].iter();
-        self.task.initial[literal.fact as usize] == literal.holds && !takers.any(|taker| self.kept[taker.0 as usize])
+        let (takers, _) = &self.brought_about[index(opposite(literal))];
+        self.task.initial[literal.fact as usize] == literal.holds && takers.is_empty()
     }
 
     fn ask(&mut self, literal: Literal) {
@@ -232,21 +242,27 @@ impl<'a> Relevance<'a> {
     }
 
     fn expand(&mut self, literal: Literal) {
-        let mut lost = self.task.initial[literal.fact as usize] != literal.holds;
-        for taker in self.achievers[index(opposite(literal))].clone() {
-            if self.kept[taker.0 as usize] {
-                lost = true;
-                // Whether a kept operator takes the literal away must not change.
-                if !self.focused {
-                    self.condition(taker)
-                        .for_each(&mut |literal| self.ask(opposite(literal)));
-                }
+        let (takers, looked_at) = &mut self.brought_about[index(opposite(literal))];
+        let lost = self.task.initial[literal.fact as usize] != literal.holds || !takers.is_empty();
+        let mut new = takers[std::mem::replace(looked_at, takers.len())..].to_vec();
+        effort::spend(1 + new.len());
+        if !self.focused {
+            // Whether a kept operator takes the literal away must not change.
+            new.sort_unstable();
+            for taker in new {
+                let mut literals = 0;
+                self.condition(taker).for_each(&mut |literal| {
+                    literals += 1;
+                    self.ask(opposite(literal));
+                });
+                effort::spend(literals / 8);
             }
         }
         if !lost || std::mem::replace(&mut self.expanded[index(literal)], true) {
             return;
         }
         let mut achievers = self.achievers[index(literal)].clone();
+        effort::spend(achievers.len() / 4);
         if self.focused {
             if achievers
                 .iter()
@@ -272,6 +288,10 @@ impl<'a> Relevance<'a> {
         }
         let task = self.task;
         let operator = &task.operators[number];
+        for (at, effect) in operator.effects.iter().enumerate() {
+            let (brought_about, _) = &mut self.brought_about[index(effect.literal)];
+            brought_about.push((number as u32, at as u32));
+        }
         if operator.told.is_some() {
             for sibling in self.siblings.get(&operator.step).cloned().unwrap_or_default() {
                 self.keep(sibling as usize);

@@ -10,6 +10,7 @@ use rustc_hash::FxHashSet;
 
 use super::Wanted;
 use crate::domain::{Action, Atom, Condition, Domain, PredicateId, RuleTime, TypeId};
+use crate::effort;
 use crate::world::{Bindings, EntityId, Moment, World, ever_candidates};
 
 /// Grounding that makes more effects than this is not done for a whole world.
@@ -240,6 +241,9 @@ fn named(
             };
             let things = ever_candidates(moment, (*slot, *kind), inner, true, bindings, &unchanging);
             for thing in things.into_iter().flatten().take(MANY) {
+                if !effort::spend(1) {
+                    return;
+                }
                 found.insert(thing);
                 bindings.push(thing);
                 named(domain, world, inner, bindings, found);
@@ -270,11 +274,16 @@ fn around(domain: &Domain, world: &World, things: FxHashSet<EntityId>, far: bool
             .filter(|(_, p)| p.parameters.len() > 1)
         {
             let id = PredicateId::new(index);
-            for fact in world.state.of_first(id, thing) {
+            let facts = world.state.of_first(id, thing);
+            effort::spend(1 + facts.len());
+            for fact in facts {
                 queue.extend(domain.arguments(*fact).filter(|other| found.insert(*other)));
             }
             let backwards = far || !domain.words(id).fluent;
             if backwards && predicate.parameters.len() == 2 {
+                if !effort::spend(world.state.of_predicate(id).len() / 8) {
+                    return found;
+                }
                 let of = world
                     .state
                     .of_predicate(id)

@@ -8,7 +8,11 @@ use super::formula::{Formula, Literal};
 use super::scope::{Asked, Scope};
 use super::{GroundAction, Wanted};
 use crate::domain::{Action, Atom, Condition, Domain, RuleTime, Slot, TypeId};
+use crate::effort;
 use crate::world::{Bindings, EntityId, Fact, Moment, World, ever_candidates, ground as ground_atom, grounded_term};
+
+/// The units for one part of a condition: it is kept, and copied into smaller tasks.
+const PART: usize = 16;
 
 /// One fact that an operator makes true or false when `condition` held before.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -71,6 +75,19 @@ impl Always {
 
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
         self.rules.iter_mut()
+    }
+}
+
+impl Task {
+    /// The units for looking once at every condition and effect.
+    pub(super) fn units(&self) -> usize {
+        let effect = |effect: &GroundEffect| effect.condition.size();
+        let operator = |operator: &Operator| {
+            let effects: usize = operator.effects.iter().map(effect).sum();
+            operator.precondition.size() + effects
+        };
+        let all: usize = self.operators.iter().map(operator).sum();
+        (all + self.goal.size() + self.always.iter().map(Formula::size).sum::<usize>()) / 8 + 1
     }
 }
 
@@ -368,6 +385,9 @@ impl<'a> Grounder<'a> {
         }
         let scope = self.scope;
         for entity in scope.of_kind(action.parameters[bound].kind) {
+            if !effort::spend(1 + conjuncts.len() / 4) {
+                return;
+            }
             arguments.push(*entity);
             self.bind(action, conjuncts, arguments, found);
             arguments.pop();
@@ -388,7 +408,12 @@ impl<'a> Grounder<'a> {
         }
     }
 
+    /// The condition without quantifiers. Spends [`PART`] units for each part; what comes of it when the budget is spent
+    /// means nothing.
     pub(crate) fn formula(&mut self, condition: &Condition, bindings: &mut Bindings) -> Formula {
+        if !effort::spend(PART) {
+            return Formula::FALSE;
+        }
         match condition {
             Condition::And(all) => {
                 let mut parts = Vec::with_capacity(all.len());
@@ -446,6 +471,9 @@ impl<'a> Grounder<'a> {
     ) -> Vec<Formula> {
         let mut parts = Vec::new();
         for entity in self.things((slot, kind), inner, value, bindings).as_ref() {
+            if effort::is_exhausted() {
+                break;
+            }
             bindings.push(*entity);
             parts.push(self.formula(inner, bindings));
             bindings.pop();
@@ -521,6 +549,9 @@ impl<'a> Grounder<'a> {
         };
         debug_assert_eq!(*slot, bindings.len());
         for entity in self.things((*slot, *kind), &effect.condition, true, bindings).as_ref() {
+            if !effort::spend(1) {
+                return;
+            }
             bindings.push(*entity);
             self.effect(effect, depth + 1, bindings, effects);
             bindings.pop();

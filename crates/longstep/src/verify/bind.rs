@@ -7,6 +7,7 @@
 
 use rustc_hash::FxHashSet;
 
+use super::rules::breaks_a_rule;
 use super::simulate::{apply, unmet};
 use super::violation::{Assumption, Missing, Violation};
 use crate::domain::{Action, Domain, plain_words, singular};
@@ -345,7 +346,7 @@ impl Binder<'_> {
     }
 
     /// Does the step behind those of `way`; returns how many of its claims do not hold then, and how many of the conditions
-    /// behind it ask what nothing has sensed.
+    /// behind it nothing has sensed or come out otherwise than on this way.
     fn advance(&self, state: &mut State, way: &[Vec<EntityId>], arguments: &[EntityId]) -> usize {
         let turn = &self.turns[way.len()];
         apply(self.world, state, self.action(way.len()), arguments);
@@ -353,10 +354,14 @@ impl Binder<'_> {
         for learned in &turn.learned {
             match *learned {
                 Learned::Fact(fact, holds) => {
-                    // A condition that nothing has sensed speaks against the choice as a broken claim does.
+                    // A condition that nothing has sensed, or that is known to come out otherwise than on this way, speaks
+                    // against the choice as a broken claim does.
                     let outcomes = self.domain.outcomes(fact);
-                    let known = outcomes.is_empty() || outcomes.iter().any(|outcome| state.holds(*outcome));
-                    broken += usize::from(!known);
+                    let as_assumed = match outcomes.is_empty() {
+                        true => state.holds(fact) == holds,
+                        false => outcomes.iter().any(|outcome| state.holds(*outcome)),
+                    };
+                    broken += usize::from(!as_assumed);
                     learn(self.domain, state, fact, holds);
                 }
                 Learned::Outcome(place, first) => {
@@ -398,6 +403,9 @@ impl Binder<'_> {
             if self.lacks(depth, state, &arguments).is_empty() {
                 let mut next = state.clone();
                 let broken = self.advance(&mut next, &self.chosen, &arguments);
+                if breaks_a_rule(self.domain, self.world, state, &next) {
+                    continue;
+                }
                 self.broken += broken;
                 self.chosen.push(arguments);
                 self.descend(&next);

@@ -116,6 +116,18 @@ fn complete(
     }
 }
 
+/// Whether a step from one state to another breaks a rule for every state that held before it.
+pub(super) fn breaks_a_rule(domain: &Domain, world: &World, before: &State, after: &State) -> bool {
+    let mut always = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
+    always.any(|rule| {
+        let broken = broken_bindings(rule, world, after);
+        !broken.is_empty() && {
+            let known = broken_bindings(rule, world, before);
+            broken.iter().any(|bindings| known.binary_search(bindings).is_err())
+        }
+    })
+}
+
 /// A rule that is broken in the last state of a plan.
 pub(crate) struct Broken {
     /// The rule's place in the domain's list.

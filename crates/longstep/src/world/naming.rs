@@ -102,12 +102,17 @@ impl Entity {
     /// How many words of its best fitting name stand among `words`, which are singular and in lower case.
     /// A name counts only if its head does: "kitchen" is not a mention of the kitchen table.
     pub fn words_in(&self, words: &[String]) -> usize {
+        self.words_said(&|word| words.iter().any(|said| said == word))
+    }
+
+    /// The same for words that a set has.
+    pub(crate) fn words_said(&self, is_said: &dyn Fn(&str) -> bool) -> usize {
         let fit = |name: &String| {
-            if !words.contains(&head(name)) {
+            if !is_said(&head(name)) {
                 return 0;
             }
-            let parts: Vec<String> = plain_words(name).iter().map(|part| singular(part)).collect();
-            parts.iter().filter(|part| words.contains(part)).count()
+            let parts = plain_words(name).into_iter().map(|part| singular(&part));
+            parts.filter(|part| is_said(part)).count()
         };
         self.names.iter().map(fit).max().unwrap_or(0)
     }

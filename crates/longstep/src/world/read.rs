@@ -7,10 +7,14 @@ use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, Words
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::domain::{Derivation, Domain, Literal, RuleTime, TypeId, Unknown, base_name, ends_with};
+use crate::effort;
 use crate::json::{self, Path};
 
 /// More entities than this do not fit into a fact.
 pub(crate) const ENTITY_LIMIT: usize = 60_000;
+
+/// After this many findings about an environment, the rest is not reported.
+const FINDINGS: usize = 100;
 
 /// Reads an environment as a world of the domain.
 ///
@@ -35,8 +39,16 @@ pub fn read(
         inside,
         findings: Vec::new(),
     };
-    let world = reader.world(environment);
-    match world {
+    let spent = effort::within(effort::OPERATION, || reader.world(environment));
+    if spent.exhausted && reader.findings.is_empty() {
+        let message = "what follows from the environment has too many instances".to_owned();
+        reader.report(
+            &Path::default(),
+            message,
+            Some("make the environment smaller".to_owned()),
+        );
+    }
+    match spent.result {
         Some(world) if reader.findings.is_empty() => Ok(world),
         _ => Err(Diagnostics::sorted(reader.findings)),
     }
@@ -52,6 +64,9 @@ struct EnvironmentReader<'a> {
 
 impl EnvironmentReader<'_> {
     fn report(&mut self, path: &Path, message: String, hint: Option<String>) {
+        if self.is_full() {
+            return;
+        }
         let path = self.inside.join(path);
         self.findings.push(Diagnostic {
             file: self.file.to_owned(),
@@ -59,6 +74,11 @@ impl EnvironmentReader<'_> {
             message: format!("{path}: {message}"),
             hint,
         });
+    }
+
+    /// Whether nothing more is reported: looking for places and for similar names takes time for each finding.
+    fn is_full(&self) -> bool {
+        self.findings.len() >= FINDINGS
     }
 
     fn world(&mut self, environment: &Environment) -> Option<World> {
@@ -177,6 +197,9 @@ impl EnvironmentReader<'_> {
     }
 
     fn unlisted(&mut self, path: &Path, identifier: &str, known: &indexmap::IndexMap<String, EntityId>) {
+        if self.is_full() {
+            return;
+        }
         let near = nearest(identifier, known.keys().map(String::as_str));
         let hint = near.map_or_else(
             || "add it to `assets` or `objects`".to_owned(),
@@ -313,14 +336,16 @@ impl EnvironmentReader<'_> {
         let domain = self.domain;
         for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Start) {
             // What contradicts what is the same both ways round.
-            let mut told: Vec<Bindings> = Vec::new();
+            let mut told: FxHashSet<Bindings> = FxHashSet::default();
             for bindings in crate::verify::broken_bindings(rule, world, &world.state) {
                 let mut sorted = bindings.clone();
                 sorted.sort_unstable();
-                if told.contains(&sorted) {
+                if self.is_full() {
+                    return;
+                }
+                if !told.insert(sorted) {
                     continue;
                 }
-                told.push(sorted);
                 let says = rule.says.fill(|slot| world.entity(bindings[slot]).identifier.clone());
                 let path = bindings
                     .iter()
@@ -376,6 +401,9 @@ fn derive(
     };
     let mut follows = Vec::new();
     for (id, other) in pairs {
+        if !effort::spend(1) {
+            break;
+        }
         let mut bindings: Bindings = vec![id, other];
         let moment = Moment {
             world,

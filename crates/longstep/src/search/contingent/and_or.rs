@@ -9,10 +9,13 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::rc::Rc;
 
+use indexmap::IndexMap;
 use rustc_hash::FxHashMap;
 
 use super::bound::{Bounds, outcome};
 use super::course::{Course, Then};
+use crate::effort;
+use crate::search::GroundAction;
 use crate::search::bits::Bits;
 use crate::search::dominance::Dominance;
 use crate::search::formula::Literal;
@@ -51,6 +54,8 @@ pub(super) struct Search<'a> {
     manner: Manner,
     /// By sensing step: the operators for its outcomes.
     looks: Vec<Vec<u32>>,
+    /// The units for expanding a node, without what it leads to.
+    expanding: usize,
     known: FxHashMap<Bits, Known>,
     /// The states at which sensing is being solved for.
     heads: Vec<Bits>,
@@ -109,19 +114,16 @@ struct Nodes {
 
 impl<'a> Search<'a> {
     pub(super) fn new(task: &'a Task, manner: Manner) -> Self {
-        let mut looks: Vec<Vec<u32>> = Vec::new();
+        let mut looks: IndexMap<&GroundAction, Vec<u32>> = IndexMap::new();
         for (number, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.told.is_some()) {
-            let same = |look: &&mut Vec<u32>| task.operators[look[0] as usize].step == operator.step;
-            match looks.iter_mut().find(same) {
-                Some(look) => look.push(number as u32),
-                None => looks.push(vec![number as u32]),
-            }
+            looks.entry(&operator.step).or_default().push(number as u32);
         }
         Self {
             task,
             bounds: Bounds::new(task, manner.looping),
             manner,
-            looks,
+            looks: looks.into_values().collect(),
+            expanding: task.units(),
             known: FxHashMap::default(),
             heads: Vec::new(),
             begun: 0,
@@ -177,6 +179,9 @@ impl<'a> Search<'a> {
         let mut best: Option<Rc<Course>> = None;
         self.discover(&mut nodes, &mut open, start.clone(), None, (0, 0, false));
         while let Some((cost, choice)) = open.pop() {
+            if !effort::spend(1) {
+                return Err(TooFar);
+            }
             let exact = self.manner.weight == 1;
             if exact && cost >= below {
                 break;
@@ -282,10 +287,14 @@ impl<'a> Search<'a> {
     fn expand(&mut self, nodes: &mut Nodes, open: &mut Open, number: u32, preferred: &[u32]) {
         let task = self.task;
         nodes.all[number as usize].expanded = true;
+        effort::spend(self.expanding + self.looks.len());
         for (index, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.told.is_none()) {
             let node = &nodes.all[number as usize];
             if !operator.precondition.holds(&|literal| node.state.is(literal)) {
                 continue;
+            }
+            if !effort::spend(1 + task.initial.len() / 256) {
+                return;
             }
             let next = after(task, &node.state, index as u32);
             let allowed = |before: &Bits| {
@@ -345,6 +354,7 @@ impl<'a> Search<'a> {
                     return;
                 }
                 let number = nodes.all.len() as u32;
+                effort::spend(Bits::units(self.task.initial.len()));
                 nodes.numbers.insert(state.clone(), number);
                 nodes.all.push(Node {
                     state,

@@ -7,6 +7,7 @@
 
 use rustc_hash::FxHashMap;
 
+use crate::effort;
 use crate::search::bits::Bits;
 use crate::search::landmark_cut::LandmarkCut;
 use crate::search::task::{Operator, Task};
@@ -43,7 +44,8 @@ impl Bounds {
         };
         let bounds = |group: Group| {
             let alone = |outcome: &u32| LandmarkCut::new(&only(task, &group, *outcome));
-            let bounds = group.iter().map(alone).collect();
+            let affordable = group.iter().take_while(|_| !effort::is_exhausted());
+            let bounds = affordable.map(alone).collect();
             (group, bounds)
         };
         Self {
@@ -79,6 +81,7 @@ impl Bounds {
         } else {
             open.flat_map(|(_, bounds)| bounds).all(take);
         }
+        effort::spend(8 + estimate.preferred.len() / 8);
         self.known.insert(state.clone(), estimate.clone());
         estimate
     }
@@ -105,6 +108,7 @@ pub(super) fn outcome(operator: &Operator) -> Option<u32> {
 
 /// The task in which sensing the group has this outcome alone.
 pub(super) fn only(task: &Task, group: &Group, alone: u32) -> Task {
+    effort::spend(32 * task.units());
     let mut task = task.clone();
     task.operators.retain(|operator| {
         let told = outcome(operator);

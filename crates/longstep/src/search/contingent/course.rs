@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use crate::domain::Domain;
+use crate::effort;
 use crate::plan::{Node, Plan, Step, StepId, Test};
 use crate::search::GroundAction;
 use crate::search::task::Task;
@@ -50,6 +51,9 @@ enum Piece {
     Known(Vec<Way>),
 }
 
+/// The units for a step that is written: it is explained, and compared with those of other branches.
+const PIECE: usize = 64;
+
 /// An outcome, and what to do then.
 type Way = (Fact, Vec<Piece>);
 
@@ -68,6 +72,10 @@ pub(super) fn plan(domain: &Domain, world: &World, task: &Task, course: &Course)
 }
 
 fn pieces(task: &Task, course: &Course) -> Vec<Piece> {
+    // Courses share what follows; a plan does not, so one can be exponentially larger.
+    if !effort::spend(PIECE * (1 + course.path.len())) {
+        return Vec::new();
+    }
     let step = |number: &u32| task.operators[*number as usize].step.clone();
     let mut pieces: Vec<Piece> = course.path.iter().map(|number| Piece::Do(step(number))).collect();
     let Then::Look(outcomes) = &course.then else {

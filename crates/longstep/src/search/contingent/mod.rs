@@ -19,6 +19,7 @@ use self::course::Course;
 use super::task::Task;
 use super::{Asked, Found, Limits, Scope, Wanted, cheapest, forward, relevance, task};
 use crate::domain::Domain;
+use crate::effort;
 use crate::plan::{Plan, Step};
 use crate::world::{EntityId, Fact, World};
 
@@ -60,6 +61,20 @@ pub enum Outcome {
     },
 }
 
+impl Outcome {
+    /// Returns how many states were looked at.
+    pub fn expanded(&self) -> usize {
+        match self {
+            Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded, .. } | Self::GaveUp { expanded, .. } => {
+                *expanded
+            }
+        }
+    }
+}
+
+/// The units of work of one run.
+const EFFORT: u64 = 12_000_000;
+
 /// Finds the plan with the shortest worst case from the world's state to everything that is wanted, whatever sensing
 /// tells on the way. What the goal does not need to know is not sensed, and neither is what is known already.
 ///
@@ -81,6 +96,17 @@ pub enum Outcome {
 /// assert!(shortest && !plan.is_sequence());
 /// ```
 pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+    let spent = effort::within(super::EFFORT, || solve_within(domain, world, wanted, limits));
+    match (spent.exhausted, spent.result) {
+        (false, outcome) => outcome,
+        (true, outcome) => Outcome::GaveUp {
+            why: super::TOO_MUCH.to_owned(),
+            expanded: outcome.expanded(),
+        },
+    }
+}
+
+fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
     let asked = Asked::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
@@ -140,11 +166,27 @@ fn straight(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Out
     }
 }
 
+/// The work of several runs.
+#[derive(Default)]
+struct Tally {
+    /// States looked at.
+    states: usize,
+    /// Whether a run took all the work that it may take.
+    exhausted: bool,
+}
+
 /// A search, and all that the answer needs of it.
-fn run(task: &Task, manner: Manner, below: u32, expanded: &mut usize) -> Result<Option<Course>, TooFar> {
-    let mut search = Search::new(task, manner);
-    let found = search.run(below);
-    *expanded += search.looked_at();
+fn run(task: &Task, manner: Manner, below: u32, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
+    let spent = effort::within(EFFORT, || {
+        let mut search = Search::new(task, manner);
+        (search.run(below), search.looked_at())
+    });
+    let (found, looked_at) = spent.result;
+    tally.states += looked_at;
+    if spent.exhausted {
+        tally.exhausted = true;
+        return Err(TooFar);
+    }
     found.map(|course| course.map(|course| (*course).clone()))
 }
 
@@ -155,7 +197,7 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
         weight: 1,
         looping: false,
     };
-    let mut expanded = 0;
+    let mut tally = Tally::default();
     let solved = |task: &Task, course: &Course, shortest: bool, expanded: usize| {
         let plan = course::plan(domain, world, task, course);
         plan.map_or_else(
@@ -172,13 +214,13 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
         )
     };
     let focused = relevance::focus(task);
-    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), LONGEST, &mut expanded) {
+    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), LONGEST, &mut tally) {
         // Now everything is allowed, but only better worst cases count.
-        let found = run(task, manner(limits.proof), direct.worst, &mut expanded);
+        let found = run(task, manner(limits.proof), direct.worst, &mut tally);
         return match found {
-            Ok(Some(better)) => solved(task, &better, true, expanded),
-            Ok(None) => solved(&focused, &direct, true, expanded),
-            Err(TooFar) => solved(&focused, &direct, false, expanded),
+            Ok(Some(better)) => solved(task, &better, true, tally.states),
+            Ok(None) => solved(&focused, &direct, true, tally.states),
+            Err(TooFar) => solved(&focused, &direct, false, tally.states),
         };
     }
     let mut proven = false;
@@ -187,8 +229,8 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
             weight,
             ..manner(limit)
         };
-        match run(task, manner, LONGEST, &mut expanded) {
-            Ok(Some(course)) => return solved(task, &course, weight == 1, expanded),
+        match run(task, manner, LONGEST, &mut tally) {
+            Ok(Some(course)) => return solved(task, &course, weight == 1, tally.states),
             Ok(None) => {
                 proven = true;
                 break;
@@ -201,26 +243,32 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
         ..manner(limits.shortest)
     };
     if forgets(task)
-        && let Ok(Some(course)) = run(task, looping, LONGEST, &mut expanded)
+        && let Ok(Some(course)) = run(task, looping, LONGEST, &mut tally)
     {
-        return solved(task, &course, false, expanded);
+        return solved(task, &course, false, tally.states);
     }
     match proven {
         // Where what is known can be lost again, a loop of another kind may do.
         true if forgets(task) && is_solvable_by_luck(task, limits) => Outcome::GaveUp {
             why: "no plan is sure to come to an end, and no simple loop was found that does".to_owned(),
-            expanded,
+            expanded: tally.states,
         },
         true => Outcome::ProvenUnsolvable {
             when: hopeless(task, limits),
-            expanded,
+            expanded: tally.states,
         },
         false => Outcome::GaveUp {
-            why: format!(
-                "no plan found in {} states",
-                limits.direct + limits.shortest + limits.any
-            ),
-            expanded,
+            why: match tally.exhausted {
+                true => format!(
+                    "no plan found in {} states, which took all the work that a search may take",
+                    tally.states
+                ),
+                false => format!(
+                    "no plan found in {} states",
+                    limits.direct + limits.shortest + limits.any
+                ),
+            },
+            expanded: tally.states,
         },
     }
 }
