@@ -33,7 +33,7 @@ def check(walk, lanes: list) -> None:
             actor = step.call.actor
             if actor is None or action.arguments[parameters.index(actor)] != name:
                 walk.blame("wrong_actor", step.number)
-    for one, other in meeting(lanes):
+    for one, other in meeting(lanes, "no-sync" in walk.world.faults):
         if handled(walk, one) & handled(walk, other):
             walk.blame("shared_object", one.number)
 
@@ -45,7 +45,7 @@ def handled(walk, step: Step) -> set[str]:
     return {name for name in arguments if words.pddl.is_a(walk.world.types[name], words.object_type)}
 
 
-def moves(lanes: list, positions: tuple) -> list[tuple[tuple, Step | None]]:
+def moves(lanes: list, positions: tuple, no_sync: bool = False) -> list[tuple[tuple, Step | None]]:
     """The next positions: a lane does a step, or all lanes with a `sync` of one name pass it together."""
     nexts = []
     for index, (_, nodes) in enumerate(lanes):
@@ -57,6 +57,8 @@ def moves(lanes: list, positions: tuple) -> list[tuple[tuple, Step | None]]:
             continue
         # A lane that has passed its last `sync` of a name is not waited for.
         partners = [number for number, (_, others) in enumerate(lanes) if ("sync", what) in others[positions[number] :]]
+        if no_sync:
+            partners = [index]
         waiting = [at < len(lanes[number][1]) and lanes[number][1][at] == ("sync", what)
                    for number, at in enumerate(positions)]
         if index == partners[0] and all(waiting[number] for number in partners):
@@ -65,13 +67,13 @@ def moves(lanes: list, positions: tuple) -> list[tuple[tuple, Step | None]]:
     return nexts
 
 
-def meeting(lanes: list) -> list[tuple[Step, Step]]:
+def meeting(lanes: list, no_sync: bool) -> list[tuple[Step, Step]]:
     """The pairs of steps of different lanes that can both be next at one time."""
     start = tuple(0 for _ in lanes)
     seen, waiting, pairs = {start}, [start], []
     while waiting:
         positions = waiting.pop()
-        nexts = moves(lanes, positions)
+        nexts = moves(lanes, positions, no_sync)
         steps = [step for _, step in nexts if step is not None]
         pairs += [(one, other) for index, one in enumerate(steps) for other in steps[index + 1 :]]
         for after, _ in nexts:
@@ -92,11 +94,11 @@ def interleave(walk, lanes: list, state: frozenset) -> frozenset:
         if positions == end:
             finals.add(now)
             continue
-        nexts = moves(lanes, positions)
+        nexts = moves(lanes, positions, "no-sync" in walk.world.faults)
         if not nexts:
             walk.blame("deadlock", None)
         if "unordered-lanes" in walk.world.faults:
-            nexts = nexts[:1]
+            nexts = nexts[-1:]
         for after, step in nexts:
             afters = [now] if step is None else [made for _, _, made in walk.step(step, frozenset([now]))]
             for made in afters:

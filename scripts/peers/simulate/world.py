@@ -21,6 +21,7 @@ FAULTS = {
     "eager-conditions": "`and` and `or` in a plan's conditions evaluate all their parts",
     "claims-by-parts": "each promise may be kept by another ending",
     "unordered-lanes": "lanes run one after the other, in one order only",
+    "no-sync": "nobody waits at a `sync`",
     "no-hidden-choice": "of several bindings of hidden arguments only the first that is applicable is tried",
     "equality": "`(= a b)` is always false",
     "longer": "search costs a step more",
