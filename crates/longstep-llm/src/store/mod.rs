@@ -15,6 +15,8 @@ use crate::ModelError;
 use crate::catalogue::Entry;
 use verified::Incoming;
 
+// Only the embedded engine keeps state that goes with a file.
+#[cfg_attr(not(feature = "embedded"), allow(unused_imports))]
 pub(crate) use verified::identity;
 
 /// What a pull may use, beside the cache.
