@@ -5,7 +5,7 @@ import random
 # Genomes that a family keeps, runs without an improvement before it starts anew, findings of a family that are kept.
 POPULATION = 10
 PATIENCE = 120
-FINDINGS = 12
+FINDINGS = 6
 
 
 class Climber:

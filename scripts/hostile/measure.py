@@ -48,15 +48,16 @@ class Runner:
     def close(self):
         shutil.rmtree(self.base, ignore_errors=True)
 
-    def run(self, case):
+    def run(self, case, cpu_seconds=None):
+        """Runs a case, for so much processor time at most."""
         folder = tempfile.mkdtemp(dir=self.base)
         try:
             write_files(case.files, folder)
-            return self.run_in(folder, case.argv)
+            return self.run_in(folder, case.argv, cpu_seconds or self.cpu_seconds)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
-    def run_in(self, folder, argv):
+    def run_in(self, folder, argv, cpu_seconds):
         # Sessions and caches of the person who runs the search stay out of it.
         env = {
             "PATH": os.environ.get("PATH", ""),
@@ -64,7 +65,7 @@ class Runner:
             "LONGSTEP_CACHE": os.path.join(folder, ".cache"),
             "LONGSTEP_SESSIONS": os.path.join(folder, ".sessions"),
         }
-        limits = [str(self.address_kibibytes), str(self.cpu_seconds)]
+        limits = [str(self.address_kibibytes), str(cpu_seconds)]
         command = ["/bin/sh", "-c", LIMITED, "sh", *limits, self.program, *argv]
         with open(os.path.join(folder, ".stderr"), "w+b") as errors:
             child = subprocess.Popen(

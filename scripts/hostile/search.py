@@ -10,6 +10,7 @@ docs/hostile-inputs.md tells how the search works.
 
 import argparse
 import json
+import math
 import os
 import random
 import shlex
@@ -28,7 +29,7 @@ from measure import Case, Runner, write_files
 
 FAMILIES = plans.FAMILIES + sessions.FAMILIES + domains.FAMILIES + examples.FAMILIES
 EMPTY = Case({"plan.json": '{"task_cohesion": {"task_sequence": []}}', "env.json": '{"assets": ["<a>"], "objects": []}'}, ("verify", "plan.json", "--env", "env.json"))
-# The runs that making one finding smaller may take.
+# The runs that making the first finding of a family smaller may take; further ones may take fewer.
 TRIES = 60
 
 
@@ -58,6 +59,8 @@ class Search:
         self.climbers = [Climber(family, self.limits, self.rng) for family in wanted]
         self.runner = Runner(options.program, options.cpu_limit, options.address_limit, wall_seconds=20 * options.cpu_limit)
         self.lock = threading.Lock()
+        # As long as is needed to see that a run is over the limit; what is kept is measured for longer.
+        self.enough = min(options.cpu_limit, math.ceil(options.seconds) + 2)
         self.until = time.monotonic() + 60 * options.minutes
         self.crashes = {}
         self.failure = None
@@ -75,7 +78,7 @@ class Search:
         """The least that further runs of the case take, while they are over the limit: a busy machine counts once."""
         least = None
         for _ in range(times):
-            cost = self.runner.run(case)
+            cost = self.runner.run(case, self.enough)
             if self.why(cost) != why:
                 return None
             least = cost if least is None or cost.seconds < least.seconds else least
@@ -96,7 +99,7 @@ class Search:
         if genome is None:
             return
         family = climber.family
-        cost = self.runner.run(family.build(genome))
+        cost = self.runner.run(family.build(genome), self.enough)
         with self.lock:
             climber.take(genome, cost)
             open_places = len(climber.over) < FINDINGS
@@ -111,10 +114,11 @@ class Search:
         family = climber.family
         if self.confirmed(family.build(genome), why) is None:
             return
-        # As long as it takes a second more than the limit, so that a faster machine shows it as well.
-        smallest = minimised(family, genome, lambda other: time.monotonic() < self.until + 300 and self.confirmed(family.build(other), why, 1) is not None, TRIES)
+        with self.lock:
+            tries = TRIES // (1 + len(climber.over)) ** 2
+        smallest = minimised(family, genome, lambda other: self.is_still_over(family, other, why), tries)
         case = family.build(smallest)
-        cost = self.confirmed(case, why, 1) or self.runner.run(case)
+        cost = self.runner.run(case)
         with self.lock:
             command = " ".join(case.argv[:2])
             if any(known[:2] == (why, command) and known[2] == case for known in climber.over):
@@ -123,6 +127,9 @@ class Search:
             climber.over.append((why, command, case, cost))
             folder = self.save(f"{family.name}-{number}".replace(": ", "-").replace(" ", "-"), case, cost, smallest)
         print(f"OVER THE LIMIT ({why}): {family.name}: {cost.seconds:.2f} s, {cost.mebibytes:.0f} MiB, ended with {cost.end}: {folder}", flush=True)
+
+    def is_still_over(self, family, genome, why):
+        return time.monotonic() < self.until and self.confirmed(family.build(genome), why, 1) is not None
 
     def keep_crash(self, family, genome, cost):
         lines = [line for line in cost.stderr.splitlines() if "panicked at" in line] or [cost.end]

@@ -18,7 +18,7 @@ def solve(genes, rng):
 
 
 WORLD_COMMANDS = (
-    ("solve", "--goal", "put(a, b)", "--env", "env.json"),
+    ("solve", "--goal", "GOAL", "--env", "env.json"),
     ("verify", "plan.json", "--env", "env.json"),
     ("plan", "Put the box on the table", "--env", "env.json", "--model", "replay:r.jsonl", "--explain-prompt"),
     ("plan", "Put the box on the table", "--env", "env.json", "--model", "replay:r.jsonl", "--strategy", "direct", "--explain-prompt"),
@@ -31,7 +31,9 @@ def world_only(genes, rng):
     """An environment, and an instruction of so many words."""
     world = environment(genes, rng, DOMAINS[genes["domain"]])
     instruction = words(genes, rng, world)
-    argv = tuple(instruction if word == "INSTRUCTION" else word for word in WORLD_COMMANDS[genes["command"]])
+    goal = f"put({world['objects'][0]}, {world['assets'][0]})"
+    given = {"INSTRUCTION": instruction, "GOAL": goal}
+    argv = tuple(given.get(word, word) for word in WORLD_COMMANDS[genes["command"]])
     head = HEAD.replace('"grammar"', '"json_schema"') if genes["schema"] else HEAD
     if genes["context"]:
         head = head.replace("null", str(genes["context"]))
@@ -148,7 +150,7 @@ def recording(genes, rng):
 WORDS = {"words": size(0, 900), "wording": choice(4)}
 TALK = {
     **SMALL, **CALLS, **TREE, **GOAL, **WORDS,
-    "cases": size(1, 60), "rounds": size(0, 6), "reply": choice(7), "steps": size(1, 400), "direct": choice(2),
+    "cases": size(1, 60), "rounds": size(1, 6), "reply": choice(7), "steps": size(1, 400), "direct": choice(2),
     "accepts": choice(2), "schema": choice(2), "context": size(0, 20000),
 }
 
