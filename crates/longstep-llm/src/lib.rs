@@ -1,7 +1,7 @@
 //! Language models for Longstep, behind one trait.
 //!
 //! A [`ModelReference`] says which model is meant, [`open`] makes a [`ChatModel`] of it: the
-//! embedded engine for a model of the [`catalogue`] or a `.gguf` file, a client for a server, or a
+//! embedded engine for a model of the [`catalogue`] or a `.gguf` file (feature `embedded`, on by default), a client for a server, or a
 //! recording that is replayed. Models of the catalogue come into the cache by [`store::pull`].
 //! Answers of servers are streamed; what a server does not take is left out with a warning, and one
 //! that is busy is asked again.
@@ -32,6 +32,7 @@ mod bounded;
 mod cache;
 mod call;
 pub mod catalogue;
+#[cfg(feature = "embedded")]
 mod embedded;
 mod error;
 mod model;

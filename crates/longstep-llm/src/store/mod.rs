@@ -17,6 +17,8 @@ use crate::catalogue::Entry;
 use crate::{ModelError, StopFlag};
 use verified::Incoming;
 
+// Only the embedded engine keeps state that goes with a file.
+#[cfg_attr(not(feature = "embedded"), allow(unused_imports))]
 pub(crate) use verified::identity;
 
 /// What a pull may use, beside the cache.

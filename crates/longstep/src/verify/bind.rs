@@ -359,7 +359,10 @@ impl Binder<'_> {
                     let outcomes = self.domain.outcomes(fact);
                     let as_assumed = match outcomes.is_empty() {
                         true => state.holds(fact) == holds,
-                        false => outcomes.iter().any(|outcome| state.holds(*outcome)),
+                        false => {
+                            let known = outcomes.iter().any(|outcome| state.holds(*outcome));
+                            known || self.is_sensed(fact, way, arguments)
+                        }
                     };
                     broken += usize::from(!as_assumed);
                     learn(self.domain, state, fact, holds);
@@ -373,6 +376,16 @@ impl Binder<'_> {
             }
         }
         broken
+    }
+
+    /// Whether a step of the way, or the one behind it with these arguments, tells whether the fact holds.
+    fn is_sensed(&self, fact: Fact, way: &[Vec<EntityId>], arguments: &[EntityId]) -> bool {
+        let done = way.iter().map(Vec::as_slice).chain([arguments]);
+        let mut steps = self.turns.iter().zip(done);
+        steps.any(|(turn, arguments)| {
+            let mut senses = self.domain.action(turn.step.action).senses.iter();
+            senses.any(|atom| ground(atom, arguments) == fact)
+        })
     }
 
     fn descend(&mut self, state: &State) {
