@@ -131,7 +131,7 @@ fn environment(room: usize) -> Environment<'static> {
         }
     });
     let left = Arc::new(AtomicUsize::new(room));
-    let built: [(&'static str, fn(&str) -> String); 4] = [
+    let built: [(&'static str, Built); 4] = [
         ("lower", |text| text.to_lowercase()),
         ("upper", |text| text.to_uppercase()),
         ("trim", |text| text.trim().to_owned()),
@@ -149,6 +149,9 @@ fn environment(room: usize) -> Environment<'static> {
     });
     environment
 }
+
+/// A filter that builds a text out of another one.
+type Built = fn(&str) -> String;
 
 /// Joins the entries of a list, which are texts or numbers.
 fn joined(left: &AtomicUsize, list: &Value, between: Option<&str>) -> Result<String, Error> {
