@@ -33,8 +33,8 @@ def possible(world: World) -> set[tuple]:
 
 
 def hides_place(call) -> list[str]:
-    """The predicates with which a call that hides where things go puts its object there."""
-    if call.object is None:
+    """The predicates of the places of a call's object, if the call changes them and hides an argument besides the object."""
+    if call.object is None or not set(call.hidden) - {call.object, call.actor}:
         return []
     found = []
 
@@ -44,9 +44,8 @@ def hides_place(call) -> list[str]:
                 look(part)
         elif effect[0] in ("forall", "when"):
             look(effect[2])
-        elif effect[0] == "add" and len(effect[2]) == 2 and effect[2][0] == call.object:
-            if effect[2][1] in call.hidden and effect[2][1] != call.actor:
-                found.append(effect[1])
+        elif len(effect[2]) == 2 and effect[2][0] == call.object:
+            found.append(effect[1])
 
     look(call.action.effect)
     return found
