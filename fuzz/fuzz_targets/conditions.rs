@@ -40,7 +40,7 @@ static GREENHOUSE: LazyLock<(Files, Environment)> = LazyLock::new(|| {
 });
 
 /// Units of work for one input.
-const UNITS: u64 = effort::OPERATION / 40;
+const UNITS: u64 = effort::OPERATION / 400;
 
 const SMALL: Limits = Limits {
     direct: 200,

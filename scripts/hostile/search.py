@@ -15,6 +15,7 @@ import os
 import random
 import shlex
 import shutil
+import signal
 import sys
 import threading
 import time
@@ -30,7 +31,7 @@ from measure import Case, Runner, write_files
 FAMILIES = plans.FAMILIES + sessions.FAMILIES + domains.FAMILIES + examples.FAMILIES
 EMPTY = Case({"plan.json": '{"task_cohesion": {"task_sequence": []}}', "env.json": '{"assets": ["<a>"], "objects": []}'}, ("verify", "plan.json", "--env", "env.json"))
 # The runs that making the first finding of a family smaller may take; further ones may take fewer.
-TRIES = 60
+TRIES = 40
 
 
 def arguments():
@@ -74,11 +75,12 @@ class Search:
             return "memory"
         return None
 
-    def confirmed(self, case, why, times=2):
-        """The least that further runs of the case take, while they are over the limit: a busy machine counts once."""
-        least = None
+    def confirmed(self, climber, genome, why, times):
+        """The least that further runs of the genome take; none if one keeps to the limits, as when a machine is busy."""
+        case, least = climber.family.build(genome), None
         for _ in range(times):
             cost = self.runner.run(case, self.enough)
+            climber.spent += cost.seconds
             if self.why(cost) != why:
                 return None
             least = cost if least is None or cost.seconds < least.seconds else least
@@ -92,9 +94,15 @@ class Search:
             self.failure = error
             raise
 
+    def turn(self):
+        """The family that comes next: mostly the one that has had the least processor time."""
+        if self.rng.random() < 0.3:
+            return self.rng.choice(self.climbers)
+        return min(self.climbers, key=lambda climber: (climber.spent / climber.weight(), climber.runs))
+
     def step(self):
         with self.lock:
-            climber = self.rng.choices(self.climbers, [climber.weight() for climber in self.climbers])[0]
+            climber = self.turn()
             genome = climber.next()
         if genome is None:
             return
@@ -112,13 +120,16 @@ class Search:
 
     def keep(self, climber, genome, why):
         family = climber.family
-        if self.confirmed(family.build(genome), why) is None:
+        confirmed = self.confirmed(climber, genome, why, 2)
+        if confirmed is None:
             return
         with self.lock:
             tries = TRIES // (1 + len(climber.over)) ** 2
-        smallest = minimised(family, genome, lambda other: self.is_still_over(family, other, why), tries)
-        case = family.build(smallest)
-        cost = self.runner.run(case)
+        found = {"genome": genome, "cost": confirmed}
+        minimised(family, genome, lambda other: self.is_still_over(climber, other, why, found), tries)
+        smallest, case = found["genome"], family.build(found["genome"])
+        longer = self.runner.run(case)
+        cost = longer if self.why(longer) == why else found["cost"]
         with self.lock:
             command = " ".join(case.argv[:2])
             if any(known[:2] == (why, command) and known[2] == case for known in climber.over):
@@ -128,8 +139,11 @@ class Search:
             folder = self.save(f"{family.name}-{number}".replace(": ", "-").replace(" ", "-"), case, cost, smallest)
         print(f"OVER THE LIMIT ({why}): {family.name}: {cost.seconds:.2f} s, {cost.mebibytes:.0f} MiB, ended with {cost.end}: {folder}", flush=True)
 
-    def is_still_over(self, family, genome, why):
-        return time.monotonic() < self.until and self.confirmed(family.build(genome), why, 1) is not None
+    def is_still_over(self, climber, genome, why, found):
+        cost = self.confirmed(climber, genome, why, 1) if time.monotonic() < self.until else None
+        if cost is not None:
+            found.update(genome=genome, cost=cost)
+        return cost is not None
 
     def keep_crash(self, family, genome, cost):
         lines = [line for line in cost.stderr.splitlines() if "panicked at" in line] or [cost.end]
@@ -168,6 +182,7 @@ class Search:
 
 def main():
     options = arguments()
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     seed = options.seed if options.seed is not None else random.SystemRandom().randrange(1 << 32)
     print(f"seed {seed}; limits {options.seconds} s and {options.megabytes} MB; every file and argument has at most 20000 bytes", flush=True)
     search = Search(options, seed)
