@@ -95,7 +95,10 @@ fn check_bound(domain: &Domain, world: &World, resolved: &Resolved, plan: &Plan)
         assert_eq!(step.arguments.len(), parameters.len());
         for ((argument, given), parameter) in step.arguments.iter().zip(&draft.arguments).zip(parameters) {
             assert!(given.is_none_or(|given| given == *argument), "a given argument is kept");
-            assert!(world.of_kind(parameter.kind).contains(argument), "an argument has its type");
+            assert!(
+                world.of_kind(parameter.kind).contains(argument),
+                "an argument has its type"
+            );
         }
     }
 }
