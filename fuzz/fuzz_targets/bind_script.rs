@@ -11,7 +11,11 @@ fuzz_target!(|text: &str| {
         return;
     };
     let file = PlanFile::from(TaskCohesion::from_written(written));
+    // Decided by the text, so that an input that fails fails again.
+    let number = text
+        .bytes()
+        .fold(7u32, |sum, byte| sum.wrapping_mul(31).wrapping_add(byte.into()));
     for scene in [&CHECKS, &DUAL] {
-        check_plan(scene, file.clone());
+        check_plan(scene, file.clone(), number.is_multiple_of(256));
     }
 });

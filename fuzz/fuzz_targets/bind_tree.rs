@@ -14,6 +14,7 @@ fuzz_target!(|bytes: &[u8]| {
         Ok(true) => &DUAL,
         _ => &CHECKS,
     };
+    let with_repair = bytes.ratio(1, 256).unwrap_or(false);
     let Ok(file) = trees::plan(scene, &mut bytes) else {
         return;
     };
@@ -23,5 +24,5 @@ fuzz_target!(|bytes: &[u8]| {
         let text = script::write(tree);
         assert_eq!(script::read(&text).as_ref(), Ok(tree), "{text}");
     }
-    check_plan(scene, file);
+    check_plan(scene, file, with_repair);
 });

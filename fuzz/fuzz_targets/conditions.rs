@@ -40,7 +40,7 @@ static GREENHOUSE: LazyLock<(Files, Environment)> = LazyLock::new(|| {
 });
 
 /// Units of work for one input.
-const UNITS: u64 = effort::OPERATION / 40;
+const UNITS: u64 = effort::OPERATION / 400;
 
 const SMALL: Limits = Limits {
     direct: 200,
@@ -82,7 +82,10 @@ fn check_problem(problem: &Problem) {
     match spent.result {
         _ if spent.exhausted => {}
         Outcome::Solved { steps, .. } => {
-            assert!(!holds_now || steps.is_empty(), "nothing is to be done, and {steps:?} are");
+            assert!(
+                !holds_now || steps.is_empty(),
+                "nothing is to be done, and {steps:?} are"
+            );
             let mut state = world.state.clone();
             for step in &steps {
                 let action = BARE.action(step.action);
@@ -92,7 +95,11 @@ fn check_problem(problem: &Problem) {
                 apply(world, &mut state, action, &step.arguments);
             }
             for wanted in [wanted, &again.wanted] {
-                assert_ne!(all_hold(world, &state, wanted), Some(false), "a solution reaches what is wanted");
+                assert_ne!(
+                    all_hold(world, &state, wanted),
+                    Some(false),
+                    "a solution reaches what is wanted"
+                );
             }
         }
         Outcome::ProvenUnsolvable { .. } => assert!(!holds_now, "what holds is no unsolvable goal"),
@@ -128,7 +135,8 @@ fn as_rule(condition: &str) {
     let Ok(condition) = serde_json::to_string(condition) else {
         return;
     };
-    let rule = format!("[[rule]]\nname = \"fuzz\"\nholds = \"end\"\ncondition = {condition}\nsays = \"no\"\n\n[lexicon]");
+    let rule =
+        format!("[[rule]]\nname = \"fuzz\"\nholds = \"end\"\ncondition = {condition}\nsays = \"no\"\n\n[lexicon]");
     let files = Files {
         words: files.words.replacen("[lexicon]", &rule, 1),
         ..files.clone()
@@ -137,7 +145,9 @@ fn as_rule(condition: &str) {
         Ok(domain) => domain,
         Err(findings) => return drop(findings.to_string()),
     };
-    let read = effort::within(UNITS, || world::read(&domain, environment, "environment", "", &Path::default()));
+    let read = effort::within(UNITS, || {
+        world::read(&domain, environment, "environment", "", &Path::default())
+    });
     let Ok(world) = read.result else {
         return;
     };

@@ -49,7 +49,10 @@ fn take_up(log: &Log) {
     if spent.exhausted {
         return;
     }
-    let again = spent.result.expect("a session that was resumed can be resumed again").session;
+    let again = spent
+        .result
+        .expect("a session that was resumed can be resumed again")
+        .session;
     assert_eq!(again.world().environment, resumed.world().environment);
     assert_eq!(again.accepted().len(), resumed.accepted().len());
     drop(resumed.need(&mut EstimatedTokens::default()));

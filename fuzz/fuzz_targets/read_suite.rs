@@ -12,7 +12,8 @@ use longstep::effort;
 use longstep_eval::Recorded;
 use longstep_eval::suite::{Files, load};
 
-static CHECKS: LazyLock<Domain> = LazyLock::new(|| domain::shipped("household-checks").expect("shipped").expect("valid"));
+static CHECKS: LazyLock<Domain> =
+    LazyLock::new(|| domain::shipped("household-checks").expect("shipped").expect("valid"));
 
 const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<bin>"], "objects": ["<pen>", "<ink>", "<cupboard_handle>"],
     "object_states": {"<pen>": "on_something(<desk>)", "<ink>": "on_something(<shelf>)", "<cupboard_handle>": "closed()"}}"#;

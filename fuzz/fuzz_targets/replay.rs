@@ -27,7 +27,12 @@ fuzz_target!(|text: &str| {
         Err(error) => return drop((error.to_string(), error.hint())),
     };
     let message = Message::new(Role::User, "hello");
-    drop((model.name().len(), model.constraint_kind(), model.context_tokens(), model.counting()));
+    drop((
+        model.name().len(),
+        model.constraint_kind(),
+        model.context_tokens(),
+        model.counting(),
+    ));
     assert_eq!(model.message_tokens(&message), model.message_tokens(&message));
     let _ = model.frame_tokens();
     let turns: Vec<(ChatRequest, String)> = text.lines().filter_map(turn).collect();
@@ -37,7 +42,11 @@ fuzz_target!(|text: &str| {
         assert!(recorded, "{reply:?} was never a reply to this request");
     }
     // A turn may be written in other ways than `turn` knows.
-    let others = text.lines().filter(|line| line.contains("request") || line.contains('\\')).count() > turns.len();
+    let others = text
+        .lines()
+        .filter(|line| line.contains("request") || line.contains('\\'))
+        .count()
+        > turns.len();
     let unknown = request(vec![message]);
     for request in turns.iter().map(|(request, _)| request).chain([&unknown]) {
         match ask(model.as_mut(), request) {
@@ -80,7 +89,12 @@ fn turn(line: &str) -> Option<(ChatRequest, String)> {
         "assistant" => Some(Role::Assistant),
         _ => None,
     };
-    let message = |record: &Value| Some(Message::new(role(record.get("role")?.as_str()?)?, record.get("text")?.as_str()?));
+    let message = |record: &Value| {
+        Some(Message::new(
+            role(record.get("role")?.as_str()?)?,
+            record.get("text")?.as_str()?,
+        ))
+    };
     let messages: Option<Vec<Message>> = asked.get("messages")?.as_array()?.iter().map(message).collect();
     let made = ChatRequest {
         answer_so_far: asked.get("answer_so_far")?.as_str()?.to_owned(),

@@ -10,14 +10,16 @@ use longstep::world::World;
 
 use crate::scenes::Scene;
 
-/// Units of work for one input, a fortieth of what a command has, so that a second has many inputs.
-const UNITS: u64 = effort::OPERATION / 40;
+/// Units of work for one input, a small part of what a command has, so that a second has many inputs.
+const UNITS: u64 = effort::OPERATION / 400;
 
-/// Drafts with more steps than this are not repaired: one repair may take as long as a thousand bindings.
+/// Drafts with more steps than this are not repaired.
 const REPAIRED: usize = 5;
 
-/// Binds, verifies and repairs a plan, and checks what comes of each against the others.
-pub fn check_plan(scene: &Scene, file: PlanFile) {
+/// Binds and verifies a plan, repairs it where that is asked for, and checks what comes of each against the others.
+///
+/// One repair looks at up to 12,000 states and takes as long as a thousand bindings, so it is asked for rarely.
+pub fn check_plan(scene: &Scene, file: PlanFile, with_repair: bool) {
     let Scene { domain, world } = scene;
     let draft = Draft {
         file,
@@ -25,7 +27,7 @@ pub fn check_plan(scene: &Scene, file: PlanFile) {
     };
     let attempt = Attempt::new(domain, world, draft, None);
     let spent = effort::within(UNITS, || check_as_written(domain, world, &attempt));
-    if spent.exhausted || attempt.resolved.steps.len() > REPAIRED {
+    if !with_repair || spent.exhausted || attempt.resolved.steps.len() > REPAIRED {
         return;
     }
     let repair = effort::within(UNITS, || attempt.repair(domain, world, &Pins::default()));
@@ -93,7 +95,10 @@ fn check_bound(domain: &Domain, world: &World, resolved: &Resolved, plan: &Plan)
         assert_eq!(step.arguments.len(), parameters.len());
         for ((argument, given), parameter) in step.arguments.iter().zip(&draft.arguments).zip(parameters) {
             assert!(given.is_none_or(|given| given == *argument), "a given argument is kept");
-            assert!(world.of_kind(parameter.kind).contains(argument), "an argument has its type");
+            assert!(
+                world.of_kind(parameter.kind).contains(argument),
+                "an argument has its type"
+            );
         }
     }
 }

@@ -180,9 +180,7 @@ impl Drawer<'_, '_, '_> {
                 times: *self.bytes.choose(&[0, 1, 2, 3, 7, 1_000, u32::MAX])?,
                 body: self.block(depth - 1)?,
             },
-            _ => Node::Parallel {
-                lanes: self.lanes()?,
-            },
+            _ => Node::Parallel { lanes: self.lanes()? },
         })
     }
 

@@ -16,6 +16,8 @@ class Climber:
         self.rng = random.Random(rng.random())
         self.population = []
         self.idle = self.runs = self.restarts = 0
+        # Processor time that the family has had, to find what is over a limit and to make it smaller.
+        self.spent = 0.0
         self.worst_seconds = self.worst_mebibytes = 0.0
         self.worst_genomes = {}
         self.over = []
@@ -39,6 +41,8 @@ class Climber:
     def take(self, genome, cost):
         """Keeps a genome that costs more than the least of those that are kept."""
         self.runs += 1
+        # Each run costs a few milliseconds besides.
+        self.spent += cost.seconds + 0.01
         score = self.score(cost)
         for worst, value in (("seconds", cost.seconds), ("mebibytes", cost.mebibytes)):
             if value > getattr(self, f"worst_{worst}"):
@@ -55,7 +59,7 @@ class Climber:
             self.restarts += 1
 
     def weight(self):
-        """How often this family is chosen: less once enough is known against it."""
+        """Its share of the time: less once enough is known against it."""
         return 0.2 if len(self.over) >= FINDINGS else 0.5 if self.over else 1.0
 
 

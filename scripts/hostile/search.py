@@ -15,9 +15,11 @@ import os
 import random
 import shlex
 import shutil
+import signal
 import sys
 import threading
 import time
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import domains
@@ -25,11 +27,11 @@ import examples
 import plans
 import sessions
 from climb import FINDINGS, Climber, minimised
-from measure import Case, Runner, write_files
+from measure import Case, Cost, Runner, write_files
 
 FAMILIES = plans.FAMILIES + sessions.FAMILIES + domains.FAMILIES + examples.FAMILIES
 EMPTY = Case({"plan.json": '{"task_cohesion": {"task_sequence": []}}', "env.json": '{"assets": ["<a>"], "objects": []}'}, ("verify", "plan.json", "--env", "env.json"))
-# The runs that making the first finding of a family smaller may take; further ones may take fewer.
+# The runs that making a finding smaller may take.
 TRIES = 60
 
 
@@ -48,6 +50,16 @@ def arguments():
     return parser.parse_args()
 
 
+@dataclass
+class Finding:
+    """An input over a limit."""
+
+    why: str
+    genome: object
+    cost: Cost
+    folder: str
+
+
 class Search:
     """The families, what they have found, and whose turn it is."""
 
@@ -61,7 +73,7 @@ class Search:
         self.lock = threading.Lock()
         # As long as is needed to see that a run is over the limit; what is kept is measured for longer.
         self.enough = min(options.cpu_limit, math.ceil(options.seconds) + 2)
-        self.until = time.monotonic() + 60 * options.minutes
+        self.until = time.monotonic() + 54 * options.minutes
         self.crashes = {}
         self.failure = None
 
@@ -74,11 +86,12 @@ class Search:
             return "memory"
         return None
 
-    def confirmed(self, case, why, times=2):
-        """The least that further runs of the case take, while they are over the limit: a busy machine counts once."""
-        least = None
+    def confirmed(self, climber, genome, why, times):
+        """The least that further runs of the genome take; none if one keeps to the limits, as when a machine is busy."""
+        case, least = climber.family.build(genome), None
         for _ in range(times):
             cost = self.runner.run(case, self.enough)
+            climber.spent += cost.seconds
             if self.why(cost) != why:
                 return None
             least = cost if least is None or cost.seconds < least.seconds else least
@@ -92,9 +105,15 @@ class Search:
             self.failure = error
             raise
 
+    def turn(self):
+        """The family that comes next: mostly the one that has had the least processor time."""
+        if self.rng.random() < 0.3:
+            return self.rng.choice(self.climbers)
+        return min(self.climbers, key=lambda climber: (climber.spent / climber.weight(), climber.runs))
+
     def step(self):
         with self.lock:
-            climber = self.rng.choices(self.climbers, [climber.weight() for climber in self.climbers])[0]
+            climber = self.turn()
             genome = climber.next()
         if genome is None:
             return
@@ -111,25 +130,38 @@ class Search:
             self.keep(climber, genome, why)
 
     def keep(self, climber, genome, why):
-        family = climber.family
-        if self.confirmed(family.build(genome), why) is None:
+        """Keeps a genome that is over a limit, if it is so each time; it is made smaller when the search is over."""
+        cost = self.confirmed(climber, genome, why, 2)
+        if cost is None:
             return
+        case = climber.family.build(genome)
         with self.lock:
-            tries = TRIES // (1 + len(climber.over)) ** 2
-        smallest = minimised(family, genome, lambda other: self.is_still_over(family, other, why), tries)
-        case = family.build(smallest)
-        cost = self.runner.run(case)
-        with self.lock:
-            command = " ".join(case.argv[:2])
-            if any(known[:2] == (why, command) and known[2] == case for known in climber.over):
-                return
             number = len(climber.over) + 1
-            climber.over.append((why, command, case, cost))
-            folder = self.save(f"{family.name}-{number}".replace(": ", "-").replace(" ", "-"), case, cost, smallest)
-        print(f"OVER THE LIMIT ({why}): {family.name}: {cost.seconds:.2f} s, {cost.mebibytes:.0f} MiB, ended with {cost.end}: {folder}", flush=True)
+            folder = self.save(f"{climber.family.name}-{number}".replace(": ", "-").replace(" ", "-"), case, cost, genome)
+            climber.over.append(Finding(why, genome, cost, folder))
+        print(f"OVER THE LIMIT ({why}): {climber.family.name}: {cost.seconds:.2f} s, {cost.mebibytes:.0f} MiB, ended with {cost.end}: {folder}", flush=True)
 
-    def is_still_over(self, family, genome, why):
-        return time.monotonic() < self.until and self.confirmed(family.build(genome), why, 1) is not None
+    def make_smaller(self):
+        """Makes the first finding of each family smaller and replaces its folder, for a tenth of the time."""
+        until = time.monotonic() + 6 * self.options.minutes
+        found = [climber for climber in self.climbers if climber.over]
+        for number, climber in enumerate(found):
+            share = time.monotonic() + (until - time.monotonic()) / (len(found) - number)
+            first = climber.over[0]
+
+            def is_still_over(genome):
+                cost = self.confirmed(climber, genome, first.why, 1) if time.monotonic() < share else None
+                if cost is not None:
+                    first.genome, first.cost = genome, cost
+                return cost is not None
+
+            minimised(climber.family, first.genome, is_still_over, TRIES)
+            case = climber.family.build(first.genome)
+            longer = self.runner.run(case)
+            if self.why(longer) == first.why:
+                first.cost = longer
+            self.save(os.path.basename(first.folder), case, first.cost, first.genome)
+            print(f"smallest of {climber.family.name}: {first.cost.seconds:.2f} s, {first.cost.mebibytes:.0f} MiB: {first.folder}", flush=True)
 
     def keep_crash(self, family, genome, cost):
         lines = [line for line in cost.stderr.splitlines() if "panicked at" in line] or [cost.end]
@@ -168,6 +200,7 @@ class Search:
 
 def main():
     options = arguments()
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     seed = options.seed if options.seed is not None else random.SystemRandom().randrange(1 << 32)
     print(f"seed {seed}; limits {options.seconds} s and {options.megabytes} MB; every file and argument has at most 20000 bytes", flush=True)
     search = Search(options, seed)
@@ -180,6 +213,8 @@ def main():
             worker.start()
         for worker in workers:
             worker.join()
+        if search.failure is None:
+            search.make_smaller()
     except KeyboardInterrupt:
         search.until = 0
     finally:
