@@ -23,9 +23,8 @@ use std::cell::Cell;
 
 /// The units of one verification, one binding of hidden arguments, or one reading of a world.
 ///
-/// At about 20 ns a unit this is half a second. The largest case of the benchmarks, a plan with 1,000 branches, takes
-/// less than a tenth of it.
-pub const OPERATION: u64 = 25_000_000;
+/// At 20 to 40 ns a unit this is about half a second.
+pub const OPERATION: u64 = 15_000_000;
 
 /// The units that are charged for a value of a few dozen bytes that is kept in memory.
 pub(crate) const KEPT: usize = 8;

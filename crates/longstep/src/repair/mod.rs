@@ -36,7 +36,7 @@ pub const LIMIT: usize = 6_000;
 const LONGEST: usize = 500;
 
 /// The units of work of one repair: binding, checking and searching, on all ways of a plan that branches.
-const EFFORT: u64 = 60_000_000;
+const EFFORT: u64 = 50_000_000;
 
 /// The units of work of one part of the search: writing the draft as a task, and looking for the cheapest way.
 const SEARCH_EFFORT: u64 = 24_000_000;

@@ -239,6 +239,9 @@ impl<'a> Grounder<'a> {
             return parts.push(self.formula(condition, bindings));
         }
         for entity in self.things((*slot, *kind), inner, false, bindings).as_ref() {
+            if !effort::spend(effort::KEPT) {
+                return;
+            }
             bindings.push(*entity);
             self.instances_of_rule(inner, variables - 1, bindings, parts);
             bindings.pop();

@@ -22,6 +22,10 @@ const LIMIT: usize = 20_000;
 /// States that are looked at for a choice that keeps the rules for the end, once one is found that ends as claimed.
 const AFTER: usize = 2_000;
 
+/// The units of work of finding the arguments of one way, and of seeing which of them could be others.
+const WAY: u64 = effort::OPERATION / 3 * 2;
+const OPEN: u64 = effort::OPERATION / 3;
+
 /// Plans with more steps than this are bound step by step, by what lacks the least: each step more is a call deeper.
 const LONGEST: usize = 2_000;
 
@@ -164,7 +168,7 @@ pub(super) fn bind_way(
         chosen: Vec::new(),
         broken: 0,
     };
-    let found = effort::within(effort::OPERATION, || {
+    let found = effort::within(WAY, || {
         binder.list_candidates(objects);
         if turns.len() <= LONGEST {
             binder.descend(start);
@@ -182,7 +186,7 @@ pub(super) fn bind_way(
     }
     let (executable, arguments) = found.result;
     let assumptions = match executable {
-        true => effort::within(effort::OPERATION, || binder.open(&arguments)).result,
+        true => effort::within(OPEN, || binder.open(&arguments)).result,
         false => Vec::new(),
     };
     WayArguments {
@@ -538,9 +542,8 @@ impl Binder<'_> {
                 return broken == *known;
             }
         }
-        let differences = |state: &State| {
-            self.claimed_differences(state).len() + broken_rules_at_end(self.domain, self.world, state)
-        };
+        let differences =
+            |state: &State| self.claimed_differences(state).len() + broken_rules_at_end(self.domain, self.world, state);
         let (end, known) = &along[chosen.len()];
         broken + differences(&state) == known + differences(end)
     }

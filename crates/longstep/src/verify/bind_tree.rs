@@ -32,8 +32,7 @@ pub fn bind_tree(
 ) -> Result<(Plan, Vec<Assumption>), Vec<Violation>> {
     let mut steps = resolved.complete().map_err(<[Violation]>::to_vec)?;
     let mut assumptions = Vec::new();
-    // Each way may take a whole budget to bind and another to see what is left open.
-    let spent = effort::within(2 * effort::OPERATION, || {
+    let spent = effort::within(effort::OPERATION, || {
         bind_ways(domain, world, resolved, claim, &mut steps, &mut assumptions)
     });
     if spent.exhausted || !spent.result {

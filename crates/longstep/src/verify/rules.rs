@@ -59,10 +59,19 @@ fn denied_atoms(part: &Condition) -> Vec<(&Atom, bool)> {
 
 /// Each partial binding, extended in every way in which the atom holds.
 fn join(partial: &[Vec<Option<EntityId>>], atom: &Atom, state: &State) -> Vec<Vec<Option<EntityId>>> {
-    let facts = state.of_predicate(atom.predicate);
     let mut joined = Vec::new();
     for bindings in partial {
-        if !effort::spend(facts.len()) {
+        // Facts are sorted by their first argument: where that is known, only those are looked at.
+        let first = match atom.terms.first() {
+            Some(Term::Constant(constant)) => Some(*constant),
+            Some(Term::Variable(slot)) => bindings.get(*slot).copied().flatten(),
+            None => None,
+        };
+        let facts = match first {
+            Some(first) => state.of_first(atom.predicate, first),
+            None => state.of_predicate(atom.predicate),
+        };
+        if !effort::spend(1 + facts.len()) {
             break;
         }
         for fact in facts {
