@@ -11,7 +11,7 @@ use longstep::session::{RepairPolicy, Settings, Strategy};
 #[command(name = "longstep", version, arg_required_else_help = true)]
 #[command(
     after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up, \
-13 a question back, 20 a limit, 30 unreadable input, 40 model or network."
+13 a question back, 20 a limit, 30 unreadable input, 40 model or network, 50 output not written."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -62,10 +62,10 @@ pub(crate) struct WorldArguments {
 pub(crate) struct ModelArguments {
     /// Which language model: a name of `longstep model list`, a .gguf file, openai:NAME, azure:DEPLOYMENT,
     /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE
-    #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", default_value = longstep_llm::catalogue::DEFAULT)]
+    #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", hide_env_values = true, default_value = longstep_llm::catalogue::DEFAULT)]
     pub(crate) model: String,
     /// Threads of an embedded model [default: one for each physical core]
-    #[arg(long, value_name = "N", env = "LONGSTEP_THREADS", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", env = "LONGSTEP_THREADS", hide_env_values = true, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
     /// How freely the model chooses its words: 0 takes the likeliest
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = temperature)]
@@ -268,7 +268,7 @@ pub(crate) struct EvalArguments {
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
     /// The folder of the paper's recordings, for the suite `paper`
-    #[arg(long, value_name = "FOLDER", env = "LONGSTEP_CORPUS")]
+    #[arg(long, value_name = "FOLDER", env = "LONGSTEP_CORPUS", hide_env_values = true)]
     pub(crate) corpus: Option<PathBuf>,
     /// Recorded replies instead of a model: a JSON array of {"case", "trial", "round", "reply"}
     #[arg(long, value_name = "REPLIES.json")]

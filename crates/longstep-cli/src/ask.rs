@@ -81,6 +81,13 @@ pub(crate) fn watch_for_interrupts() {
     let _ = ctrlc::set_handler(|| interrupted().set(true));
 }
 
+/// Returns whether Ctrl-C was pressed since this was last asked.
+pub(crate) fn take_interrupt() -> bool {
+    let pressed = interrupted().is_set();
+    interrupted().set(false);
+    pressed
+}
+
 /// The flag that Ctrl-C sets.
 pub(crate) fn interrupted() -> &'static StopFlag {
     static INTERRUPTED: OnceLock<StopFlag> = OnceLock::new();

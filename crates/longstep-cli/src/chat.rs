@@ -1,6 +1,7 @@
 //! `longstep chat`: one instruction after the other, each in the world that the last plan left.
 
 mod commands;
+mod input;
 mod screen;
 
 use std::io::IsTerminal;
@@ -9,18 +10,16 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use longstep::session::{Event, ModelFacts, Session, Settings};
 use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, session_directory};
-use rustyline::error::ReadlineError;
-use rustyline::history::DefaultHistory;
-use rustyline::{Config, Editor};
 
 use crate::arguments::{ChatArguments, ModelArguments};
 use crate::ask::{self, Waiting};
 use crate::failure::{self, Failure};
 use crate::solve::stopwatch;
-use crate::{inputs, plan, show};
+use crate::{inputs, output, plan, show};
+use input::{Input, Lines};
 
-/// Lines of history that are kept.
-const HISTORY: usize = 1000;
+/// The exit code after Ctrl-C on a pipe: 128 and the number of the signal, as shells have it.
+const INTERRUPTED: u8 = 130;
 
 /// A conversation with a person.
 struct Chat<'a> {
@@ -49,40 +48,25 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
         // The arguments are declared so that it is one or the other.
         (None, None) => return Err(Failure::unreadable("neither --env nor --resume is given").into()),
     };
+    ask::watch_for_interrupts();
     if interactive {
-        ask::watch_for_interrupts();
         screen::notice(&format!(
             "The session is kept in {}. /help tells what you can say.",
             chat.folder.path().display()
         ));
     }
-    let history = session_directory().ok().map(|folder| folder.with_file_name("history"));
-    let config = Config::builder()
-        .max_history_size(HISTORY)?
-        .auto_add_history(true)
-        .build();
-    let mut editor: Editor<(), DefaultHistory> = Editor::with_config(config)?;
-    if let Some(history) = history.as_deref().filter(|_| interactive) {
-        // The first time there is none.
-        let _ = editor.load_history(history);
-    }
-    let outcome = chat.converse(&mut editor, interactive);
-    if let Some(history) = history.filter(|_| interactive) {
-        if let Some(folder) = history.parent() {
-            // Without a history the next conversation begins with an empty one, and nothing else is lost.
-            let _ = std::fs::create_dir_all(folder);
-        }
-        let _ = editor.save_history(&history);
-    }
+    let mut lines = Lines::open(interactive)?;
+    let outcome = chat.converse(&mut lines, interactive);
+    lines.close();
     let name = screen::session_name(chat.folder.path());
     if chat.session.proposal().is_some() && outcome.is_ok() {
         screen::notice(&format!(
             "The plan is not accepted. Go on with: longstep chat --resume {name}"
         ));
-    } else if interactive {
+    } else if interactive || matches!(outcome, Ok(INTERRUPTED)) {
         screen::notice(&format!("Go on with: longstep chat --resume {name}"));
     }
-    outcome.map(|()| 0)
+    outcome
 }
 
 fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
@@ -168,24 +152,27 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
 }
 
 impl Chat<'_> {
-    fn converse(&mut self, editor: &mut Editor<(), DefaultHistory>, interactive: bool) -> Result<()> {
+    /// Goes on until nothing more comes; returns the exit code.
+    fn converse(&mut self, lines: &mut Lines, interactive: bool) -> Result<u8> {
         self.go_on(interactive)?;
         loop {
+            // What nobody can see must not be accepted.
+            if output::failed() {
+                return Ok(output::NOT_WRITTEN);
+            }
             let asks = match self.session.proposal() {
                 Some(_) => "accept? [Enter, or say what is to be different] ",
                 None if !self.session.endings().is_empty() => "which? [its number] ",
                 None => "> ",
             };
-            let line = match editor.readline(asks) {
-                Ok(line) => line,
-                // Ctrl-C takes the line back.
-                Err(ReadlineError::Interrupted) => continue,
-                Err(ReadlineError::Eof) => return Ok(()),
-                Err(error) => return Err(error.into()),
+            let line = match lines.next(asks)? {
+                Input::Line(line) => line,
+                Input::End => return Ok(0),
+                Input::Interrupted => return Ok(INTERRUPTED),
             };
             match self.hear(line.trim()) {
                 Ok(Next::GoOn) => {}
-                Ok(Next::Quit) => return Ok(()),
+                Ok(Next::Quit) => return Ok(0),
                 // What cannot be written down has to be told at once, and nothing may be said after it.
                 Err(error) if error.is::<longstep_llm::FolderError>() => return Err(error),
                 Err(error) => {
@@ -246,7 +233,7 @@ impl Chat<'_> {
         let before = self.session.world().environment.clone();
         self.session.ended(number - 1)?;
         show::changes(&before, &self.session.world().environment);
-        anstream::println!();
+        output::blank();
         Ok(())
     }
 
@@ -268,7 +255,10 @@ impl Chat<'_> {
             let advanced = advance(&mut self.session, model, Some(&mut self.folder), &mut Waiting::new());
             match advanced {
                 Ok(need) => screen::need(&self.session, &need, interactive),
-                Err(AdvanceError::Model(ModelError::Stopped)) => self.notice_stopped(),
+                Err(AdvanceError::Model(ModelError::Stopped)) => {
+                    let _ = ask::take_interrupt();
+                    self.notice_stopped();
+                }
                 Err(error) => return Err(error.into()),
             }
         } else {

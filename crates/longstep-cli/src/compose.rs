@@ -14,7 +14,7 @@ use crate::ask::{self, Waiting};
 use crate::failure::{Failure, LIMIT, MODEL, UNREADABLE};
 use crate::plan::said;
 use crate::solve::{finish, stopwatch};
-use crate::{inputs, show};
+use crate::{inputs, output, show};
 
 pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     let started = stopwatch();
@@ -62,10 +62,8 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     answer.timings_ms.total = stopwatch() - started;
     if !arguments.json && answer.status != Status::Question {
         show::heading("Composition");
-        for line in composition.text.trim().lines() {
-            anstream::println!("  {line}");
-        }
-        anstream::println!();
+        output::quotation(composition.text.trim());
+        output::blank();
     }
     finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
 }

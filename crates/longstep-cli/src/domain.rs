@@ -4,10 +4,11 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::domain::{self, Domain, Finding};
-use owo_colors::OwoColorize;
+use longstep::visible;
 
 use crate::arguments::DomainCommand;
 use crate::failure::{Failure, NOT_VALID};
+use crate::output::{self, Style, print_line};
 use crate::{inputs, show};
 
 pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
@@ -15,7 +16,7 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
         DomainCommand::List => {
             for name in domain::shipped_names() {
                 let domain = inputs::domain(name)?;
-                anstream::println!("{:16}  {}", name.bold(), domain.about);
+                print_line!("{:16}  {}", name.bold(), domain.about);
             }
         }
         DomainCommand::Show { domain } => describe(&inputs::domain(domain)?),
@@ -32,21 +33,22 @@ fn check(name: &str, strict: bool, json: bool) -> Result<u8> {
     let findings = domain::lint(&domain, &files);
     if json {
         let entries: Vec<_> = findings.iter().map(entry).collect();
-        anstream::println!("{}", serde_json::to_string_pretty(&entries)?);
+        output::json(&entries)?;
     } else {
         for finding in &findings {
-            anstream::println!(
-                "{} {}",
-                "warning:".yellow().bold(),
-                finding.to_string().replace("  hint:", "hint:")
-            );
+            let mut named = finding.clone();
+            let hint = named.diagnostic.hint.take();
+            print_line!("{} {named}", "warning:".yellow().bold());
+            if let Some(hint) = hint {
+                show::hint(&hint);
+            }
         }
         let verdict = match findings.len() {
             0 => "nothing is wrong".to_owned(),
             1 => "1 warning".to_owned(),
             count => format!("{count} warnings"),
         };
-        anstream::println!(
+        print_line!(
             "{name}: {verdict} (actions: {}, goals: {}, examples: {})",
             domain.actions.len(),
             domain.goal_words.len(),
@@ -70,7 +72,7 @@ fn entry(finding: &Finding) -> serde_json::Value {
 }
 
 fn describe(domain: &Domain) {
-    anstream::println!("{}: {}", domain.name.bold(), domain.about);
+    print_line!("{}: {}", domain.name.bold(), domain.about);
     let mut entries: Vec<(String, &str)> = domain
         .actions
         .iter()
@@ -102,11 +104,13 @@ fn describe(domain: &Domain) {
 }
 
 fn table(title: &str, entries: &[(String, &str)]) {
-    anstream::println!();
+    output::blank();
     show::heading(title);
-    let width = entries.iter().map(|(left, _)| left.chars().count()).max().unwrap_or(0);
+    let widths = entries.iter().map(|(left, _)| visible::line(left).chars().count());
+    let width = widths.max().unwrap_or(0);
     for (left, right) in entries {
-        anstream::println!("  {left:width$}  {}", right.dimmed());
+        let left = visible::line(left);
+        print_line!("  {left:width$}  {}", right.dimmed());
     }
 }
 
@@ -141,10 +145,8 @@ fn create(folder: &Path) -> Result<()> {
         std::fs::write(&path, text).map_err(failed)?;
     }
     std::fs::rename(draft.keep(), folder).map_err(failed)?;
-    anstream::println!("{shown} is a domain now; look at it with");
-    anstream::println!("  longstep domain check {shown}");
-    anstream::println!(
-        "  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}"
-    );
+    print_line!("{shown} is a domain now; look at it with");
+    print_line!("  longstep domain check {shown}");
+    print_line!("  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}");
     Ok(())
 }

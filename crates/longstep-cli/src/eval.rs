@@ -14,11 +14,12 @@ use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
 use longstep_eval::suite::{self, PLAIN, Suite};
 use longstep_eval::{Campaign, Changes, Choice, Opened, Recorded, Source, Summary, domain_sha256, lengths, units};
 use longstep_eval::{compare, report};
-use longstep_llm::{AdvanceError, ModelError, ModelReference, catalogue};
+use longstep_llm::{AdvanceError, ModelError, ModelReference};
 
 use crate::arguments::{EvalArguments, EvalCommand, ModelArguments};
 use crate::ask;
 use crate::failure::{Failure, MODEL};
+use crate::output::{self, print_line, remark};
 use progress::Bar;
 
 pub(crate) fn run(arguments: &EvalArguments) -> Result<u8> {
@@ -36,7 +37,7 @@ fn list() -> Result<u8> {
         let domain = inputs::domain_files(name, &files)?;
         let suite = suite::load(&files, &longstep::domain::load(&domain)?)?;
         let steps: usize = suite.cases.iter().map(|case| case.steps.len()).sum();
-        anstream::println!("{name:<12} {steps:>4} instructions  {}", suite.about);
+        print_line!("{name:<12} {steps:>4} instructions  {}", suite.about);
     }
     Ok(Status::Verified.exit_code())
 }
@@ -46,6 +47,8 @@ struct Task {
     suite: Suite,
     domain: Arc<Domain>,
     plan: Plan,
+    /// The address of the model's server, if it has one.
+    server: Option<String>,
     choice: Choice,
     /// Where the run is kept.
     out: PathBuf,
@@ -61,7 +64,7 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
     let settings = arguments.strategy.settings();
     let mut task = task(arguments, name, settings, out, recorded.as_ref())?;
     let results = match recorded {
-        Some(recorded) => perform(&mut task, 1, &|| Box::new(recorded.clone()))?,
+        Some((recorded, _)) => perform(&mut task, 1, &|| Box::new(recorded.clone()))?,
         None => {
             let reference: ModelReference = arguments.model.model.parse()?;
             let embedded = matches!(reference, ModelReference::Catalogue(_) | ModelReference::File(_));
@@ -109,7 +112,7 @@ fn paper_tables(arguments: &EvalArguments, name: &str, out: &Path) -> Result<u8>
         };
         let recorded = inputs::replies(&inputs::corpus(arguments)?.join("virtualhome14").join(file))?;
         let mut task = task(arguments, name, settings, out.join(table), Some(&recorded))?;
-        let results = perform(&mut task, 1, &|| Box::new(recorded.clone()))?;
+        let results = perform(&mut task, 1, &|| Box::new(recorded.0.clone()))?;
         tell(&results, &task.out)?;
     }
     Ok(Status::Verified.exit_code())
@@ -120,7 +123,7 @@ fn task(
     name: &str,
     settings: Settings,
     out: PathBuf,
-    recorded: Option<&Recorded>,
+    recorded: Option<&(Recorded, String)>,
 ) -> Result<Task> {
     let mut files = Files::default();
     let mut told = Vec::new();
@@ -140,7 +143,7 @@ fn task(
     };
     let (suite, suite_sha256, domain) = inputs::suite(arguments, name, &mut load)?;
     let trials = match recorded {
-        Some(recorded) => recorded.keys().map(|(_, trial)| trial).max().unwrap_or(1),
+        Some((recorded, _)) => recorded.keys().map(|(_, trial)| trial).max().unwrap_or(1),
         None => arguments.trials,
     };
     let choice = Choice {
@@ -153,6 +156,10 @@ fn task(
         trials,
     };
     let model = &arguments.model;
+    let (model_sha256, server) = match recorded {
+        Some((_, sha256)) => (Some(sha256.clone()), None),
+        None => inputs::origin(&model.model.parse()?)?,
+    };
     let plan = Plan {
         version: VERSION,
         longstep: env!("CARGO_PKG_VERSION").to_owned(),
@@ -164,10 +171,8 @@ fn task(
             Some(_) => "recorded replies".to_owned(),
             None => inputs::without_address(&model.model),
         },
-        model_sha256: match recorded {
-            Some(_) => None,
-            None => catalogue::find(&model.model).map(|entry| entry.sha256.to_owned()),
-        },
+        model_sha256,
+        server: None,
         settings,
         temperature: model.temperature,
         top_p: model.top_p,
@@ -182,6 +187,7 @@ fn task(
         suite,
         domain: Arc::new(domain),
         plan,
+        server,
         choice,
         out,
     })
@@ -197,7 +203,7 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
                 .into(),
         );
     }
-    let (mut folder, mut results) = RunFolder::open(&task.out, &task.plan, &lengths(&all))?;
+    let (mut folder, mut results) = RunFolder::open(&task.out, &task.plan, task.server.as_deref(), &lengths(&all))?;
     let rest = &all[folder.units_done()..];
     let bar = Bar::new(all.len(), folder.units_done(), &results.attempts);
     ask::watch_for_interrupts();
@@ -241,10 +247,7 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
 
 fn print_json(results: &Results) -> Result<u8> {
     let summary = Summary::of(&results.attempts, &results.timings);
-    anstream::println!(
-        "{}",
-        serde_json::to_string(&serde_json::json!({"run": results.plan, "summary": summary}))?
-    );
+    output::json_line(&serde_json::json!({"run": results.plan, "summary": summary}))?;
     Ok(Status::Verified.exit_code())
 }
 
@@ -253,8 +256,8 @@ fn tell(results: &Results, folder: &Path) -> Result<u8> {
     let page = folder.join("report.html");
     inputs::write(&page, &report::html(results))?;
     inputs::write(&folder.join("report.md"), &report::markdown(results))?;
-    anstream::print!("{}", report::text(results));
-    anstream::eprintln!("report: {}", page.display());
+    output::document(&report::text(results));
+    remark!("report: {}", page.display());
     Ok(Status::Verified.exit_code())
 }
 
@@ -263,6 +266,6 @@ fn compare_runs(before: &Path, after: &Path, html: Option<&Path>) -> Result<u8> 
     if let Some(page) = html {
         inputs::write(page, &compare::html(&before, &after))?;
     }
-    anstream::print!("{}", compare::text(&before, &after));
+    output::document(&compare::text(&before, &after));
     Ok(Status::Verified.exit_code())
 }

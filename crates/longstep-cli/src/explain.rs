@@ -1,8 +1,8 @@
 //! `--explain-prompt`: what would be sent to a model, and what each part of it costs.
 
 use longstep::prompt::{Explanation, Message, Role};
-use owo_colors::OwoColorize;
 
+use crate::output::{self, Style, print_line};
 use crate::show;
 
 /// Prints a table of the parts, the total, and the messages under their roles.
@@ -15,16 +15,16 @@ pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usi
     let digits = explanation.total.to_string().len();
     for part in &explanation.parts {
         let share = format!("{:>3}.{} %", part.per_mille / 10, part.per_mille % 10);
-        anstream::println!(
+        print_line!(
             "  {:width$}  {:>digits$} tokens  {}",
             part.name,
             part.tokens,
             share.dimmed()
         );
     }
-    anstream::println!("  {}", explanation.summary());
+    print_line!("  {}", explanation.summary());
     if dropped > 0 {
-        anstream::println!("  left out for want of room: {}", count(dropped, "earlier exchange"));
+        print_line!("  left out for want of room: {}", count(dropped, "earlier exchange"));
     }
     if left_out > 0 {
         let things = if left_out == 1 {
@@ -32,7 +32,7 @@ pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usi
         } else {
             format!("{left_out} entities")
         };
-        anstream::println!("  not shown, since the instruction hardly concerns them: {things}");
+        print_line!("  not shown, since the instruction hardly concerns them: {things}");
     }
     for (number, message) in messages.iter().enumerate() {
         let role = match message.role {
@@ -40,9 +40,9 @@ pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usi
             Role::User => "user",
             Role::Assistant => "assistant",
         };
-        anstream::println!();
+        output::blank();
         show::heading(&format!("{}. {role}", number + 1));
-        anstream::println!("{}", message.text);
+        output::quotation(&message.text);
     }
 }
 

@@ -5,7 +5,8 @@ use longstep::goal::GoalError;
 use longstep::prompt::PromptError;
 use longstep::session::ResumeError;
 use longstep_llm::{AdvanceError, FolderError, ModelError};
-use owo_colors::OwoColorize;
+
+use crate::output::{Style, remark};
 
 /// What was checked is not as it should be.
 pub(crate) const NOT_VALID: u8 = 10;
@@ -59,18 +60,19 @@ pub(crate) fn tell(error: &anyhow::Error) -> u8 {
     };
     if let Some(findings) = broken {
         for finding in &findings.0 {
-            anstream::eprintln!(
-                "{} {}",
-                "error:".red().bold(),
-                finding.to_string().replace("  hint:", "hint:")
-            );
+            let mut finding = finding.clone();
+            let hint = finding.hint.take();
+            remark!("{} {finding}", "error:".red().bold());
+            if let Some(hint) = hint {
+                remark!("{} {hint}", "hint:".cyan().bold());
+            }
         }
         return UNREADABLE;
     }
     let (hint, code) = classify(error);
-    anstream::eprintln!("{} {error:#}", "error:".red().bold());
+    remark!("{} {error:#}", "error:".red().bold());
     if let Some(hint) = hint {
-        anstream::eprintln!("{} {hint}", "hint:".cyan().bold());
+        remark!("{} {hint}", "hint:".cyan().bold());
     }
     code
 }
@@ -88,6 +90,7 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
         let code = match error {
             ModelError::TooLong { .. } | ModelError::TimedOut { .. } | ModelError::TooLarge { .. } => LIMIT,
             ModelError::UnknownReference { .. } => UNREADABLE,
+            ModelError::File { source, .. } if source.kind() == std::io::ErrorKind::FileTooLarge => UNREADABLE,
             _ => MODEL,
         };
         return (error.hint(), code);

@@ -1,6 +1,7 @@
 //! Reading domains, environments and plans, and writing files whole or not at all.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use anyhow::Result;
@@ -9,11 +10,11 @@ use longstep::domain::{self, Domain, Files};
 use longstep::json;
 use longstep::plan::{self, PlanFile, TaskCohesion};
 use longstep::world::{self, Environment, World};
-use longstep_llm::write_whole;
+use longstep_llm::{read_bounded, write_whole};
 
 use crate::failure::Failure;
 
-/// Files larger than this are not environments or plans.
+/// Files larger than this are not environments or plans; no more of them is read.
 const SIZE_LIMIT: u64 = 64 << 20;
 
 /// Reads a text file; errors say which and why.
@@ -25,11 +26,11 @@ pub(crate) fn text(path: &Path) -> Result<String> {
     if metadata.is_dir() {
         return Err(Failure::unreadable(format!("{shown} is a folder, not a file")).into());
     }
-    if metadata.len() > SIZE_LIMIT {
-        return Err(Failure::unreadable(format!("{shown} is larger than {} MiB", SIZE_LIMIT >> 20)).into());
-    }
-    let bytes =
-        std::fs::read(path).map_err(|error| Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))))?;
+    let bytes = read_bounded(path, SIZE_LIMIT).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => Failure::unreadable(format!("{shown} is larger than {} MiB", SIZE_LIMIT >> 20))
+            .hint("check the path: no environment, plan or domain is as large as that"),
+        _ => Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))).hint("check the path"),
+    })?;
     String::from_utf8(bytes).map_err(|_| {
         Failure::unreadable(format!("{shown} is not a text file (not UTF-8)"))
             .hint("save it as UTF-8")
@@ -40,7 +41,10 @@ pub(crate) fn text(path: &Path) -> Result<String> {
 /// An I/O error without the operating system's number.
 pub(crate) fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
-    text.split(" (os error").next().unwrap_or_default().to_lowercase()
+    let text = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
+    first.into_iter().chain(letters).collect()
 }
 
 /// Loads a shipped domain by name, or any domain by folder.

@@ -5,8 +5,10 @@ use longstep::arms::{self, Row};
 use longstep::domain::Domain;
 use longstep::plan::{Lane, Node, Plan, StepId};
 use longstep::verify::{Purpose, VerifiedPlan};
+use longstep::visible;
 use longstep::world::World;
-use owo_colors::OwoColorize;
+
+use crate::output::{Line, Style, composed};
 
 /// What a terminal shows in a line, if nobody says otherwise.
 const WIDTH: usize = 80;
@@ -22,7 +24,7 @@ pub(crate) fn side_by_side(
     plan: &VerifiedPlan,
     purpose: &Purpose,
     answer: &mut Answer,
-) -> Vec<String> {
+) -> Vec<Line> {
     match arms::share(domain, world, plan, purpose) {
         Some(compacted) => {
             answer.side_by_side(domain, world, &compacted);
@@ -40,7 +42,7 @@ pub(crate) fn side_by_side(
 }
 
 /// The plan in lines.
-fn shown(world: &World, plan: &Plan) -> Vec<String> {
+fn shown(world: &World, plan: &Plan) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut unit = 0;
     for node in plan.body() {
@@ -60,21 +62,23 @@ fn shown(world: &World, plan: &Plan) -> Vec<String> {
 
 /// A step by its number and what it does.
 fn told(plan: &Plan, id: StepId) -> String {
-    plan.step(id).explanation.clone()
+    visible::line(&plan.step(id).explanation).into_owned()
 }
 
-fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<String> {
+fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<Line> {
     let column = (WIDTH - MARGIN).saturating_sub(2 * (lanes.len() - 1)) / lanes.len();
-    let heads = lanes.iter().map(|lane| {
-        let name = &world.entity(lane.actor).name;
-        format!(
-            "{}{}",
-            name.bold(),
-            " ".repeat(column.saturating_sub(name.chars().count()))
-        )
-    });
-    let heads: Vec<String> = heads.collect();
-    let mut lines = vec![format!("{}{}", " ".repeat(MARGIN), heads.join("  ").trim_end())];
+    let mut heads = composed!("{:MARGIN$}", "");
+    for (place, lane) in lanes.iter().enumerate() {
+        let name = visible::line(&world.entity(lane.actor).name);
+        match place + 1 == lanes.len() {
+            true => heads.push(format_args!("{}", name.bold())),
+            false => {
+                let padding = column.saturating_sub(name.chars().count()) + 2;
+                heads.push(format_args!("{}{:padding$}", name.bold(), ""));
+            }
+        }
+    }
+    let mut lines = vec![heads];
     for row in arms::timetable(lanes) {
         match row {
             Row::Unit(steps) => {
@@ -94,11 +98,7 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<S
                     false => " ".repeat(column),
                 });
                 let cells: Vec<String> = cells.collect();
-                lines.push(format!(
-                    "{}{}",
-                    " ".repeat(MARGIN),
-                    cells.join("  ").trim_end().dimmed()
-                ));
+                lines.push(composed!("{:MARGIN$}{}", "", cells.join("  ").trim_end().dimmed()));
             }
         }
     }
@@ -106,7 +106,7 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<S
 }
 
 /// One unit of time: its cells, each of some lines, beside each other.
-fn line(unit: usize, cells: &[Vec<String>], column: usize) -> Vec<String> {
+fn line(unit: usize, cells: &[Vec<String>], column: usize) -> Vec<Line> {
     let height = cells.iter().map(Vec::len).max().unwrap_or(0);
     let of = |row: usize| {
         let number = match row {
@@ -115,7 +115,7 @@ fn line(unit: usize, cells: &[Vec<String>], column: usize) -> Vec<String> {
         };
         let texts = cells.iter().map(|cell| cell.get(row).map_or("", String::as_str));
         let padded: Vec<String> = texts.map(|text| format!("{text:column$}")).collect();
-        format!("{}  {}", number.dimmed(), padded.join("  ").trim_end())
+        composed!("{}  {}", number.dimmed(), padded.join("  ").trim_end())
     };
     (0..height).map(of).collect()
 }

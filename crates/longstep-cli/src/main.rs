@@ -1,7 +1,8 @@
 //! The `longstep` program.
 //!
 //! Results go to stdout, progress and errors to stderr. Exit codes: 0 verified, 10 not valid, 11 proven
-//! unsolvable, 12 search gave up, 13 a question back, 20 a limit, 30 unreadable input, 40 model or network.
+//! unsolvable, 12 search gave up, 13 a question back, 20 a limit, 30 unreadable input, 40 model or network, 50 stdout
+//! could not be written.
 
 mod arguments;
 mod ask;
@@ -16,6 +17,7 @@ mod failure;
 mod inputs;
 mod lanes;
 mod model;
+mod output;
 mod plan;
 mod problem;
 mod progress;
@@ -27,12 +29,13 @@ mod verify;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use arguments::{Arguments, Command};
+use arguments::Command;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match output::parsed() {
+        Ok(arguments) => arguments,
+        Err(code) => return ExitCode::from(output::finished(code)),
+    };
     let result = match arguments.command {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Chat(arguments) => chat::run(&arguments),
@@ -46,8 +49,6 @@ fn main() -> ExitCode {
         Command::Domain(command) => domain::run(&command),
         Command::Model(command) => model::run(&command),
     };
-    match result {
-        Ok(code) => ExitCode::from(code),
-        Err(error) => ExitCode::from(failure::tell(&error)),
-    }
+    let code = result.unwrap_or_else(|error| failure::tell(&error));
+    ExitCode::from(output::finished(code))
 }

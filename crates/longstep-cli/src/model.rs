@@ -5,10 +5,10 @@ use longstep::diagnostic::nearest;
 use longstep_llm::catalogue::{self, Entry};
 use longstep_llm::store::{self, PullOptions};
 use longstep_llm::{ModelError, cache_directory};
-use owo_colors::OwoColorize;
 
 use crate::arguments::ModelCommand;
 use crate::failure::Failure;
+use crate::output::{self, Style, print_line};
 use crate::progress::Download;
 
 pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
@@ -23,7 +23,7 @@ pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
                 } else {
                     ""
                 };
-                anstream::println!(
+                print_line!(
                     "{:20}  {:>8}  {:4}  {:10}  {}{default}",
                     entry.name.bold(),
                     format!("{} MB", entry.bytes / 1_000_000),
@@ -32,7 +32,8 @@ pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
                     entry.description
                 );
             }
-            anstream::println!("\nmodels are kept in {}", cache.display());
+            output::blank();
+            print_line!("models are kept in {}", cache.display());
         }
         ModelCommand::Pull { name, from } => {
             let entry = find(name)?;
@@ -43,7 +44,7 @@ pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
             let bar = Download::new(entry.bytes);
             let path = store::pull(entry, &cache, &options, &mut |progress| bar.show(&progress))?;
             drop(bar);
-            anstream::println!("{}", path.display());
+            print_line!("{}", path.display());
         }
         ModelCommand::Path { name } => {
             let entry = find(name)?;
@@ -51,7 +52,7 @@ pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
                 name: entry.name,
                 cache: cache.clone(),
             })?;
-            anstream::println!("{}", path.display());
+            print_line!("{}", path.display());
         }
     }
     Ok(0)

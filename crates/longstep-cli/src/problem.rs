@@ -11,6 +11,7 @@ use longstep::solution;
 use longstep::verify::Purpose;
 
 use crate::arguments::SolveArguments;
+use crate::output::print_line;
 use crate::solve::{milliseconds, stopwatch};
 use crate::{inputs, show};
 
@@ -50,14 +51,14 @@ fn print(answer: &Answer) {
         let words: Vec<&str> = std::iter::once(step.action.as_str())
             .chain(step.arguments.iter().map(String::as_str))
             .collect();
-        anstream::println!("({})", words.join(" "));
+        print_line!("({})", words.join(" "));
     }
     for note in answer
         .notes
         .iter()
         .chain(answer.violations.iter().map(|violation| &violation.message))
     {
-        anstream::println!("; {note}");
+        print_line!("; {note}");
     }
     let said = match answer.status {
         Status::Verified => format!("verified, {} step(s)", answer.steps.len()),
@@ -66,5 +67,5 @@ fn print(answer: &Answer) {
         Status::Invalid | Status::Question => "not valid".to_owned(),
     };
     let (search, verify) = (answer.timings_ms.search, answer.timings_ms.verify);
-    anstream::println!("; {said} (search {search:.2} ms, verification {verify:.2} ms)");
+    print_line!("; {said} (search {search:.2} ms, verification {verify:.2} ms)");
 }

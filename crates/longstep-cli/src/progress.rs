@@ -5,7 +5,8 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use longstep_llm::Progress;
 use longstep_llm::store::PullProgress;
-use owo_colors::OwoColorize;
+
+use crate::output::{self, Style, remark};
 
 /// A line that says what the model is doing; not there when stderr is no terminal.
 pub(crate) struct Spinner {
@@ -24,16 +25,15 @@ impl Spinner {
 
     pub(crate) fn show(&self, progress: &Progress) {
         match progress {
-            Progress::Loading => self.bar.set_message("loading the model"),
+            Progress::Loading => output::progress(&self.bar, "loading the model"),
             Progress::ReadingPrompt { done, total } => {
-                self.bar
-                    .set_message(format!("reading the scene ({}%)", 100 * done / (*total).max(1)));
+                let percent = 100 * done / (*total).max(1);
+                output::progress(&self.bar, &format!("reading the scene ({percent}%)"));
             }
-            Progress::Writing { .. } => self.bar.set_message("thinking"),
-            Progress::Waiting => self.bar.set_message("waiting for the server"),
+            Progress::Writing { .. } => output::progress(&self.bar, "thinking"),
+            Progress::Waiting => output::progress(&self.bar, "waiting for the server"),
             Progress::Warning(text) => {
-                self.bar
-                    .suspend(|| anstream::eprintln!("{} {text}", "warning:".yellow().bold()));
+                self.bar.suspend(|| remark!("{} {text}", "warning:".yellow().bold()));
             }
             _ => {}
         }
@@ -63,16 +63,16 @@ impl Download {
 
     pub(crate) fn show(&self, progress: &PullProgress) {
         match progress {
-            PullProgress::Note(text) => self.bar.suspend(|| anstream::eprintln!("{text}")),
+            PullProgress::Note(text) => self.bar.suspend(|| remark!("{text}")),
             PullProgress::Bytes { done, .. } => self.bar.set_position(*done),
             PullProgress::Part { number, of } => {
-                self.bar.set_message(format!("package {number} of {of}"));
+                output::progress(&self.bar, &format!("package {number} of {of}"));
                 let length = self.bar.length().unwrap_or_default();
                 self.bar
                     .set_position(length * u64::from(number.saturating_sub(1)) / u64::from((*of).max(1)));
             }
             PullProgress::Joining { done, .. } => {
-                self.bar.set_message("joining");
+                output::progress(&self.bar, "joining");
                 self.bar.set_position(*done);
             }
             _ => {}

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use longstep::session::{Event, Log, replay};
 use longstep_llm::{LOG, SessionFolder, session_directory};
-use owo_colors::OwoColorize;
 use serde_json::Value;
 
 use crate::arguments::SessionCommand;
-use crate::inputs;
+use crate::output::{Style, print_line};
 use crate::solve::stopwatch;
+use crate::{inputs, output};
 
 /// Characters of an instruction that a table shows.
 const SHOWN: usize = 60;
@@ -24,7 +24,7 @@ pub(crate) fn run(command: &SessionCommand) -> Result<u8> {
         SessionCommand::Show { session, json } => {
             let log = SessionFolder::read(&folder(session)?)?;
             if *json {
-                anstream::println!("{}", serde_json::to_string_pretty(&log.entries)?);
+                output::json(&log.entries)?;
             } else {
                 show(&log);
             }
@@ -54,7 +54,7 @@ fn list() -> Result<u8> {
         .collect();
     names.sort();
     if names.is_empty() {
-        anstream::println!("there are no sessions in {} yet", all.display());
+        print_line!("there are no sessions in {} yet", all.display());
         return Ok(0);
     }
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
@@ -64,12 +64,13 @@ fn list() -> Result<u8> {
                 let begun = log.entries.first().map_or("", |entry| &entry.at);
                 let day = begun.get(..16).unwrap_or(begun).replace('T', " ");
                 let plans = standing(&log);
-                anstream::println!("{:width$}  {day}  {}", name.bold(), plural(plans, "plan"));
+                print_line!("{:width$}  {day}  {}", name.bold(), plural(plans, "plan"));
             }
-            Err(error) => anstream::println!("{:width$}  {}", name.bold(), error.red()),
+            Err(error) => print_line!("{:width$}  {}", name.bold(), error.red()),
         }
     }
-    anstream::println!("\nsessions are kept in {}", all.display());
+    output::blank();
+    print_line!("sessions are kept in {}", all.display());
     Ok(0)
 }
 
@@ -110,10 +111,11 @@ fn show(log: &Log) {
             _ => None,
         });
         let strategy = strategy.as_str().unwrap_or_default();
-        anstream::println!(
-            "domain {domain}, strategy {strategy}, model {}\n",
+        print_line!(
+            "domain {domain}, strategy {strategy}, model {}",
             model.unwrap_or("none")
         );
+        output::blank();
     }
     let mut rows: Vec<Row> = Vec::new();
     for event in log.events() {
@@ -139,13 +141,13 @@ fn show(log: &Log) {
         "{:>3}  {:SHOWN$}  {:>5}  {:>7}  {:>7}  {:>7}  {:>5}  {:>5}  outcome",
         "#", "instruction", "calls", "prompt", "written", "model", "edits", "words"
     );
-    anstream::println!("{}", header.bold());
+    print_line!("{}", header.bold());
     for (number, row) in rows.iter().enumerate() {
         let mut text: String = row.instruction.split_whitespace().collect::<Vec<_>>().join(" ");
         if text.chars().count() > SHOWN {
             text = text.chars().take(SHOWN - 1).chain(['…']).collect();
         }
-        anstream::println!(
+        print_line!(
             "{:>3}  {text:SHOWN$}  {:>5}  {:>7}  {:>7}  {:>6.1}s  {:>5}  {:>5}  {}",
             number + 1,
             row.calls,
@@ -157,7 +159,8 @@ fn show(log: &Log) {
             row.outcome
         );
     }
-    anstream::println!("\n{} accepted", plural(standing(log), "plan"));
+    output::blank();
+    print_line!("{} accepted", plural(standing(log), "plan"));
 }
 
 impl Row {
@@ -193,15 +196,15 @@ fn replayed(folder: &Path) -> Result<u8> {
     };
     let outcome = replay(domain, &log, stopwatch)?;
     for difference in &outcome.differing {
-        anstream::println!("{}", format!("line {}", difference.line).bold());
+        print_line!("{}", format!("line {}", difference.line).bold());
         for part in parts(difference.recorded.as_ref(), difference.today.as_ref()) {
-            anstream::println!("  {}", part.name);
-            anstream::println!("    {} {}", "recorded".red(), part.recorded);
-            anstream::println!("    {} {}", "today   ".green(), part.today);
+            print_line!("  {}", part.name);
+            print_line!("    {} {}", "recorded".red(), part.recorded);
+            print_line!("    {} {}", "today   ".green(), part.today);
         }
     }
     if !outcome.differing.is_empty() {
-        anstream::println!();
+        output::blank();
     }
     let told = format!(
         "{}, {} accepted",
@@ -209,11 +212,11 @@ fn replayed(folder: &Path) -> Result<u8> {
         plural(outcome.accepted, "plan")
     );
     if outcome.differing.is_empty() {
-        anstream::println!("{} {told}", "The same again:".green().bold());
+        print_line!("{} {told}", "The same again:".green().bold());
         Ok(0)
     } else {
         let many = plural(outcome.differing.len(), "event");
-        anstream::println!("{} {many} ({told})", "Not the same:".red().bold());
+        print_line!("{} {many} ({told})", "Not the same:".red().bold());
         Ok(10)
     }
 }

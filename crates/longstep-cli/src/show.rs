@@ -2,12 +2,14 @@
 
 use longstep::answer::{self, Answer, Status};
 use longstep::plan::OutlineLine;
+use longstep::visible;
 use longstep::world::Environment;
-use owo_colors::OwoColorize;
+
+use crate::output::{self, Line, Style, print_line};
 
 /// Prints a heading.
 pub(crate) fn heading(text: &str) {
-    anstream::println!("{}", text.bold());
+    print_line!("{}", text.bold());
 }
 
 /// Whether an answer shows what the plan changes in the world.
@@ -23,27 +25,27 @@ pub(crate) fn answer(answer: &Answer, shown: Changes) {
 }
 
 /// The same for a plan that is shown in lanes, if there are lines that do so.
-pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[String]) {
+pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
     if answer.status == Status::Question {
-        anstream::println!("{} {}", "Question:".yellow().bold(), answer.plan.question);
+        print_line!("{} {}", "Question:".yellow().bold(), answer.plan.question);
         return;
     }
     let bad = |index| answer.violations.iter().any(|violation| violation.step == Some(index));
     match lanes {
         [] => steps(&answer.outline, bad),
-        lanes => lanes.iter().for_each(|line| anstream::println!("{line}")),
+        lanes => lanes.iter().for_each(|line| print_line!("{line}")),
     }
     edits(answer);
     // Of a plan that cannot be carried out nobody knows what it would change.
     let possible = answer.status == Status::Verified && shown == Changes::Shown;
     if let (true, Some(before)) = (possible, &answer.plan.environment_before) {
         if let Some(after) = answer.plan.environment_after.as_ref().filter(|after| *after != before) {
-            anstream::println!();
+            output::blank();
             heading("Changes");
             changes(before, after);
         }
         for ending in &answer.plan.endings {
-            anstream::println!();
+            output::blank();
             heading(&format!("Changes when {}", ending.when.join(" and ")));
             changes(before, &ending.environment_after);
         }
@@ -70,21 +72,25 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[String])
         .map(|violation| violation.message.clone())
         .collect();
     list("What is wrong", &violations);
-    anstream::println!();
+    output::blank();
     verdict(answer);
 }
 
 /// Prints what differs between two environments.
 pub(crate) fn changes(before: &Environment, after: &Environment) {
     let changed = answer::changes(before, after);
-    let width = changed.iter().map(|(identifier, ..)| identifier.chars().count()).max();
+    let width = changed
+        .iter()
+        .map(|(identifier, ..)| visible::line(identifier).chars().count())
+        .max();
     let width = width.unwrap_or(0);
     for (identifier, was, is) in changed {
         let or_nothing = |text: String| match text.is_empty() {
             true => "nothing said".to_owned(),
             false => text,
         };
-        anstream::println!(
+        let identifier = visible::line(&identifier);
+        print_line!(
             "  {identifier:width$}  {} {} {}",
             or_nothing(was).dimmed(),
             "->".dimmed(),
@@ -95,14 +101,14 @@ pub(crate) fn changes(before: &Environment, after: &Environment) {
 
 /// Prints advice.
 pub(crate) fn hint(text: &str) {
-    anstream::println!("{} {text}", "hint:".cyan().bold());
+    print_line!("{} {text}", "hint:".cyan().bold());
 }
 
 fn edits(answer: &Answer) {
     if answer.edits.is_empty() {
         return;
     }
-    anstream::println!();
+    output::blank();
     heading("What was changed");
     for edit in &answer.edits {
         let number = edit.at + 1;
@@ -117,12 +123,12 @@ fn edits(answer: &Answer) {
             .filter(|step| edit.kind != "drop" && !step.implicit.is_empty());
         let about = step.map_or(String::new(), |step| format!(", {}", step.explanation));
         match edit.kind {
-            "drop" => anstream::println!("  {} {before}", "-".red()),
-            "replace" => anstream::println!("  {} {number}. {after} instead of {before}{about}", "~".yellow()),
-            "move" => anstream::println!("  {} {number}. {after}{about}, later than in the plan", "~".yellow()),
-            _ => anstream::println!("  {} {number}. {after}{about}", "+".green()),
+            "drop" => print_line!("  {} {before}", "-".red()),
+            "replace" => print_line!("  {} {number}. {after} instead of {before}{about}", "~".yellow()),
+            "move" => print_line!("  {} {number}. {after}{about}, later than in the plan", "~".yellow()),
+            _ => print_line!("  {} {number}. {after}{about}", "+".green()),
         }
-        anstream::println!("    {}", edit.why.dimmed());
+        print_line!("    {}", edit.why.dimmed());
     }
 }
 
@@ -133,7 +139,7 @@ fn nothing(text: &str) -> &str {
 /// Prints the steps of a plan with their explanations; those that are bad in red. What stands in a branch, a loop or a
 /// lane is indented.
 pub(crate) fn steps(lines: &[OutlineLine], bad: impl Fn(usize) -> bool) {
-    let length = |line: &OutlineLine| 2 * line.depth + line.text.chars().count();
+    let length = |line: &OutlineLine| 2 * line.depth + visible::line(&line.text).chars().count();
     let explained = lines.iter().filter(|line| !line.explanation.is_empty());
     let width = explained.map(length).max().unwrap_or(0);
     let steps = lines
@@ -152,10 +158,10 @@ pub(crate) fn steps(lines: &[OutlineLine], bad: impl Fn(usize) -> bool) {
         let (text, explanation) = (&line.text, line.explanation.dimmed());
         match line.step {
             Some(step) if bad(step) => {
-                anstream::println!("  {} {indent}{}{padding}  {explanation}", number.red(), text.red());
+                print_line!("  {} {indent}{}{padding}  {explanation}", number.red(), text.red());
             }
-            Some(_) => anstream::println!("  {} {indent}{text}{padding}  {explanation}", number.dimmed()),
-            None => anstream::println!("  {number} {indent}{}", text.dimmed()),
+            Some(_) => print_line!("  {} {indent}{text}{padding}  {explanation}", number.dimmed()),
+            None => print_line!("  {number} {indent}{}", text.dimmed()),
         }
     }
 }
@@ -165,9 +171,10 @@ pub(crate) fn list(title: &str, entries: &[String]) {
     if entries.is_empty() {
         return;
     }
-    anstream::println!("\n{}", title.bold());
+    output::blank();
+    print_line!("{}", title.bold());
     for entry in entries {
-        anstream::println!("  - {entry}");
+        print_line!("  - {entry}");
     }
 }
 
@@ -196,7 +203,7 @@ fn verdict(answer: &Answer) {
                 1 => ", 1 change".to_owned(),
                 many => format!(", {many} changes"),
             };
-            anstream::println!("{} {count}{changed} ({time})", "Verified:".green().bold());
+            print_line!("{} {count}{changed} ({time})", "Verified:".green().bold());
         }
         Status::Invalid => {
             let found = answer.violations.len();
@@ -205,7 +212,7 @@ fn verdict(answer: &Answer) {
             } else {
                 format!("{found} things are wrong")
             };
-            anstream::println!("{} {found} ({time})", "Not valid:".red().bold());
+            print_line!("{} {found} ({time})", "Not valid:".red().bold());
         }
         Status::Unsolvable => {
             let told = if repaired {
@@ -213,11 +220,11 @@ fn verdict(answer: &Answer) {
             } else {
                 "no plan can reach this goal"
             };
-            anstream::println!("{} {told} ({time})", "Unsolvable:".red().bold());
+            print_line!("{} {told} ({time})", "Unsolvable:".red().bold());
         }
         Status::GaveUp => {
             let told = if repaired { "no repair" } else { "no plan" };
-            anstream::println!("{} {told} found within the limits ({time})", "Gave up:".yellow().bold());
+            print_line!("{} {told} found within the limits ({time})", "Gave up:".yellow().bold());
         }
         Status::Question => {}
     }
@@ -233,6 +240,5 @@ fn milliseconds(value: f64) -> String {
 
 /// Prints an answer as one JSON object.
 pub(crate) fn json(answer: &Answer) -> anyhow::Result<()> {
-    anstream::println!("{}", serde_json::to_string_pretty(answer)?);
-    Ok(())
+    output::json(answer)
 }

@@ -12,6 +12,7 @@ use longstep::world::World;
 use longstep::{pddl, solution};
 
 use crate::arguments::SolveArguments;
+use crate::output::{self, Line, print_line, remark};
 use crate::{inputs, lanes, problem, show};
 
 pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
@@ -28,7 +29,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     if arguments.pddl {
         let name = env.file_stem().unwrap_or_default().to_string_lossy();
         let written = pddl::write_problem(&domain, &world, &goal.wanted(&domain), &name)?;
-        anstream::print!("{written}");
+        output::document(&written);
         return Ok(Status::Verified.exit_code());
     }
     let solution::Solution { plan, mut answer } = solution::of_goal(&domain, &world, &goal, text, stopwatch);
@@ -52,13 +53,7 @@ pub(crate) fn goal_lines(domain: &Domain, world: &World, goal: &Goal) -> Vec<Str
 }
 
 /// Saves, prints, and returns the exit code. `lanes` are the lines that show a plan side by side, none for a list.
-pub(crate) fn finish(
-    answer: &Answer,
-    goal: &[String],
-    lanes: &[String],
-    save: Option<&Path>,
-    json: bool,
-) -> Result<u8> {
+pub(crate) fn finish(answer: &Answer, goal: &[String], lanes: &[Line], save: Option<&Path>, json: bool) -> Result<u8> {
     if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
         inputs::save(path, &answer.plan)?;
     }
@@ -68,15 +63,15 @@ pub(crate) fn finish(
         if !goal.is_empty() && answer.status != Status::Question {
             show::heading("Goal");
             for line in goal {
-                anstream::println!("  {line}");
+                print_line!("  {line}");
             }
             if !answer.steps.is_empty() {
-                anstream::println!();
+                output::blank();
             }
         }
         show::answer_in_lanes(answer, show::Changes::Shown, lanes);
         if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
-            anstream::eprintln!("saved to {}", path.display());
+            remark!("saved to {}", path.display());
         }
     }
     Ok(answer.status.exit_code())

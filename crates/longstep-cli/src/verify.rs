@@ -8,6 +8,7 @@ use longstep::repair::Pins;
 
 use crate::arguments::VerifyArguments;
 use crate::draft::Draft;
+use crate::output;
 use crate::show;
 use crate::solve::milliseconds;
 
@@ -21,7 +22,7 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     if arguments.json {
         show::json(&answer)?;
     } else if arguments.feedback && answer.status == Status::Invalid {
-        anstream::print!("{}", attempt.feedback(&domain, &world, &Pins::default()));
+        output::document(&attempt.feedback(&domain, &world, &Pins::default()));
     } else if !arguments.feedback || answer.status == Status::Question {
         show::answer(&answer, show::Changes::Shown);
         let advice = (answer.status == Status::Invalid)

@@ -4,7 +4,7 @@
 //! `cargo test -p longstep-cli --test hostile measured -- --ignored --nocapture` prints the time and the peak memory of
 //! every mode.
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+#![allow(clippy::disallowed_macros, clippy::unwrap_used, clippy::panic, missing_docs)]
 
 mod common;
 #[path = "../../longstep-llm/tests/hostile/mod.rs"]

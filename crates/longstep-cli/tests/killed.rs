@@ -1,5 +1,5 @@
 //! The program is killed in the middle of conversations, and loses no plan that it said it had accepted.
-#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+#![allow(clippy::disallowed_macros, clippy::unwrap_used, clippy::panic, missing_docs)]
 
 mod common;
 

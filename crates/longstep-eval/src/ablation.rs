@@ -124,6 +124,11 @@ pub(crate) fn digest<'a>(texts: impl IntoIterator<Item = (&'a str, &'a str)>) ->
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// SHA-256 of a file, in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// SHA-256 of a domain's files.
 pub fn domain_sha256(files: &Files) -> String {
     let own = [

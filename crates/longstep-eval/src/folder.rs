@@ -10,8 +10,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use longstep::session::Settings;
-use longstep_llm::write_whole;
+use longstep_llm::{LOG_LIMIT, create_private_folder, read_bounded, tighten_folder, write_whole};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use crate::attempt::{Attempt, Key, Timing};
 use crate::run::Lines;
@@ -36,8 +37,11 @@ pub struct Plan {
     pub domain_sha256: String,
     /// The model, as it was named.
     pub model: String,
-    /// SHA-256 of its file, where it is one.
+    /// SHA-256 of its file, of the recording, or of the recorded replies, where it is one of these.
     pub model_sha256: Option<String>,
+    /// Which server has it, if one does; [`RunFolder::open`] sets it.
+    #[serde(default)]
+    pub server: Option<ServerMark>,
     /// How sessions went about it.
     pub settings: Settings,
     /// How freely the model chose its words.
@@ -56,6 +60,45 @@ pub struct Plan {
     pub wordings: Vec<String>,
     /// What was changed in the domain or its prompts for this run, in words.
     pub changes: Vec<String>,
+}
+
+/// A mark of a server's address: SHA-256 of a random salt and the address. Within a folder, equal marks mean equal
+/// servers; marks of two folders cannot be compared.
+///
+/// The address cannot be read from it. Whoever guesses the address can check the guess, and short addresses of a local
+/// network are guessed quickly.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ServerMark {
+    /// 32 hexadecimal digits.
+    pub salt: String,
+    /// 32 hexadecimal digits: half of the hash.
+    pub hash: String,
+}
+
+impl ServerMark {
+    fn new(salt: &str, address: &str) -> Self {
+        let mut hash = Sha256::new();
+        hash.update("longstep run.json server\0");
+        hash.update(salt);
+        hash.update([0]);
+        hash.update(address);
+        Self {
+            salt: salt.to_owned(),
+            hash: hexadecimal(&hash.finalize()),
+        }
+    }
+
+    /// Marks a server for a new folder.
+    fn salted(address: &str) -> Result<Self, getrandom::Error> {
+        let mut salt = [0; 16];
+        getrandom::fill(&mut salt)?;
+        Ok(Self::new(&hexadecimal(&salt), address))
+    }
+}
+
+/// The first 16 bytes in hexadecimal digits.
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What a run has come to so far.
@@ -121,6 +164,9 @@ const PLAN: &str = "run.json";
 const RESULTS: &str = "results.jsonl";
 const TIMINGS: &str = "timings.jsonl";
 
+/// The files of a run's folder, reports included.
+const FILES: [&str; 5] = [PLAN, RESULTS, TIMINGS, "report.html", "report.md"];
+
 /// A run's folder that is written to.
 #[derive(Debug)]
 pub struct RunFolder {
@@ -139,18 +185,30 @@ fn failed(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Fol
 }
 
 impl RunFolder {
-    /// Opens a run's folder, or makes it. Returns what has been run, as far as units are whole: `steps` says how many
-    /// steps each of them has, in order, with the key of its first.
+    /// Opens a run's folder, or makes it for its owner alone. Returns what has been run, as far as units are whole:
+    /// `units` says how many steps each of them has, in order, with the key of its first. `server` is the address of the
+    /// model's server; only its [`ServerMark`] is written down.
     ///
     /// # Errors
     ///
     /// When the folder holds another run, or cannot be read or written.
-    pub fn open(path: &Path, plan: &Plan, units: &[(Key, usize)]) -> Result<(Self, Results), FolderError> {
-        std::fs::create_dir_all(path).map_err(failed("make", path))?;
+    pub fn open(
+        path: &Path,
+        plan: &Plan,
+        server: Option<&str>,
+        units: &[(Key, usize)],
+    ) -> Result<(Self, Results), FolderError> {
+        create_private_folder(path).map_err(failed("make", path))?;
+        tighten_folder(path, |name| FILES.contains(&name));
         let plan_file = path.join(PLAN);
+        let mut plan = plan.clone();
         if plan_file.exists() {
             let known = read_plan(path)?;
-            let differing = differing(&known, plan);
+            plan.server = server.map(|address| {
+                let salt = known.server.as_ref().map_or("", |mark| &mark.salt);
+                ServerMark::new(salt, address)
+            });
+            let differing = differing(&known, &plan);
             if !differing.is_empty() {
                 return Err(FolderError::Another {
                     path: path.to_path_buf(),
@@ -158,7 +216,9 @@ impl RunFolder {
                 });
             }
         } else {
-            let text = format!("{}\n", pretty(plan));
+            let mark = server.map(ServerMark::salted).transpose();
+            plan.server = mark.map_err(|error| failed("mark the server in", &plan_file)(error.into()))?;
+            let text = format!("{}\n", pretty(&plan));
             write_whole(&plan_file, text.as_bytes()).map_err(failed("write", &plan_file))?;
         }
         let (results, timings) = (path.join(RESULTS), path.join(TIMINGS));
@@ -183,7 +243,7 @@ impl RunFolder {
             units_done,
         };
         let results = Results {
-            plan: plan.clone(),
+            plan,
             attempts,
             timings: timed.into_iter().map(|timing| (timing.key.clone(), timing)).collect(),
         };
@@ -229,8 +289,8 @@ pub fn read(path: &Path) -> Result<Results, FolderError> {
 
 fn read_plan(path: &Path) -> Result<Plan, FolderError> {
     let file = path.join(PLAN);
-    let text = std::fs::read_to_string(&file).map_err(failed("read", &file))?;
-    serde_json::from_str(&text).map_err(|error| FolderError::Damaged {
+    let bytes = read_bounded(&file, LOG_LIMIT).map_err(failed("read", &file))?;
+    serde_json::from_slice(&bytes).map_err(|error| FolderError::Damaged {
         line: error.line(),
         reason: error.to_string(),
         path: file,
@@ -266,6 +326,9 @@ fn differing(known: &Plan, plan: &Plan) -> Vec<String> {
     entries
         .filter(|(key, value)| plan.get(key) != Some(value))
         .map(|(key, value)| {
+            if key == "server" {
+                return "the model's server is another one".to_owned();
+            }
             let now = plan.get(key).cloned().unwrap_or_default();
             format!("{key} was {value} and is {now}")
         })
@@ -291,7 +354,7 @@ fn rewrite<T: Serialize>(path: &Path, all: &[T]) -> Result<(), FolderError> {
 
 /// The lines of a file; none if it is not there. A last line without an end was cut off, and is left out.
 fn lines<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Vec<T>, FolderError> {
-    let bytes = match std::fs::read(path) {
+    let bytes = match read_bounded(path, LOG_LIMIT) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(error) => return Err(failed("read", path)(error)),

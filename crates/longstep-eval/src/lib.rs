@@ -48,7 +48,7 @@ mod source;
 pub mod suite;
 mod summary;
 
-pub use ablation::{AblationError, Changes, domain_sha256};
+pub use ablation::{AblationError, Changes, domain_sha256, sha256};
 pub use campaign::{Campaign, Choice, lengths, units};
 pub use rate::Rate;
 pub use source::{Opened, Opener, Recorded, RecordedError, Source};

@@ -20,6 +20,8 @@ pub(crate) mod tests;
 mod text;
 mod words;
 
+use longstep::visible;
+
 use crate::attempt::Attempt;
 use crate::folder::Results;
 use crate::rate::Rate;
@@ -46,13 +48,12 @@ pub fn text(results: &Results) -> String {
     printable(&text::lines(results))
 }
 
-/// Text that a terminal shows and does not obey: models write what they like.
-pub(crate) fn printable(text: &str) -> String {
-    let shown = |letter: char| match letter.is_control() && letter != '\n' {
-        true => '\u{fffd}',
-        false => letter,
-    };
-    text.chars().map(shown).collect()
+/// Lines that a terminal shows and does not obey: models write what they like. No line can be two.
+pub(crate) fn printable(lines: &[String]) -> String {
+    lines
+        .iter()
+        .map(|line| visible::line(line).into_owned() + "\n")
+        .collect()
 }
 
 /// A share that reports show.

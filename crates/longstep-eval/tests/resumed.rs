@@ -68,6 +68,7 @@ fn plan(trials: u32) -> Plan {
         domain_sha256: String::new(),
         model: "recorded replies".to_owned(),
         model_sha256: None,
+        server: None,
         settings: Settings {
             strategy: Strategy::Goal,
             ..Settings::default()
@@ -92,7 +93,7 @@ fn go_on(folder: &Path, jobs: usize) -> usize {
     };
     let all = units(&suite, &choice);
     let plan = plan(2);
-    let (mut run, _) = RunFolder::open(folder, &plan, &lengths(&all)).unwrap();
+    let (mut run, _) = RunFolder::open(folder, &plan, None, &lengths(&all)).unwrap();
     let rest = &all[run.units_done()..];
     let campaign = Campaign {
         suite: &suite,
@@ -150,7 +151,7 @@ fn another_run_is_not_written_over() {
     let folder = tempfile::tempdir().unwrap();
     go_on(folder.path(), 1);
     let before = bytes(folder.path());
-    let error = RunFolder::open(folder.path(), &plan(3), &[]).unwrap_err();
+    let error = RunFolder::open(folder.path(), &plan(3), None, &[]).unwrap_err();
     assert!(matches!(&error, FolderError::Another { differing, .. } if differing == &["trials was 2 and is 3"]));
     assert_eq!(bytes(folder.path()), before);
 }

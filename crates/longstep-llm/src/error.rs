@@ -69,6 +69,12 @@ pub enum ModelError {
         /// Why.
         reason: String,
     },
+    /// An embedded model, and this build has no engine for it (the feature `embedded` is off).
+    #[error("{model} cannot be opened: this build has no embedded engine")]
+    NoEngine {
+        /// The model, as it was named.
+        model: String,
+    },
     /// A request that the model cannot serve as it stands.
     #[error("{model} cannot serve this request: {reason}")]
     Unsupported {
@@ -223,6 +229,9 @@ impl ModelError {
             )),
             Self::NotLoaded { .. } => {
                 Some("use a model of the catalogue (`longstep model list`), or fetch the file again".into())
+            }
+            Self::NoEngine { .. } => {
+                Some("build with the feature `embedded`, or use a model on a server or replay:FILE".into())
             }
             Self::TooLong { .. } => Some("shorten the environment, or open the model with a larger context".into()),
             Self::NoKey { variable, .. } => Some(format!("set {variable}")),

@@ -1,7 +1,7 @@
 //! Language models for Longstep, behind one trait.
 //!
 //! A [`ModelReference`] says which model is meant, [`open`] makes a [`ChatModel`] of it: the
-//! embedded engine for a model of the [`catalogue`] or a `.gguf` file, a client for a server, or a
+//! embedded engine for a model of the [`catalogue`] or a `.gguf` file (feature `embedded`, on by default), a client for a server, or a
 //! recording that is replayed. Models of the catalogue come into the cache by [`store::pull`].
 //! Answers of servers are streamed; what a server does not take is left out with a warning, and one
 //! that is busy is asked again.
@@ -28,12 +28,15 @@
 //! ```
 
 mod advance;
+mod bounded;
 mod cache;
 mod call;
 pub mod catalogue;
+#[cfg(feature = "embedded")]
 mod embedded;
 mod error;
 mod model;
+mod private;
 mod record;
 mod reference;
 mod server;
@@ -45,11 +48,14 @@ mod understand;
 mod whole_file;
 
 pub use advance::{AdvanceError, advance};
+pub use bounded::{LOG_LIMIT, read_bounded};
 pub use cache::{cache_directory, session_directory};
 pub use error::{AnswerLimit, ModelError};
 pub use model::{ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch, open};
+pub use private::{create_private_folder, tighten_folder};
 pub use record::Recording;
 pub use reference::ModelReference;
+pub use server::server_address;
 pub use session_folder::{FolderError, LOG, SessionFolder};
 pub use understand::{UnderstandError, understand};
 pub use whole_file::write_whole;

@@ -7,10 +7,13 @@ use std::time::Duration;
 
 use longstep::prompt::{ChatRequest, ConstraintKind, Reply, TokenCounter};
 
+#[cfg(feature = "embedded")]
 use crate::embedded::EmbeddedModel;
 use crate::record::{Recording, Replay};
 use crate::server::ServerModel;
-use crate::{ModelError, ModelReference, store};
+#[cfg(feature = "embedded")]
+use crate::store;
+use crate::{ModelError, ModelReference};
 
 /// A language model that answers one request at a time, and counts tokens as it does.
 pub trait ChatModel: TokenCounter {
@@ -174,7 +177,7 @@ pub struct Sampling {
 /// [`ModelError::NotPulled`] for a model of the catalogue that is not in the cache,
 /// [`ModelError::WrongHash`] for one that has changed there, [`ModelError::NotLoaded`] for a
 /// file that is no model, [`ModelError::NoKey`] and [`ModelError::NoAddress`] for a server whose key or address is not
-/// set, [`ModelError::File`] and [`ModelError::BadRecording`] for a recording that cannot be read or written.
+/// set, [`ModelError::NoEngine`] for an embedded model without the feature `embedded`, [`ModelError::File`] and [`ModelError::BadRecording`] for a recording that cannot be read or written.
 pub fn open(
     reference: &ModelReference,
     options: &OpenOptions,
@@ -196,6 +199,7 @@ fn open_itself(
         return Ok(Box::new(model?));
     }
     match reference {
+        #[cfg(feature = "embedded")]
         ModelReference::Catalogue(entry) => {
             progress(Progress::Loading);
             let path = store::locate(entry, &options.cache)?.ok_or_else(|| ModelError::NotPulled {
@@ -206,12 +210,21 @@ fn open_itself(
             let model = EmbeddedModel::open(entry.name, &path, identity, options)?;
             Ok(Box::new(model))
         }
+        #[cfg(feature = "embedded")]
         ModelReference::File(path) => {
             progress(Progress::Loading);
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             let identity = store::identity(path)?;
             let model = EmbeddedModel::open(&name, path, identity, options)?;
             Ok(Box::new(model))
+        }
+        #[cfg(not(feature = "embedded"))]
+        ModelReference::Catalogue(_) | ModelReference::File(_) => {
+            // Only a model in this process takes time to load.
+            let _ = progress;
+            Err(ModelError::NoEngine {
+                model: reference.to_string(),
+            })
         }
         ModelReference::Replay(path) => Ok(Box::new(Replay::open(path)?)),
         ModelReference::OpenAi { .. }

@@ -1,21 +1,32 @@
 //! A session on the disk: its event log, and the accepted plans as files.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use longstep::session::{Entry, Event, Log, LogError, Session};
 
+use crate::bounded::{LOG_LIMIT, read_bounded, read_to_limit};
+use crate::private::{create_private_folder, restrict, tighten_folder};
 use crate::whole_file::write_whole;
 
 /// The name of the log in a session's folder.
 pub const LOG: &str = "session.jsonl";
+
+/// Returns whether a file of a session's folder is one that a session writes: the log, or a plan by its number.
+fn is_ours(name: &str) -> bool {
+    let number = name.strip_suffix(".json");
+    name == LOG || number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+}
 
 /// The folder of a session: `session.jsonl`, and `0.json`, `1.json`, ... in the paper's format.
 ///
 /// The log is what counts. A line is on the disk before anybody goes on from it, and an accepted plan has been
 /// written through to the disk (`fsync`) when [`SessionFolder::keep`] returns; the plan files follow from the log and
 /// are written anew where they are missing. One program at a time has a session open.
+///
+/// A session holds what people said: its folder is for its owner alone (mode 700), and so are its files (600). A broader
+/// mode of an older folder is taken away when the session is opened.
 #[derive(Debug)]
 pub struct SessionFolder {
     folder: PathBuf,
@@ -80,7 +91,7 @@ impl SessionFolder {
     ///
     /// When there is a session already, or nothing can be written there.
     pub fn create(folder: &Path) -> Result<Self, FolderError> {
-        std::fs::create_dir_all(folder).map_err(file_error("cannot make", folder))?;
+        create_private_folder(folder).map_err(file_error("cannot make", folder))?;
         let path = folder.join(LOG);
         let mut options = OpenOptions::new();
         let log = options
@@ -92,6 +103,8 @@ impl SessionFolder {
                 std::io::ErrorKind::AlreadyExists => FolderError::Exists(folder.to_owned()),
                 _ => file_error("cannot write", &path)(error),
             })?;
+        restrict(&log).map_err(file_error("cannot write", &path))?;
+        tighten_folder(folder, is_ours);
         lock(&log, folder)?;
         Ok(Self {
             folder: folder.to_owned(),
@@ -107,14 +120,18 @@ impl SessionFolder {
     /// When there is no session, another program has it open, or its log is damaged.
     pub fn open(folder: &Path) -> Result<(Self, Log), FolderError> {
         let path = folder.join(LOG);
+        if std::fs::metadata(&path).is_ok_and(|there| !there.is_file()) {
+            let reason = std::io::Error::other("it is no regular file");
+            return Err(file_error("cannot open", &path)(reason));
+        }
         let opened = OpenOptions::new().read(true).append(true).open(&path);
         let mut log = opened.map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => FolderError::Missing(folder.to_owned()),
             _ => file_error("cannot open", &path)(error),
         })?;
         lock(&log, folder)?;
-        let mut bytes = Vec::new();
-        log.read_to_end(&mut bytes).map_err(file_error("cannot read", &path))?;
+        tighten_folder(folder, is_ours);
+        let bytes = read_to_limit(&mut log, LOG_LIMIT).map_err(file_error("cannot read", &path))?;
         let read = Log::read(&bytes).map_err(|reason| FolderError::Log {
             path: path.clone(),
             reason,
@@ -136,7 +153,7 @@ impl SessionFolder {
         } else {
             folder.to_owned()
         };
-        let bytes = std::fs::read(&path).map_err(|error| match error.kind() {
+        let bytes = read_bounded(&path, LOG_LIMIT).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => FolderError::Missing(folder.to_owned()),
             _ => file_error("cannot read", &path)(error),
         })?;

@@ -1,43 +1,231 @@
-//! Files that are written whole or not at all.
+//! Files that are written whole or not at all, and what is written through instead.
 
+use std::fs::{File, OpenOptions};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use crate::private;
+
+/// Symlinks that are followed one after the other; Linux follows as many.
+const LINKS: usize = 40;
 
 /// Writes a file whole or not at all: whoever reads it, even after the power failed, finds what was there before or
 /// all of `content`.
 ///
+/// A new file is for its owner alone (mode 600). An existing one keeps its mode, and is refused when it may not be
+/// written. Behind a symlink, the file that it names is written, and the link stays. A pipe, a device or a socket is
+/// written to and never replaced; so is a file that is named through `/proc` or `/dev/fd`, since a program has that very
+/// file open.
+///
 /// # Errors
 ///
-/// When the folder is missing or may not be written to, or the disk is full.
+/// When the folder is missing or may not be written to, the file may not be written, or the disk is full.
 pub fn write_whole(path: &Path, content: &[u8]) -> std::io::Result<()> {
-    let folder = match path.parent() {
+    let (target, open_elsewhere) = followed(path)?;
+    let there = match std::fs::metadata(path) {
+        Ok(there) => Some(there),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error),
+    };
+    match there {
+        Some(there) if there.is_dir() => Err(std::io::ErrorKind::IsADirectory.into()),
+        Some(there) if there.is_file() && !open_elsewhere => {
+            // Renaming over a file needs no permission to write to it.
+            OpenOptions::new().write(true).open(path)?;
+            replace(&target, content, Some(there.permissions()))
+        }
+        Some(_) => write_through(path, content),
+        None => replace(&target, content, None),
+    }
+}
+
+/// Follows symlinks to where a file is or will be. Also returns whether one of them leads through the files that a
+/// program has open.
+fn followed(path: &Path) -> std::io::Result<(PathBuf, bool)> {
+    let mut target = path.to_path_buf();
+    let mut open_elsewhere = false;
+    for _ in 0..LINKS {
+        open_elsewhere |= target.starts_with("/proc") || target.starts_with("/dev/fd");
+        let Ok(named) = std::fs::read_link(&target) else {
+            return Ok((target, open_elsewhere));
+        };
+        target = folder(&target).join(named);
+    }
+    Err(std::io::Error::other("too many symbolic links"))
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
-    };
-    let mut file = tempfile::Builder::new()
-        .permissions_like_new_files()
-        .tempfile_in(folder)?;
+    }
+}
+
+fn replace(target: &Path, content: &[u8], permissions: Option<std::fs::Permissions>) -> std::io::Result<()> {
+    let mut file = tempfile::Builder::new().tempfile_in(folder(target))?;
+    match permissions {
+        Some(permissions) => file.as_file().set_permissions(permissions)?,
+        None => private::restrict(file.as_file())?,
+    }
     file.write_all(content)?;
     file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
+    file.persist(target).map_err(|error| error.error)?;
     Ok(())
 }
 
-/// Files that replace others get the permissions that new files get, not a temporary file's.
-trait PermissionsLikeNewFiles {
-    fn permissions_like_new_files(&mut self) -> &mut Self;
+fn write_through(path: &Path, content: &[u8]) -> std::io::Result<()> {
+    match OpenOptions::new().append(true).open(path) {
+        Ok(mut file) => file.write_all(content),
+        Err(error) => through_socket(path, content).unwrap_or(Err(error)),
+    }
 }
 
-impl PermissionsLikeNewFiles for tempfile::Builder<'_, '_> {
-    #[cfg(unix)]
-    fn permissions_like_new_files(&mut self) -> &mut Self {
-        use std::os::unix::fs::PermissionsExt;
-        // The umask of the process takes away what it should.
-        self.permissions(std::fs::Permissions::from_mode(0o666))
+/// Writes to a socket; none if it is no socket.
+#[cfg(unix)]
+fn through_socket(path: &Path, content: &[u8]) -> Option<std::io::Result<()>> {
+    use std::os::unix::fs::FileTypeExt;
+    let socket = std::fs::metadata(path).is_ok_and(|there| there.file_type().is_socket());
+    socket.then(|| std::os::unix::net::UnixStream::connect(path)?.write_all(content))
+}
+
+#[cfg(not(unix))]
+fn through_socket(_: &Path, _: &[u8]) -> Option<std::io::Result<()>> {
+    None
+}
+
+/// Opens a file to append to. A new one is for its owner alone; an existing one, a pipe or a device stays what it is.
+///
+/// # Errors
+///
+/// When it cannot be made or written.
+pub(crate) fn append(path: &Path) -> std::io::Result<File> {
+    match OpenOptions::new().append(true).create_new(true).open(path) {
+        Ok(file) => {
+            private::restrict(&file)?;
+            Ok(file)
+        }
+        // A link to a file that is not there is made by the second way only.
+        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
+            let new = !path.exists();
+            let file = OpenOptions::new().append(true).create(true).open(path)?;
+            if new {
+                private::restrict(&file)?;
+            }
+            Ok(file)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use std::io::Read;
+    use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+
+    use super::*;
+
+    fn mode(path: &Path) -> u32 {
+        std::fs::metadata(path).unwrap().permissions().mode() & 0o7777
     }
 
-    #[cfg(not(unix))]
-    fn permissions_like_new_files(&mut self) -> &mut Self {
-        self
+    fn entries(folder: &Path) -> usize {
+        std::fs::read_dir(folder).unwrap().count()
+    }
+
+    #[test]
+    fn a_new_file_is_private_and_an_old_one_keeps_its_mode() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("plan.json");
+        write_whole(&path, b"one").unwrap();
+        assert_eq!(mode(&path), 0o600);
+        for kept in [0o644, 0o640, 0o755] {
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(kept)).unwrap();
+            write_whole(&path, b"two").unwrap();
+            assert_eq!((mode(&path), std::fs::read(&path).unwrap()), (kept, b"two".to_vec()));
+        }
+        assert_eq!(entries(folder.path()), 1);
+    }
+
+    #[test]
+    fn a_link_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let inside = folder.path().join("inside");
+        std::fs::create_dir(&inside).unwrap();
+        let (file, link, chain) = (
+            inside.join("plan.json"),
+            folder.path().join("link"),
+            folder.path().join("chain"),
+        );
+        symlink("inside/plan.json", &link).unwrap();
+        symlink("link", &chain).unwrap();
+        // The first time, the file that the links name is not there.
+        for content in [b"one", b"two"] {
+            write_whole(&chain, content).unwrap();
+            assert_eq!(std::fs::read(&file).unwrap(), content);
+            assert!(link.is_symlink() && chain.is_symlink());
+        }
+        let ring = folder.path().join("ring");
+        symlink("ring", &ring).unwrap();
+        assert!(write_whole(&ring, b"x").is_err());
+        assert!(ring.is_symlink());
+    }
+
+    #[test]
+    fn pipes_devices_and_sockets_are_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(&pipe)
+                .status()
+                .unwrap()
+                .success()
+        );
+        let reader = {
+            let pipe = pipe.clone();
+            std::thread::spawn(move || std::fs::read(pipe).unwrap())
+        };
+        write_whole(&pipe, b"through a pipe").unwrap();
+        assert_eq!(reader.join().unwrap(), b"through a pipe");
+        assert!(std::fs::metadata(&pipe).unwrap().file_type().is_fifo());
+
+        let socket = folder.path().join("socket");
+        let listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        let reader = std::thread::spawn(move || {
+            let mut text = String::new();
+            listener.accept().unwrap().0.read_to_string(&mut text).unwrap();
+            text
+        });
+        write_whole(&socket, b"through a socket").unwrap();
+        assert_eq!(reader.join().unwrap(), "through a socket");
+
+        let null = folder.path().join("null");
+        symlink("/dev/null", &null).unwrap();
+        write_whole(&null, b"gone").unwrap();
+        assert!(null.is_symlink());
+        assert!(std::fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+    }
+
+    #[test]
+    fn a_folder_and_a_file_that_may_not_be_written_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(write_whole(folder.path(), b"x").is_err());
+        assert!(write_whole(&folder.path().join("missing/plan.json"), b"x").is_err());
+    }
+
+    #[test]
+    fn what_is_appended_to_is_private_when_new() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("recording");
+        append(&path).unwrap().write_all(b"one").unwrap();
+        assert_eq!(mode(&path), 0o600);
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o644)).unwrap();
+        append(&path).unwrap().write_all(b"two").unwrap();
+        assert_eq!(
+            (mode(&path), std::fs::read(&path).unwrap()),
+            (0o644, b"onetwo".to_vec())
+        );
+        append(Path::new("/dev/null")).unwrap();
     }
 }

@@ -56,4 +56,5 @@ pub mod search;
 pub mod session;
 pub mod solution;
 pub mod verify;
+pub mod visible;
 pub mod world;

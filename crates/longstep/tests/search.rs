@@ -102,23 +102,23 @@ fn parcels(condition: &str) -> Domain {
 
 fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), TestCaseError> {
     let environment = Environment::from_json(environment).unwrap();
-    let world = world::read(&domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
-    let goal = goal::parse(&domain, &world, goal).unwrap();
-    let wanted = goal.wanted(&domain);
-    let expected = brute_force(&domain, &world, &wanted);
+    let world = world::read(domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
+    let goal = goal::parse(domain, &world, goal).unwrap();
+    let wanted = goal.wanted(domain);
+    let expected = brute_force(domain, &world, &wanted);
     let limits = Limits {
         direct: 100_000,
         proof: 100_000,
         shortest: 100_000,
         any: 0,
     };
-    match search::solve(&domain, &world, &wanted, &limits) {
+    match search::solve(domain, &world, &wanted, &limits) {
         Outcome::Solved { steps, shortest, .. } => {
             prop_assert!(shortest);
             prop_assert_eq!(Some(steps.len()), expected);
-            let step = |s: search::GroundAction| Step::explained(&domain, &world, s.action, s.arguments);
+            let step = |s: search::GroundAction| Step::explained(domain, &world, s.action, s.arguments);
             let plan: Plan = steps.into_iter().map(step).collect();
-            let report = check(&domain, &world, plan, &goal.purpose(&domain));
+            let report = check(domain, &world, plan, &goal.purpose(domain));
             prop_assert_eq!(report.violations, vec![]);
         }
         Outcome::ProvenUnsolvable { .. } => prop_assert_eq!(expected, None),

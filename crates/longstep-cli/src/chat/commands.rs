@@ -6,11 +6,12 @@ use anyhow::Result;
 use longstep::diagnostic::nearest;
 use longstep::plan::StepId;
 use longstep::session::{self, Settings, Strategy};
-use longstep_llm::ModelError;
+use longstep_llm::{ModelError, create_private_folder};
 
 use super::{Chat, Next, screen};
 use crate::failure::Failure;
-use crate::{ask, inputs, show};
+use crate::output::print_line;
+use crate::{ask, inputs, output, show};
 
 const COMMANDS: [(&str, &str); 9] = [
     ("/plan", "show the plan at hand, or the last one that was accepted"),
@@ -89,7 +90,10 @@ impl Chat<'_> {
         );
         show::list("It brings about", &why.brings_about);
         match why.without_it.is_empty() {
-            true => anstream::println!("\nWithout it, nothing would be wrong."),
+            true => {
+                output::blank();
+                print_line!("Without it, nothing would be wrong.");
+            }
             false => show::list("Without it", &why.without_it),
         }
         Ok(())
@@ -118,7 +122,7 @@ impl Chat<'_> {
             return Err(Failure::unreadable("which folder?").hint("/save FOLDER").into());
         }
         let folder = Path::new(rest);
-        std::fs::create_dir_all(folder).map_err(|error| {
+        create_private_folder(folder).map_err(|error| {
             Failure::unreadable(format!("cannot make {rest}: {}", inputs::plain(&error))).hint("check the path")
         })?;
         let count = self.session.accepted().len();
@@ -133,7 +137,7 @@ impl Chat<'_> {
 
     fn change_model(&mut self, rest: &str) -> Result<()> {
         if rest.is_empty() {
-            anstream::println!("{}", self.model_name);
+            print_line!("{}", self.model_name);
             return Ok(());
         }
         // The old one stays when the new one cannot be opened, or when Ctrl-C calls the question about it off.
@@ -169,11 +173,13 @@ impl Chat<'_> {
 }
 
 fn help() {
-    anstream::println!("Say what you want, for example: Put the juice on the table.");
-    anstream::println!("When a plan is shown, Enter accepts it, `no` gives it up, and anything else is what is to be");
-    anstream::println!("different: \"not that plate, the blue one\", \"you can omit step 5\".\n");
+    print_line!("Say what you want, for example: Put the juice on the table.");
+    print_line!("When a plan is shown, Enter accepts it, `no` gives it up, and anything else is what is to be");
+    print_line!("different: \"not that plate, the blue one\", \"you can omit step 5\".");
+    output::blank();
     for (form, means) in COMMANDS {
-        anstream::println!("  {form:22}  {means}");
+        print_line!("  {form:22}  {means}");
     }
-    anstream::println!("\nCtrl-C calls off the model, Ctrl-D ends the conversation.");
+    output::blank();
+    print_line!("Ctrl-C calls off the model, Ctrl-D ends the conversation.");
 }

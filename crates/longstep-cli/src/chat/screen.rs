@@ -7,15 +7,16 @@ use longstep::goal::Goal;
 use longstep::plan::{self, Plan};
 use longstep::session::{Ended, Need, Session};
 use longstep::verify::{Purpose, VerifiedPlan};
+use longstep::visible;
 use longstep::world::{Environment, World};
 use longstep_llm::session_directory;
-use owo_colors::OwoColorize;
 
-use crate::{show, solve};
+use crate::output::{Style, print_line, remark};
+use crate::{output, show, solve};
 
 /// A remark of the program's own.
 pub(super) fn notice(text: &str) {
-    anstream::eprintln!("{}", text.dimmed());
+    remark!("{}", text.dimmed());
 }
 
 /// How a session is named on the command line.
@@ -29,7 +30,7 @@ pub(super) fn session_name(folder: &Path) -> String {
 /// What the session needs of the person.
 pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
     match need {
-        Need::Answer(question) => anstream::println!("{} {question}", "Question:".yellow().bold()),
+        Need::Answer(question) => print_line!("{} {question}", "Question:".yellow().bold()),
         Need::Decision => {
             proposal(session);
             waiting(interactive);
@@ -39,7 +40,7 @@ pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
             if let Some(stuck) = session.stuck() {
                 match &stuck.answer {
                     Some(answer) => show::answer(answer, show::Changes::Hidden),
-                    None => anstream::println!("{} {}", "No plan:".red().bold(), stuck.why),
+                    None => print_line!("{} {}", "No plan:".red().bold(), stuck.why),
                 }
             }
         }
@@ -51,22 +52,23 @@ pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
 fn waiting(interactive: bool) {
     if !interactive {
         let told = "Waiting for a decision: an empty line accepts the plan, `no` gives it up.";
-        anstream::println!("{}\n", told.dimmed());
+        print_line!("{}", told.dimmed());
+        output::blank();
     }
 }
 
 /// Asks how a plan ended that can end in several ways.
 fn ended(session: &Session, endings: &[Ended]) {
-    anstream::println!("{}", "How did it end?".yellow().bold());
+    print_line!("{}", "How did it end?".yellow().bold());
     for (number, ending) in endings.iter().enumerate() {
         let when = match ending.when.is_empty() {
             true => "in another way".to_owned(),
             false => ending.when.join(", and "),
         };
-        anstream::println!("  {} {when}", format!("{}.", number + 1).bold());
+        print_line!("  {} {when}", format!("{}.", number + 1).bold());
         show::changes(&session.world().environment, &ending.environment);
     }
-    anstream::println!();
+    output::blank();
 }
 
 fn proposal(session: &Session) {
@@ -80,9 +82,10 @@ fn proposal(session: &Session) {
         };
         show::heading(title);
         for why in &proposal.refused {
-            anstream::println!("  - {why}");
+            print_line!("  - {why}");
         }
-        anstream::println!("\nThe plan stays as it was; /plan shows it.");
+        output::blank();
+        print_line!("The plan stays as it was; /plan shows it.");
         return;
     }
     if let Some(goal) = &proposal.goal {
@@ -94,10 +97,10 @@ fn proposal(session: &Session) {
 fn goal_lines(domain: &Domain, world: &World, goal: &Goal, plan: &VerifiedPlan) {
     show::heading("Goal");
     for line in solve::goal_lines(domain, world, goal) {
-        anstream::println!("  {line}");
+        print_line!("  {line}");
     }
     if !plan.steps().is_empty() {
-        anstream::println!();
+        output::blank();
     }
 }
 
@@ -112,15 +115,15 @@ pub(super) fn accepted(session: &Session) {
         }
         let lines = plan::outline(session.domain(), &last.before, last.plan.plan());
         show::steps(&lines, |_| false);
-        anstream::println!();
+        output::blank();
     }
-    anstream::println!("{} as plan {number}", "Accepted".green().bold());
+    print_line!("{} as plan {number}", "Accepted".green().bold());
     let endings = session.endings();
     if !endings.is_empty() {
         return ended(session, &endings);
     }
     show::changes(&last.before.environment, &session.world().environment);
-    anstream::println!();
+    output::blank();
 }
 
 /// The plan at hand or the last one: the world that it begins in, the plan, and what it is for.
@@ -146,11 +149,11 @@ pub(super) fn plan(session: &Session) {
     match session.accepted().last() {
         Some(last) => {
             let number = session.accepted().len() - 1;
-            anstream::println!("{} {}", format!("Plan {number}:").bold(), last.instruction);
+            print_line!("{} {}", format!("Plan {number}:").bold(), last.instruction);
             let lines = plan::outline(session.domain(), &last.before, last.plan.plan());
             show::steps(&lines, |_| false);
         }
-        None => anstream::println!("there is no plan yet"),
+        None => print_line!("there is no plan yet"),
     }
 }
 
@@ -160,15 +163,17 @@ pub(super) fn environment(session: &Session) {
     let all = environment.assets.iter().chain(&environment.objects);
     let width = all
         .clone()
-        .map(|identifier| identifier.chars().count())
+        .map(|identifier| visible::line(identifier).chars().count())
         .max()
         .unwrap_or(0);
     for (title, list) in [("Assets", &environment.assets), ("Objects", &environment.objects)] {
         show::heading(title);
         for identifier in list {
-            match said(environment, identifier) {
-                nothing if nothing.is_empty() => anstream::println!("  {identifier}"),
-                said => anstream::println!("  {identifier:width$}  {}", said.dimmed()),
+            let said = said(environment, identifier);
+            let identifier = visible::line(identifier);
+            match said {
+                nothing if nothing.is_empty() => print_line!("  {identifier}"),
+                said => print_line!("  {identifier:width$}  {}", said.dimmed()),
             }
         }
     }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use longstep::diagnostic::nearest;
 use longstep::domain::{self, Domain, Files as DomainFiles};
-use longstep_eval::Recorded;
 use longstep_eval::suite::{self, Files, Suite, paper};
-use longstep_llm::write_whole;
+use longstep_eval::{Recorded, sha256};
+use longstep_llm::{LOG_LIMIT, ModelReference, read_bounded, server_address, write_whole};
 
 use crate::arguments::EvalArguments;
 use crate::failure::Failure;
@@ -121,10 +121,28 @@ pub(super) fn domain_files(suite: &str, files: &Files) -> Result<DomainFiles> {
     inputs::domain_files(&name)
 }
 
-/// Reads recorded replies.
-pub(super) fn replies(path: &Path) -> Result<Recorded> {
+/// Reads recorded replies. With them: SHA-256 of their file.
+pub(super) fn replies(path: &Path) -> Result<(Recorded, String)> {
     let text = inputs::text(path)?;
-    Recorded::read(&text).map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).into())
+    let recorded = Recorded::read(&text);
+    let recorded = recorded.map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())))?;
+    Ok((recorded, sha256(text.as_bytes())))
+}
+
+/// Returns marks that tell a model from others of its name: SHA-256 of its file or its recording, and the address of its server.
+pub(super) fn origin(reference: &ModelReference) -> Result<(Option<String>, Option<String>)> {
+    let hash = match reference {
+        ModelReference::Catalogue(entry) => Some(entry.sha256.to_owned()),
+        ModelReference::Replay(path) => {
+            let bytes = read_bounded(path, LOG_LIMIT).map_err(|error| {
+                Failure::unreadable(format!("cannot replay {}: {}", path.display(), inputs::plain(&error)))
+                    .hint("check the path")
+            })?;
+            Some(sha256(&bytes))
+        }
+        _ => None,
+    };
+    Ok((hash, server_address(reference)?))
 }
 
 /// A model's reference as results may say it: the address of a server may hold a password.

@@ -6,7 +6,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use longstep_eval::attempt::Attempt;
 use longstep_eval::run::Lines;
 use longstep_llm::Progress;
-use owo_colors::OwoColorize;
+
+use crate::output::{self, Style, remark};
 
 /// A bar with what came out right so far and how long it will take; not there when stderr is no terminal.
 pub(super) struct Bar {
@@ -26,7 +27,7 @@ impl Bar {
         bar.set_position(done as u64);
         bar.reset_eta();
         if done > 0 {
-            anstream::eprintln!("going on after {done} of {units}");
+            remark!("going on after {done} of {units}");
         }
         let right = known.iter().filter(|attempt| attempt.correct).count();
         let shown = Self {
@@ -48,14 +49,13 @@ impl Bar {
 
     pub(super) fn tell(&self, progress: &Progress) {
         if let Progress::Warning(text) = progress {
-            self.bar
-                .suspend(|| anstream::eprintln!("{} {text}", "warning:".yellow().bold()));
+            self.bar.suspend(|| remark!("{} {text}", "warning:".yellow().bold()));
         }
     }
 
     fn show(&self) {
         if let Ok(counts) = self.counts.lock() {
-            self.bar.set_message(format!("{} of {} right", counts.0, counts.1));
+            output::progress(&self.bar, &format!("{} of {} right", counts.0, counts.1));
         }
     }
 }

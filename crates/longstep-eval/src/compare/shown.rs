@@ -89,7 +89,7 @@ fn changes(comparison: &Comparison) -> [(&'static str, [&'static str; 2], &[Chan
     ]
 }
 
-pub(super) fn text(comparison: &Comparison) -> String {
+pub(super) fn text(comparison: &Comparison) -> Vec<String> {
     let mut lines = vec![comparison.title.clone(), String::new()];
     lines.extend(comparison.notes.iter().map(|note| format!("  {note}")));
     let line = |[name, before, after, difference]: Line| {
@@ -117,7 +117,7 @@ pub(super) fn text(comparison: &Comparison) -> String {
         let settings = comparison.settings.iter();
         lines.extend(settings.map(|(name, before, after)| format!("    {name}: {before} -> {after}")));
     }
-    lines.join("\n") + "\n"
+    lines
 }
 
 pub(super) fn markdown(comparison: &Comparison) -> String {

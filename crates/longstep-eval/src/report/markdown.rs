@@ -1,5 +1,7 @@
 //! A run as a Markdown document.
 
+use longstep::visible;
+
 use super::grid::{self, Grid};
 use super::mark::Mark;
 use super::words::expected;
@@ -192,12 +194,12 @@ pub(crate) fn row(cells: impl IntoIterator<Item = String>) -> String {
     format!("| {} |", cells.join(" | "))
 }
 
-/// Text as Markdown, in a line, that is shown as it is.
+/// Text as Markdown, in a line, that is shown as it is. What would be hidden is an escape.
 pub(crate) fn escaped(text: &str) -> String {
     let mut markdown = String::new();
-    for letter in text.chars() {
+    let line = text.replace(['\n', '\r'], " ");
+    for letter in visible::line(&line).chars() {
         match letter {
-            '\n' | '\r' => markdown.push(' '),
             '&' => markdown.push_str("&amp;"),
             '<' => markdown.push_str("&lt;"),
             '>' => markdown.push_str("&gt;"),

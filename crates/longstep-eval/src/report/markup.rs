@@ -1,5 +1,7 @@
 //! The frame of a page, and the small parts that pages are made of.
 
+use longstep::visible;
+
 /// The style of all pages.
 const STYLE: &str = include_str!("page.css");
 
@@ -32,10 +34,10 @@ pub(crate) fn whole(page: &Page) -> String {
     )
 }
 
-/// Text that markup shows as it is, between tags and in quoted attributes.
+/// Text that markup shows as it is, between tags and in quoted attributes. What would be hidden is an escape.
 pub(crate) fn escaped(text: &str) -> String {
     let mut markup = String::with_capacity(text.len());
-    for letter in text.chars() {
+    for letter in visible::block(text).chars() {
         match letter {
             '&' => markup.push_str("&amp;"),
             '<' => markup.push_str("&lt;"),

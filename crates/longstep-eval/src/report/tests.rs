@@ -30,6 +30,7 @@ pub(crate) fn results(suite: &str, model: &str, attempts: Vec<Attempt>) -> Resul
             domain_sha256: "ab".repeat(32),
             model: model.to_owned(),
             model_sha256: None,
+            server: None,
             settings: Settings::default(),
             temperature: 0.0,
             top_p: None,

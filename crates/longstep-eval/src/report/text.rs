@@ -12,7 +12,7 @@ const KINDS: usize = 6;
 /// More rows would not be looked at in a terminal.
 const ROWS: usize = 5;
 
-pub(super) fn lines(results: &Results) -> String {
+pub(super) fn lines(results: &Results) -> Vec<String> {
     let summary = Summary::of(&results.attempts, &results.timings);
     let plan = &results.plan;
     let mut lines = vec![
@@ -56,7 +56,7 @@ pub(super) fn lines(results: &Results) -> String {
         let wrong = not_correct(results).len();
         lines.push(format!("  {wrong} of {} are not correct", results.attempts.len()));
     }
-    lines.join("\n") + "\n"
+    lines
 }
 
 /// The paper's table with ours above it.

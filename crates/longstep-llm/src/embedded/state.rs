@@ -14,6 +14,7 @@ use llama_cpp_2::token::LlamaToken;
 use sha2::{Digest, Sha256};
 
 use super::engine::SEQUENCE;
+use crate::private::create_private_folder;
 
 /// Which engine wrote a state; another one's are not read. Changes with llama-cpp-2, and with
 /// the way that prompts are computed.
@@ -84,7 +85,7 @@ impl StateFile {
     /// Saves the state of a context that holds these tokens.
     pub(super) fn save(&self, context: &LlamaContext<'_>, tokens: &[LlamaToken]) -> Result<(), String> {
         let folder = self.path.parent().ok_or("it has no folder")?;
-        std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
+        create_private_folder(folder).map_err(|error| error.to_string())?;
         let file = tempfile::Builder::new()
             .prefix(".saving-")
             .tempfile_in(folder)

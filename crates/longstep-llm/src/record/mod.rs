@@ -8,12 +8,13 @@ mod replay;
 mod wire;
 
 use std::collections::HashSet;
-use std::fs::{File, OpenOptions as FileOptions};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use longstep::prompt::{ChatRequest, ConstraintKind, Counting, Message, Reply, TokenCounter};
 
+use crate::whole_file::append;
 use crate::{ChatModel, ModelError, Watch};
 pub(crate) use replay::Replay;
 use wire::{Line, WireCount, WireHead, WireRequest};
@@ -32,18 +33,14 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Records `model` at the end of the file, which is made if it is not there.
+    /// Records `model` at the end of the file, which is made for its owner alone if it is not there.
     ///
     /// # Errors
     ///
     /// [`ModelError::File`] if the file cannot be opened for writing.
     pub fn new(model: Box<dyn ChatModel>, path: &Path) -> Result<Self, ModelError> {
         let fail = || ModelError::file("cannot record to", path);
-        let file = FileOptions::new()
-            .create(true)
-            .append(true)
-            .open(path)
-            .map_err(fail())?;
+        let file = append(path).map_err(fail())?;
         let headed = file.metadata().map_err(fail())?.len() > 0;
         Ok(Self {
             model,

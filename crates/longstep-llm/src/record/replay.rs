@@ -7,6 +7,7 @@ use longstep::prompt::{ChatRequest, ConstraintKind, Counting, EstimatedTokens, M
 
 use super::difference;
 use super::wire::{Line, VERSION, WireHead, WireReply, WireRequest};
+use crate::bounded::{LOG_LIMIT, read_text_bounded};
 use crate::{ChatModel, ModelError, Watch};
 
 /// A recording that is replayed.
@@ -29,7 +30,7 @@ struct Turn {
 impl Replay {
     /// Reads a recording.
     pub(crate) fn open(path: &Path) -> Result<Self, ModelError> {
-        let text = std::fs::read_to_string(path).map_err(ModelError::file("cannot replay", path))?;
+        let text = read_text_bounded(path, LOG_LIMIT).map_err(ModelError::file("cannot replay", path))?;
         let bad = |line: usize, reason: String| ModelError::BadRecording {
             path: path.to_path_buf(),
             line: line + 1,

@@ -276,7 +276,7 @@ fn broken(endpoint: &Endpoint, reason: Broken) -> ModelError {
 
 fn unreadable(endpoint: &Endpoint, reason: Unreadable) -> ModelError {
     let reason = match reason {
-        Unreadable::NoJson(reason) => format!("a part of it is no JSON: {reason}"),
+        Unreadable::NoJson(reason) => format!("a part of it is no JSON: {}", endpoint.one_line(&reason)),
         Unreadable::Complaint(event) => format!("{BROKEN_OFF}: {}", endpoint.one_line(&complaint(&event))),
     };
     bad(endpoint, &reason)

@@ -1,5 +1,6 @@
 //! Where a server is, how it is spoken to, and the key that opens it.
 
+use super::redaction::Redaction;
 use super::secret::Secret;
 use crate::{ModelError, ModelReference};
 
@@ -38,6 +39,8 @@ pub(super) struct Endpoint {
     /// The address of chats.
     chat: String,
     key: Option<Secret>,
+    /// The key, and the password of the address.
+    redaction: Redaction,
 }
 
 impl Endpoint {
@@ -117,7 +120,10 @@ impl Endpoint {
             Kind::Gemini => format!("{base}/models/{model}:streamGenerateContent?alt=sse"),
             Kind::OpenAi | Kind::Azure | Kind::Ollama | Kind::Other => format!("{base}/chat/completions"),
         };
+        let password = password(&base);
+        let secrets = key.iter().map(Secret::reveal).chain(password.as_deref());
         Self {
+            redaction: Redaction::of(secrets),
             kind,
             model: model.to_owned(),
             server: without_password(&base),
@@ -149,6 +155,19 @@ impl Endpoint {
         headers.into_iter().flatten().collect()
     }
 
+    /// The address that tells this server from others: without user, password and query, in the form in which equal
+    /// addresses are equal texts.
+    pub(super) fn normal_address(&self) -> String {
+        let Ok(mut url) = reqwest::Url::parse(&self.base) else {
+            return self.server.clone();
+        };
+        // Only fails for addresses that have no host, and those have no user either.
+        let _ = url.set_username("").and_then(|()| url.set_password(None));
+        url.set_query(None);
+        url.set_fragment(None);
+        url.as_str().trim_end_matches('/').to_owned()
+    }
+
     /// The header that carries the key.
     pub(super) fn key_header(&self) -> Option<(String, String)> {
         self.key.as_ref().map(Secret::header)
@@ -159,14 +178,16 @@ impl Endpoint {
         format!("{}{path}", self.base.strip_suffix("/v1").unwrap_or(&self.base))
     }
 
+    /// A model's reply without keys: some servers repeat what they are sent.
+    pub(super) fn without_keys(&self, reply: &str) -> String {
+        self.redaction.of_reply(reply)
+    }
+
     /// A text that may be shown: without the key, on one line, not too long.
     pub(super) fn one_line(&self, text: &str) -> String {
         /// How much of a server's complaint is repeated, in characters.
         const MOST: usize = 300;
-        let text = match &self.key {
-            Some(key) => key.scrub(text),
-            None => text.to_owned(),
-        };
+        let text = self.redaction.of_message(text);
         let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
         match line.char_indices().nth(MOST) {
             Some((end, _)) => format!("{}...", line.get(..end).unwrap_or_default()),
@@ -213,6 +234,30 @@ fn ollama_address(host: &str) -> String {
         let _ = url.set_host(Some("127.0.0.1"));
     }
     url.as_str().trim_end_matches('/').to_owned()
+}
+
+/// The password of an address, decoded; its user where there is no password, since that is a token then.
+fn password(base: &str) -> Option<String> {
+    let url = reqwest::Url::parse(base).ok()?;
+    let written = url
+        .password()
+        .or(Some(url.username()).filter(|user| !user.is_empty()))?;
+    let mut bytes = Vec::new();
+    let mut rest = written.as_bytes();
+    while let Some((first, more)) = rest.split_first() {
+        let digits = more.get(..2).and_then(|digits| std::str::from_utf8(digits).ok());
+        match digits.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
+            Some(byte) if *first == b'%' => {
+                bytes.push(byte);
+                rest = more.get(2..).unwrap_or_default();
+            }
+            _ => {
+                bytes.push(*first);
+                rest = more;
+            }
+        }
+    }
+    String::from_utf8(bytes).ok()
 }
 
 /// An address without the user and password that may be written into it.

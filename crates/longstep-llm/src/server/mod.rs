@@ -12,6 +12,7 @@ mod endpoint;
 mod event;
 mod limit;
 mod probe;
+mod redaction;
 mod retry;
 mod secret;
 
@@ -46,14 +47,27 @@ pub(crate) struct ServerModel {
     context: OnceCell<Option<u64>>,
 }
 
+/// The address of the server that a reference means, with what the environment says: in one form for equal addresses,
+/// and without user, password and query. `None` if the model is on no server.
+///
+/// # Errors
+///
+/// [`ModelError::NoKey`] and [`ModelError::NoAddress`], as when the model is opened.
+pub fn server_address(reference: &ModelReference) -> Result<Option<String>, ModelError> {
+    let endpoint = Endpoint::of(reference, &environment).transpose()?;
+    Ok(endpoint.map(|endpoint| endpoint.normal_address()))
+}
+
+/// A variable of the environment; an empty one counts as unset.
+fn environment(name: &str) -> Option<String> {
+    let value = std::env::var(name).ok()?;
+    Some(value.trim().to_owned()).filter(|value| !value.is_empty())
+}
+
 impl ServerModel {
     /// The model that a reference means, with keys from the environment; none if it means no server.
     pub(crate) fn open(reference: &ModelReference, options: &OpenOptions) -> Option<Result<Self, ModelError>> {
-        let variable = |name: &str| {
-            let value = std::env::var(name).ok()?;
-            Some(value.trim().to_owned()).filter(|value| !value.is_empty())
-        };
-        Self::open_with(reference, options, &variable)
+        Self::open_with(reference, options, &environment)
     }
 
     fn open_with(
@@ -107,7 +121,9 @@ impl ChatModel for ServerModel {
         let mut tell = |progress: Progress| watch.borrow_mut().tell(progress);
         for _ in 0..CHANGES {
             let failure = match self.try_often(request, &call, &mut tell) {
-                Ok(received) => {
+                Ok(mut received) => {
+                    // Sessions and recordings keep replies.
+                    received.reply.text = self.endpoint.without_keys(&received.reply.text);
                     self.look_at(&received, request, &mut tell);
                     return Ok(received.reply);
                 }

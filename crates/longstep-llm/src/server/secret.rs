@@ -32,11 +32,6 @@ impl Secret {
         };
         (self.header.to_owned(), value)
     }
-
-    /// A text without this key in it: some servers repeat a wrong key in their complaint.
-    pub(super) fn scrub(&self, text: &str) -> String {
-        text.replace(&self.value, "[key]")
-    }
 }
 
 impl fmt::Debug for Secret {

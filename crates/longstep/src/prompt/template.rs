@@ -131,7 +131,7 @@ fn environment(room: usize) -> Environment<'static> {
         }
     });
     let left = Arc::new(AtomicUsize::new(room));
-    let built: [(&'static str, fn(&str) -> String); 4] = [
+    let built: [(&'static str, Built); 4] = [
         ("lower", |text| text.to_lowercase()),
         ("upper", |text| text.to_uppercase()),
         ("trim", |text| text.trim().to_owned()),
@@ -149,6 +149,9 @@ fn environment(room: usize) -> Environment<'static> {
     });
     environment
 }
+
+/// A filter that builds a text out of another one.
+type Built = fn(&str) -> String;
 
 /// Joins the entries of a list, which are texts or numbers.
 fn joined(left: &AtomicUsize, list: &Value, between: Option<&str>) -> Result<String, Error> {
@@ -254,7 +257,7 @@ mod unit_tests {
     }
 
     #[test]
-    fn deep_templates_are_refused_and_overflow_no_stack() {
+    fn deep_templates_overflow_no_stack() {
         for (open, close) in [
             ("{% if name %}", "{% endif %}"),
             ("{% for a in actions %}", "{% endfor %}"),
@@ -275,7 +278,9 @@ mod unit_tests {
             } else {
                 open.repeat(4_000) + &close.repeat(4_000)
             };
-            assert!(rendered(&source).is_err(), "{open}");
+            // The parser follows a chain of `not` without recursion; everything else is too deep for it.
+            let refused = rendered(&source).is_err();
+            assert_eq!(refused, open != "{{ not ", "{open}");
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::rules::breaks_a_rule;
+use super::rules::{breaks_a_rule, broken_rules_at_end};
 use super::simulate::{apply, unmet};
 use super::violation::{Assumption, Missing, Violation};
 use crate::domain::{Action, Domain, plain_words, singular};
@@ -18,6 +18,9 @@ use crate::world::{ChangedLists, Claim, Difference, EntityId, Fact, State, World
 
 /// States that are looked at before the best choice so far is taken.
 const LIMIT: usize = 20_000;
+
+/// States that are looked at for a choice that keeps the rules for the end, once one is found that ends as claimed.
+const AFTER: usize = 2_000;
 
 /// Plans with more steps than this are bound step by step, by what lacks the least: each step more is a call deeper.
 const LONGEST: usize = 2_000;
@@ -155,6 +158,7 @@ pub(super) fn bind_way(
         turns,
         candidates: Vec::new(),
         seen: FxHashSet::default(),
+        most: LIMIT,
         best: None,
         deepest: Vec::new(),
         chosen: Vec::new(),
@@ -305,7 +309,9 @@ struct Binder<'a> {
     candidates: Vec<Vec<Vec<EntityId>>>,
     /// Where a choice has been followed from: before which step, and what is changed there since the start.
     seen: FxHashSet<(usize, ChangedLists)>,
-    /// The choice that can be executed and differs least from what is claimed.
+    /// States that are looked at.
+    most: usize,
+    /// The choice that can be executed and differs least from what is claimed and what the rules want at the end.
     best: Option<(usize, Vec<Vec<EntityId>>)>,
     /// The longest choice that can be executed.
     deepest: Vec<Vec<EntityId>>,
@@ -359,7 +365,10 @@ impl Binder<'_> {
                     let outcomes = self.domain.outcomes(fact);
                     let as_assumed = match outcomes.is_empty() {
                         true => state.holds(fact) == holds,
-                        false => outcomes.iter().any(|outcome| state.holds(*outcome)),
+                        false => {
+                            let known = outcomes.iter().any(|outcome| state.holds(*outcome));
+                            known || self.is_sensed(fact, way, arguments)
+                        }
                     };
                     broken += usize::from(!as_assumed);
                     learn(self.domain, state, fact, holds);
@@ -375,11 +384,21 @@ impl Binder<'_> {
         broken
     }
 
+    /// Whether a step of the way, or the one behind it with these arguments, tells whether the fact holds.
+    fn is_sensed(&self, fact: Fact, way: &[Vec<EntityId>], arguments: &[EntityId]) -> bool {
+        let done = way.iter().map(Vec::as_slice).chain([arguments]);
+        let mut steps = self.turns.iter().zip(done);
+        steps.any(|(turn, arguments)| {
+            let mut senses = self.domain.action(turn.step.action).senses.iter();
+            senses.any(|atom| ground(atom, arguments) == fact)
+        })
+    }
+
     fn descend(&mut self, state: &State) {
         let depth = self.chosen.len();
         let best = self.best.as_ref().map(|(distance, _)| *distance);
         let hopeless = best.is_some_and(|best| best == 0 || (self.broken > 0 && self.broken >= best));
-        let stopped = self.seen.len() >= LIMIT || effort::is_exhausted();
+        let stopped = self.seen.len() >= self.most || effort::is_exhausted();
         if stopped || hopeless || !self.seen.insert((depth, state.changed_lists(self.start))) {
             return;
         }
@@ -387,7 +406,11 @@ impl Binder<'_> {
             self.deepest.clone_from(&self.chosen);
         }
         if depth == self.candidates.len() {
-            let distance = self.broken + self.claimed_differences(state).len();
+            let claimed = self.broken + self.claimed_differences(state).len();
+            if claimed == 0 {
+                self.most = self.most.min(self.seen.len() + AFTER);
+            }
+            let distance = claimed + broken_rules_at_end(self.domain, self.world, state);
             if best.is_none_or(|best| distance < best) {
                 self.best = Some((distance, self.chosen.clone()));
             }
@@ -515,7 +538,9 @@ impl Binder<'_> {
                 return broken == *known;
             }
         }
-        let differences = |state: &State| self.claimed_differences(state).len();
+        let differences = |state: &State| {
+            self.claimed_differences(state).len() + broken_rules_at_end(self.domain, self.world, state)
+        };
         let (end, known) = &along[chosen.len()];
         broken + differences(&state) == known + differences(end)
     }

@@ -4,6 +4,7 @@ use super::violation::Violation;
 use crate::domain::Domain;
 use crate::plan::Step;
 use crate::repair::Edit;
+use crate::visible;
 use crate::world::{Voice, World};
 
 /// A turn of feedback: what is wrong, in the model's own identifiers, and the smallest change that mends it if one is
@@ -37,12 +38,12 @@ pub fn feedback(
     let mut text = String::from("This plan cannot be carried out as it is.\n");
     for violation in violations {
         let told = violation.message_in(Voice::Model, domain, world, steps, None);
-        text.push_str(&format!("- {told}\n"));
+        text.push_str(&format!("- {}\n", visible::line(&told)));
     }
     if !edits.is_empty() {
         text.push_str("The smallest change that makes it work:\n");
         for edit in edits {
-            text.push_str(&format!("- {}\n", edit.told(length)));
+            text.push_str(&format!("- {}\n", visible::line(&edit.told(length))));
         }
     }
     text.push_str("Answer with the whole plan again, in the same format.\n");

@@ -128,6 +128,12 @@ pub(super) fn breaks_a_rule(domain: &Domain, world: &World, before: &State, afte
     })
 }
 
+/// How many rules for the end a state breaks, each counted for every choice of entities.
+pub(super) fn broken_rules_at_end(domain: &Domain, world: &World, state: &State) -> usize {
+    let at_end = domain.rules.iter().filter(|rule| rule.time == RuleTime::End);
+    at_end.map(|rule| broken_bindings(rule, world, state).len()).sum()
+}
+
 /// A rule that is broken in the last state of a plan.
 pub(crate) struct Broken {
     /// The rule's place in the domain's list.

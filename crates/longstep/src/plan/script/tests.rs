@@ -244,7 +244,7 @@ mod random {
     use crate::plan::{self, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep};
     use crate::plan::{read_tree, write_tree};
 
-    const TEXTS: [&str; 12] = [
+    const TEXTS: [&str; 15] = [
         "",
         "take it",
         " blank before",
@@ -257,6 +257,9 @@ mod random {
         "if a(): b()",
         "back\\slash 'and \"quotes",
         "ends with \u{a0}",
+        "\u{1b}[2Jju\u{202e}ice\u{85}\r",
+        "tag\u{e0041} line\u{2028}",
+        "\u{200b}hidden\u{9b}31m",
     ];
     const NAMES: [&str; 5] = ["a", "put_in", "PutIn2", "wait-here", "ö"];
     const ARGUMENTS: [&str; 5] = ["<pie_320>", "left", "3", "two words", "\"odd\" \\ <"];
@@ -371,6 +374,7 @@ mod random {
             let written = draw(seed);
             prop_assert!(written.is_sound());
             let script = write(&written);
+            prop_assert!(!script.contains(|c| c != '\n' && crate::visible::is_hidden(c)), "{:?}", script);
             prop_assert_eq!(&read(&script).unwrap(), &written, "{}", script);
             let text = write_tree(&written).to_string();
             let tree = read_tree(&serde_json::from_str(&text).unwrap(), written.objects.clone(), &Path::default());

@@ -300,8 +300,13 @@ impl<'t> Lexer<'t> {
             't' => Some('\t'),
             'b' => Some('\u{8}'),
             'f' => Some('\u{c}'),
-            'u' | 'x' => {
-                let digits = self.rest().get(..if next == 'u' { 4 } else { 2 })?;
+            'U' | 'u' | 'x' => {
+                let length = match next {
+                    'U' => 8,
+                    'u' => 4,
+                    _ => 2,
+                };
+                let digits = self.rest().get(..length)?;
                 let hexadecimal = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
                 let number = u32::from_str_radix(digits, 16).ok().filter(|_| hexadecimal)?;
                 self.at += digits.len();

@@ -4,10 +4,12 @@ use std::fmt::Write as _;
 
 use super::super::written::{Written, WrittenNode, WrittenStep, is_reserved};
 use super::super::{LaneItem, Node, Test};
+use crate::visible;
 
 /// The script that says what the plan says; [`super::read`] gives the same plan again.
 ///
-/// What no comment can hold as it is, such as a line break, stands in its comment as a JSON text in quotes.
+/// Words that a comment cannot hold as they are, such as a line break, stand in it as a JSON text in quotes. Control
+/// characters, bidirectional controls and characters without width are escapes, in comments and in texts.
 pub fn write(plan: &Written) -> String {
     let mut writer = Writer {
         plan,
@@ -15,7 +17,7 @@ pub fn write(plan: &Written) -> String {
         depth: 0,
     };
     if !plan.objects.is_empty() {
-        let names: Vec<String> = plan.objects.iter().map(|name| quoted(name)).collect();
+        let names: Vec<String> = plan.objects.iter().map(|name| json(name)).collect();
         writer.line(&format!("# {OBJECTS} [{}]", names.join(", ")));
     }
     writer.nodes(&plan.body);
@@ -208,15 +210,33 @@ fn comment(words: &str) -> String {
         && words.trim() == words
         && !words.starts_with(['#', '"'])
         && !words.starts_with(OBJECTS)
-        && !words.contains(char::is_control);
+        && !words.contains(visible::is_hidden);
     match plain {
         true => format!("# {words}"),
-        false => format!("# {}", quoted(words)),
+        false => format!("# {}", json(words)),
     }
 }
 
+/// A text in quotes, as JSON: comments are read so.
+fn json(text: &str) -> String {
+    visible::json(&serde_json::Value::from(text).to_string()).into_owned()
+}
+
+/// A text in quotes, as Python reads it: what a terminal would obey or hide is an escape.
 fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
+    let quoted = serde_json::Value::from(text).to_string();
+    if !quoted.contains(visible::is_hidden) {
+        return quoted;
+    }
+    let mut shown = String::with_capacity(quoted.len() + 16);
+    for character in quoted.chars() {
+        let _ = match (visible::is_hidden(character), u32::from(character)) {
+            (false, _) => write!(shown, "{character}"),
+            (true, code @ ..=0xffff) => write!(shown, "\\u{code:04x}"),
+            (true, code) => write!(shown, "\\U{code:08x}"),
+        };
+    }
+    shown
 }
 
 /// A parameter's name before `=`: Python keeps some names for itself, and those get an underscore more.

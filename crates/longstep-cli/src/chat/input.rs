@@ -1,0 +1,155 @@
+//! The lines that a person, or a pipe, says.
+
+use std::io::{BufRead, Read};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::time::Duration;
+
+use anyhow::Result;
+use longstep_llm::{create_private_folder, session_directory};
+use rustyline::error::ReadlineError;
+use rustyline::history::DefaultHistory;
+use rustyline::{Config, Editor};
+
+use crate::ask;
+use crate::failure::{Failure, LIMIT};
+
+/// Lines of history that are kept.
+const HISTORY: usize = 1000;
+
+/// Bytes that a line of a pipe may have.
+const LINE_LIMIT: usize = 64 << 10;
+
+/// Time between two checks for Ctrl-C while a pipe is silent.
+const TICK: Duration = Duration::from_millis(50);
+
+/// One read from a terminal or a pipe.
+#[derive(Debug)]
+pub(super) enum Input {
+    Line(String),
+    /// Nothing more comes.
+    End,
+    /// Ctrl-C on a pipe.
+    Interrupted,
+}
+
+/// The source of a conversation's lines.
+pub(super) enum Lines {
+    Terminal {
+        editor: Box<Editor<(), DefaultHistory>>,
+        history: Option<PathBuf>,
+    },
+    Pipe(Receiver<Result<String>>),
+}
+
+impl Lines {
+    pub(super) fn open(interactive: bool) -> Result<Self> {
+        if !interactive {
+            return Ok(Self::Pipe(pipe()));
+        }
+        let history = session_directory().ok().map(|folder| folder.with_file_name("history"));
+        let config = Config::builder()
+            .max_history_size(HISTORY)?
+            .auto_add_history(true)
+            .build();
+        let mut editor = Box::new(Editor::with_config(config)?);
+        if let Some(history) = &history {
+            // The first time there is none.
+            let _ = editor.load_history(history);
+        }
+        Ok(Self::Terminal { editor, history })
+    }
+
+    /// Reads the next line; `prompt` is shown in a terminal.
+    pub(super) fn next(&mut self, prompt: &'static str) -> Result<Input> {
+        match self {
+            Self::Terminal { editor, .. } => loop {
+                // What was pressed during a search is too late for it.
+                let _ = ask::take_interrupt();
+                match editor.readline(prompt) {
+                    Ok(line) => return Ok(Input::Line(line)),
+                    // Ctrl-C takes the line back.
+                    Err(ReadlineError::Interrupted) => {}
+                    Err(ReadlineError::Eof) => return Ok(Input::End),
+                    Err(error) => return Err(error.into()),
+                }
+            },
+            Self::Pipe(lines) => loop {
+                if ask::take_interrupt() {
+                    return Ok(Input::Interrupted);
+                }
+                match lines.recv_timeout(TICK) {
+                    Ok(line) => return line.map(Input::Line),
+                    Err(RecvTimeoutError::Timeout) => {}
+                    Err(RecvTimeoutError::Disconnected) => return Ok(Input::End),
+                }
+            },
+        }
+    }
+
+    /// Keeps the history of a terminal. Without one, the next conversation begins with an empty one, and nothing else is
+    /// lost.
+    pub(super) fn close(self) {
+        if let Self::Terminal {
+            mut editor,
+            history: Some(history),
+        } = self
+        {
+            let _ = history.parent().map(|folder: &Path| create_private_folder(folder));
+            let _ = editor.save_history(&history);
+        }
+    }
+}
+
+/// Reads standard input on a thread of its own, one line ahead, so that Ctrl-C is noticed while nothing comes.
+fn pipe() -> Receiver<Result<String>> {
+    let (sender, receiver) = sync_channel(1);
+    std::thread::spawn(move || {
+        let mut input = std::io::stdin().lock();
+        while let Some(line) = read_line(&mut input).transpose() {
+            let failed = line.is_err();
+            // Nobody listens when the conversation has ended.
+            if sender.send(line).is_err() || failed {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+/// Reads a line without its end; none at the end of the input.
+fn read_line(input: &mut impl BufRead) -> Result<Option<String>> {
+    let mut bytes = Vec::new();
+    input.take(LINE_LIMIT as u64 + 1).read_until(b'\n', &mut bytes)?;
+    if bytes.is_empty() {
+        return Ok(None);
+    }
+    let ended = bytes.last() == Some(&b'\n');
+    if !ended && bytes.len() > LINE_LIMIT {
+        let message = format!("a line of the input is longer than {} KiB", LINE_LIMIT >> 10);
+        return Err(Failure::new(message, LIMIT).hint("say one thing on a line").into());
+    }
+    let text = String::from_utf8(bytes)
+        .map_err(|_| Failure::unreadable("the input is not a text (not UTF-8)").hint("save it as UTF-8"))?;
+    let line = text.strip_suffix('\n').unwrap_or(&text);
+    Ok(Some(line.strip_suffix('\r').unwrap_or(line).to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_read_up_to_a_limit() {
+        let mut input = "one\r\ntwo\n\nlast".as_bytes();
+        let mut lines = Vec::new();
+        while let Some(line) = read_line(&mut input).unwrap() {
+            lines.push(line);
+        }
+        assert_eq!(lines, ["one", "two", "", "last"]);
+        let longest = "x".repeat(LINE_LIMIT - 1) + "\n";
+        assert!(read_line(&mut longest.as_bytes()).is_ok());
+        assert!(read_line(&mut std::io::BufReader::new(std::io::repeat(0))).is_err());
+        assert!(read_line(&mut &b"\xff\n"[..]).is_err());
+    }
+}

@@ -1,0 +1,125 @@
+//! The one place through which the program prints.
+//!
+//! [`print_line!`] and [`remark!`] take what `format!` takes. All text in them is foreign until it is printed: control
+//! characters, bidirectional controls and characters without width become escapes, line breaks too. Styles do not travel
+//! in the text, so that no text can bring its own. `clippy.toml` forbids every other way to print.
+
+mod clap_error;
+mod styled;
+
+use std::fmt;
+use std::io::{ErrorKind, Write};
+use std::sync::OnceLock;
+
+use anyhow::Result;
+use longstep::visible;
+use serde::Serialize;
+
+pub(crate) use clap_error::parsed;
+pub(crate) use styled::{Line, Style};
+
+/// The exit code when stdout could not be written.
+pub(crate) const NOT_WRITTEN: u8 = 50;
+
+/// Prints one line to stdout.
+macro_rules! print_line {
+    ($($arguments:tt)*) => { $crate::output::line_to_stdout(::std::format_args!($($arguments)*)) };
+}
+
+/// Prints one line to stderr.
+macro_rules! remark {
+    ($($arguments:tt)*) => { $crate::output::line_to_stderr(::std::format_args!($($arguments)*)) };
+}
+
+/// A line with styles, to be printed later.
+macro_rules! composed {
+    ($($arguments:tt)*) => { $crate::output::Line::new(::std::format_args!($($arguments)*)) };
+}
+
+pub(crate) use {composed, print_line, remark};
+
+/// The first error of stdout. Nothing is printed after it.
+static FAILED: OnceLock<std::io::Error> = OnceLock::new();
+
+/// Prints one line to stdout; [`print_line!`] calls it.
+pub(crate) fn line_to_stdout(text: fmt::Arguments<'_>) {
+    to_stdout(&(Line::new(text).shown() + "\n"));
+}
+
+/// Prints one line to stderr; [`remark!`] calls it.
+pub(crate) fn line_to_stderr(text: fmt::Arguments<'_>) {
+    to_stderr(&(Line::new(text).shown() + "\n"));
+}
+
+/// Prints an empty line to stdout.
+pub(crate) fn blank() {
+    to_stdout("\n");
+}
+
+/// Prints foreign text of several lines to stdout. A margin shows where it begins and ends.
+pub(crate) fn quotation(text: &str) {
+    for one in visible::block(text).lines() {
+        to_stdout(format!("  | {one}").trim_end());
+        blank();
+    }
+}
+
+/// Prints text of several lines that is all of what a command prints, as a script is.
+pub(crate) fn document(text: &str) {
+    to_stdout(&visible::block(text));
+}
+
+/// Prints a value as JSON over several lines.
+pub(crate) fn json(value: &impl Serialize) -> Result<()> {
+    document(&(visible::json(&serde_json::to_string_pretty(value)?).into_owned() + "\n"));
+    Ok(())
+}
+
+/// Prints a value as JSON in one line.
+pub(crate) fn json_line(value: &impl Serialize) -> Result<()> {
+    document(&(visible::json(&serde_json::to_string(value)?).into_owned() + "\n"));
+    Ok(())
+}
+
+/// Shows a message on a progress bar.
+#[expect(clippy::disallowed_methods, reason = "the message is made visible first")]
+pub(crate) fn progress(bar: &indicatif::ProgressBar, message: &str) {
+    bar.set_message(visible::line(message).into_owned());
+}
+
+/// Returns whether stdout failed: whoever goes on would do it unseen.
+pub(crate) fn failed() -> bool {
+    FAILED.get().is_some()
+}
+
+/// Returns the exit code of the program: `code`, or [`NOT_WRITTEN`] when something could not be printed. A reader that
+/// has gone away, such as `head`, is no reason for a message.
+pub(crate) fn finished(code: u8) -> u8 {
+    let Some(error) = FAILED.get() else { return code };
+    if error.kind() != ErrorKind::BrokenPipe {
+        let reason = crate::inputs::plain(error);
+        remark!("{} cannot write to standard output: {reason}", "error:".red().bold());
+        let hint = "nothing was printed, or a part of it; free some space or print to another place";
+        remark!("{} {hint}", "hint:".cyan().bold());
+    }
+    NOT_WRITTEN
+}
+
+fn to_stdout(shown: &str) {
+    if failed() {
+        return;
+    }
+    #[expect(clippy::disallowed_methods, reason = "this is the one place")]
+    let mut stdout = anstream::stdout().lock();
+    let written = stdout.write_all(shown.as_bytes()).and_then(|()| stdout.flush());
+    if let Err(error) = written {
+        let _ = FAILED.set(error);
+    }
+}
+
+fn to_stderr(shown: &str) {
+    #[expect(clippy::disallowed_methods, reason = "this is the one place")]
+    let mut stderr = anstream::stderr().lock();
+    // There is no place left to report it.
+    let _ = stderr.write_all(shown.as_bytes()).and_then(|()| stderr.flush());
+}

@@ -1,0 +1,73 @@
+//! Arguments that cannot be read, and help.
+
+use std::ffi::OsString;
+
+use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
+use longstep::visible;
+
+use crate::arguments::Arguments;
+
+/// Parses the arguments of the program. Help and mistakes are printed; the error is the exit code then.
+pub(crate) fn parsed() -> Result<Arguments, u8> {
+    let typed: Vec<OsString> = std::env::args_os().collect();
+    Arguments::try_parse_from(&typed).map_err(|error| {
+        // What is repeated of the arguments stands inside of texts with styles. So it is made visible before that.
+        let shown = typed
+            .iter()
+            .map(|argument| visible::line(&argument.to_string_lossy()).into_owned());
+        match Arguments::try_parse_from(shown) {
+            Err(same) if same.kind() == error.kind() => print(same),
+            _ => print(error),
+        }
+    })
+}
+
+fn print(mut error: clap::Error) -> u8 {
+    // Values may also come from the environment.
+    let values: Vec<(ContextKind, ContextValue)> = error
+        .context()
+        .filter_map(|(kind, value)| Some((kind, visible_value(value)?)))
+        .collect();
+    for (kind, value) in values {
+        error.insert(kind, value);
+    }
+    let shown = visible_but_styles(&error.render().ansi().to_string());
+    match error.use_stderr() {
+        true => super::to_stderr(&shown),
+        false => super::to_stdout(&shown),
+    }
+    u8::try_from(error.exit_code()).unwrap_or(crate::failure::UNREADABLE)
+}
+
+fn visible_value(value: &ContextValue) -> Option<ContextValue> {
+    let line = |text: &String| visible::line(text).into_owned();
+    match value {
+        ContextValue::String(text) => Some(ContextValue::String(line(text))),
+        ContextValue::Strings(texts) => Some(ContextValue::Strings(texts.iter().map(line).collect())),
+        _ => None,
+    }
+}
+
+/// Leaves clap's styles (`ESC [ digits m`) and makes everything else visible.
+fn visible_but_styles(text: &str) -> String {
+    let mut parts = text.split("\u{1b}[");
+    let mut shown = visible::block(parts.next().unwrap_or_default()).into_owned();
+    for part in parts {
+        let length = part
+            .find(|c: char| !c.is_ascii_digit() && c != ';')
+            .unwrap_or(part.len());
+        let (code, rest) = part.split_at(length);
+        match rest.strip_prefix('m') {
+            Some(rest) => {
+                shown.extend(["\u{1b}[", code, "m"]);
+                shown += &visible::block(rest);
+            }
+            None => {
+                shown += r"\u{1b}[";
+                shown += &visible::block(part);
+            }
+        }
+    }
+    shown
+}

@@ -1,0 +1,46 @@
+//! Files that are read up to a limit.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Bytes of a session's log, a recording or the results of a run that are read at most: 256 MiB.
+pub const LOG_LIMIT: u64 = 256 << 20;
+
+/// Reads a file, a pipe or a device to its end. More than `limit` bytes are an error, and no more than one of them is
+/// read: `/dev/zero` has no end.
+///
+/// # Errors
+///
+/// [`std::io::ErrorKind::FileTooLarge`] beyond the limit, or what the system says.
+///
+/// ```
+/// # fn main() -> std::io::Result<()> {
+/// # #[cfg(target_os = "linux")] {
+/// let error = longstep_llm::read_bounded("/dev/zero".as_ref(), 1 << 20).unwrap_err();
+/// assert_eq!(error.to_string(), "it is larger than 1 MiB");
+/// # }
+/// # Ok(()) }
+/// ```
+pub fn read_bounded(path: &Path, limit: u64) -> std::io::Result<Vec<u8>> {
+    read_to_limit(&mut File::open(path)?, limit)
+}
+
+/// Reads what is left of an open file; see [`read_bounded`].
+pub(crate) fn read_to_limit(file: &mut File, limit: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > limit {
+        true => {
+            let message = format!("it is larger than {} MiB", limit >> 20);
+            Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, message))
+        }
+        false => Ok(bytes),
+    }
+}
+
+/// Reads a text file up to a limit; see [`read_bounded`].
+pub(crate) fn read_text_bounded(path: &Path, limit: u64) -> std::io::Result<String> {
+    String::from_utf8(read_bounded(path, limit)?)
+        .map_err(|_| std::io::Error::new(std::io::ErrorKind::InvalidData, "it is not a text file (not UTF-8)"))
+}

@@ -1,0 +1,121 @@
+//! Properties that hold of every plan that somebody could write.
+
+use longstep::attempt::Attempt;
+use longstep::domain::Domain;
+use longstep::effort;
+use longstep::plan::{Draft, Plan, PlanFile, Resolved, TaskCohesion, Written, resolve, script};
+use longstep::repair::{Outcome, Pins};
+use longstep::verify::{Purpose, Violation, bind_tree, check};
+use longstep::world::World;
+
+use crate::scenes::Scene;
+
+/// Units of work for one input, a fortieth of what a command has, so that a second has many inputs.
+const UNITS: u64 = effort::OPERATION / 40;
+
+/// Drafts with more steps than this are not repaired: one repair may take as long as a thousand bindings.
+const REPAIRED: usize = 5;
+
+/// Binds, verifies and repairs a plan, and checks what comes of each against the others.
+pub fn check_plan(scene: &Scene, file: PlanFile) {
+    let Scene { domain, world } = scene;
+    let draft = Draft {
+        file,
+        leniencies: Vec::new(),
+    };
+    let attempt = Attempt::new(domain, world, draft, None);
+    let spent = effort::within(UNITS, || check_as_written(domain, world, &attempt));
+    if spent.exhausted || attempt.resolved.steps.len() > REPAIRED {
+        return;
+    }
+    let repair = effort::within(UNITS, || attempt.repair(domain, world, &Pins::default()));
+    if repair.exhausted {
+        return;
+    }
+    match &repair.result {
+        Outcome::Valid(plan) => check_again(domain, world, plan.plan(), &attempt.purpose),
+        Outcome::Repaired(repaired) => {
+            // What was given up is no longer claimed, and claims of steps go with the steps of the draft.
+            let purpose = Purpose {
+                claim: None,
+                step_claims: Vec::new(),
+                ..attempt.purpose.clone()
+            };
+            check_again(domain, world, repaired.plan.plan(), &purpose);
+        }
+        Outcome::Unclear { why } | Outcome::GaveUp { why, .. } => assert!(!why.is_empty()),
+        Outcome::ProvenUnsolvable { .. } => {}
+    }
+    drop(attempt.repaired(domain, world, repair.result));
+}
+
+fn check_as_written(domain: &Domain, world: &World, attempt: &Attempt) {
+    let answer = attempt.verdict(domain, world);
+    match bind_tree(domain, world, &attempt.resolved, attempt.purpose.claim.as_ref()) {
+        Err(issues) => {
+            assert!(!issues.is_empty(), "a plan is refused with a reason");
+            assert_ne!(answer.status.exit_code(), 0);
+            for issue in issues {
+                assert!(!issue.message(domain, world, &[], None).is_empty());
+            }
+        }
+        Ok((plan, assumptions)) => {
+            check_bound(domain, world, &attempt.resolved, &plan);
+            assumptions.iter().for_each(|open| drop(open.message(domain, world)));
+            let report = check(domain, world, plan.clone(), &attempt.purpose);
+            assert!(!report.endings.is_empty());
+            let is_work = |violation: &Violation| matches!(violation, Violation::TooMuchWork);
+            if report.violations.iter().any(is_work) {
+                return;
+            }
+            for violation in &report.violations {
+                assert!(!violation.message(domain, world, plan.steps(), None).is_empty());
+            }
+            let is_valid = report.violations.is_empty();
+            if attempt.question().is_none() {
+                assert_eq!(answer.status.exit_code() == 0, is_valid, "{:?}", report.violations);
+            }
+            if is_valid {
+                check_again(domain, world, &plan, &attempt.purpose);
+            }
+        }
+    }
+}
+
+/// A bound plan has every step of the draft, with the arguments that were given, each of its parameter's type.
+fn check_bound(domain: &Domain, world: &World, resolved: &Resolved, plan: &Plan) {
+    assert_eq!(plan.steps().len(), resolved.steps.len());
+    assert_eq!(plan.body(), resolved.body);
+    for (step, draft) in plan.steps().iter().zip(&resolved.steps) {
+        let draft = draft.as_ref().expect("a draft with unknown steps is not bound");
+        assert_eq!(step.action, draft.action);
+        let parameters = &domain.action(step.action).parameters;
+        assert_eq!(step.arguments.len(), parameters.len());
+        for ((argument, given), parameter) in step.arguments.iter().zip(&draft.arguments).zip(parameters) {
+            assert!(given.is_none_or(|given| given == *argument), "a given argument is kept");
+            assert!(world.of_kind(parameter.kind).contains(argument), "an argument has its type");
+        }
+    }
+}
+
+/// A plan that was called valid is valid once more, and also after it was written as a script and read again.
+fn check_again(domain: &Domain, world: &World, plan: &Plan, purpose: &Purpose) {
+    let spent = effort::within(u64::MAX, || check(domain, world, plan.clone(), purpose));
+    if spent.result.violations.contains(&Violation::TooMuchWork) {
+        return;
+    }
+    assert!(spent.result.violations.is_empty(), "{:?}", spent.result.violations);
+    let text = script::write(&Written::of_plan(domain, world, plan));
+    let written = script::read(&text).expect("what was written can be read");
+    let resolved = resolve(domain, world, &TaskCohesion::from_written(written));
+    assert!(resolved.issues.is_empty(), "{text}\n{:?}", resolved.issues);
+    let again = match bind_tree(domain, world, &resolved, None) {
+        Ok((again, _)) => again,
+        Err(issues) if issues.contains(&Violation::TooMuchWork) => return,
+        Err(issues) => panic!("{text}\n{issues:?}"),
+    };
+    assert_eq!(again.body(), plan.body(), "{text}");
+    for (one, other) in again.steps().iter().zip(plan.steps()) {
+        assert_eq!((one.action, &one.arguments), (other.action, &other.arguments), "{text}");
+    }
+}
