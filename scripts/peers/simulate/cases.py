@@ -23,6 +23,7 @@ SCENES = {
     "household-checks": scenes.checks,
     "household-dual": lambda random: scenes.household(random, dual=True),
     "virtualhome": scenes.virtualhome,
+    str(words.SHIPPED.parent / "examples/greenhouse"): scenes.greenhouse,
 }
 
 
@@ -227,7 +228,3 @@ class Source:
             chosen = options[number : number + (2 if self.random.random() < 0.3 else 1)]
             yield Case(kind, self.seed, domain, environment, goals=chosen)
 
-
-def key_of(case: Case) -> str:
-    """A text that two equal cases share."""
-    return json.dumps([case.domain, case.environment, case.file, case.script, case.goals], sort_keys=True)

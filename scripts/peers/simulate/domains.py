@@ -45,6 +45,7 @@ class Maker:
         # Events that an action brings about; a predicate that nothing does is an event to nobody.
         self.brought_about: set[str] = set()
         self.fresh = 0
+        self.settled = False
 
     def kind(self) -> str:
         """A type."""
@@ -148,7 +149,9 @@ class Maker:
         term = self.terms([kind], scope)
         if term is None:
             return None
-        kept = self.random.choice(group) if self.random.random() < 0.3 else None
+        # One effect of an action at most says which outcome holds, so that never two do.
+        kept = self.random.choice(group) if self.random.random() < 0.3 and not self.settled else None
+        self.settled |= kept is not None
         return "(and " + " ".join(f"({n} {term})" if n == kept else f"(not ({n} {term}))" for n in group) + ")"
 
     # --- the two files ----------------------------------------------------------------------------------------
@@ -204,6 +207,7 @@ class Maker:
 
     def action(self, name: str, pddl: list[str], toml: list[str]) -> None:
         """An action with random conditions and effects."""
+        self.settled = False
         scope = {f"?{letter}": self.kind() for letter in "pqr"[: self.random.choice([0, 1, 1, 2, 2, 2, 3])]}
         parts = [self.condition(scope, self.random.randint(0, 3)) for _ in range(self.random.choice([0, 1, 1, 2]))]
         effects = [made for _ in range(self.random.randint(1, 3)) if (made := self.effect(scope))]

@@ -1,7 +1,6 @@
 """Lanes side by side: every order in which their steps can happen."""
 
 from .plan import Step
-from .world import holds
 
 
 def run(walk, lanes: list, states: frozenset) -> frozenset:

@@ -73,7 +73,7 @@ def sample(arguments, program: Path, seed: int, faults: frozenset = frozenset(),
     """Compares as many cases as are wanted, in several processes."""
     draw = random.Random(seed)
     total: dict[str, Tally] = collections.defaultdict(Tally)
-    keep = arguments.keep
+    keep, told = arguments.keep, 0
     with ProcessPoolExecutor(arguments.processes) as pool:
         while sum(tally.cases for tally in total.values()) < arguments.cases:
             chunks = [[draw.randrange(10**9) for _ in range(CHUNK)] for _ in range(arguments.processes * 2)]
@@ -84,6 +84,10 @@ def sample(arguments, program: Path, seed: int, faults: frozenset = frozenset(),
                     for disagreement in tally.disagreements:
                         if not faults:
                             print(f"DISAGREE {json.dumps(disagreement)}", flush=True)
+            done = sum(tally.cases for tally in total.values())
+            if done // 5000 > told and not faults:
+                told = done // 5000
+                print(f"{done} cases", file=sys.stderr, flush=True)
             if stop and any(tally.disagreements for tally in total.values()):
                 break
     return total

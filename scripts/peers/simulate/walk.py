@@ -39,10 +39,6 @@ class Result:
         """True if nothing is wrong."""
         return not self.violations
 
-    def first_failing(self) -> int | None:
-        """The first step that cannot be done or breaks a rule, None if there is none."""
-        return min((step for kind, step in self.violations if step is not None), default=None)
-
 
 class Walk:
     """One simulation of a plan with arguments for its steps."""
