@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::{LARGEST, Row, Work, fill, many, shipped, world_of};
 
-const VERIFYING: u64 = 60_000_000;
+const VERIFYING: u64 = 80_000_000;
 const REPAIRING: u64 = 250_000_000;
 
 fn written(text: &str) -> Draft {
