@@ -17,7 +17,7 @@ CLASSES = ["flat", "tree", "lanes", "hidden", "claims", "domain", "solve"]
 # How often each class comes when all are asked for.
 SHARES = {"flat": 18, "tree": 24, "lanes": 10, "hidden": 16, "claims": 14, "domain": 14, "solve": 4}
 # Cases in one world, and worlds in one random domain.
-PER_WORLD, PER_DOMAIN = 5, 6
+PER_WORLD, PER_DOMAIN = 5, 2
 SCENES = {
     "household": lambda random: scenes.household(random, dual=False),
     "household-checks": scenes.checks,

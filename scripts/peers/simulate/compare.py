@@ -123,7 +123,18 @@ class Verdict:
                 told = {number: " ".join(values) for number, values in found.items()}
                 return Comparison(f"invalid there, and valid here with {told}: {self.messages()}")
             return Comparison()
-        return self.with_arguments(arguments)
+        comparison = self.with_arguments(arguments)
+        if comparison.valid and not self.found_here():
+            # Else the search could be blind, and agree on every plan that is called invalid.
+            return Comparison("valid there and here, but trying all arguments finds none")
+        return comparison
+
+    def found_here(self) -> bool:
+        """True if trying all arguments finds some, or gives up."""
+        try:
+            return hidden.find(self.plan, self.world, self.after) is not None
+        except OverBound:
+            return True
 
     def messages(self) -> str:
         """What the program says is wrong."""
