@@ -107,7 +107,7 @@ fn check_problem(problem: &Problem) {
     }
 }
 
-/// Whether everything that is wanted holds; none where that takes too much work to tell.
+/// Returns whether everything that is wanted holds; none where that takes too much work to tell.
 fn all_hold(world: &World, state: &State, wanted: &[Wanted]) -> Option<bool> {
     let mut all = true;
     for part in wanted {
@@ -116,7 +116,7 @@ fn all_hold(world: &World, state: &State, wanted: &[Wanted]) -> Option<bool> {
     Some(all)
 }
 
-/// Whether something is missing for the condition, by both ways to find out.
+/// Returns whether something is missing for the condition, by both ways to find out.
 fn missing(world: &World, state: &State, condition: &Condition, mut bindings: Vec<world::EntityId>) -> Option<bool> {
     let spent = effort::within(UNITS, || {
         let holds = holds(Moment { world, state }, condition, &mut bindings);

@@ -90,7 +90,7 @@ impl StopFlag {
         self.0.store(stop, Ordering::Relaxed);
     }
 
-    /// Whether a stop is requested.
+    /// Returns whether a stop is requested.
     #[must_use]
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)

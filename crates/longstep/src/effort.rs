@@ -40,7 +40,7 @@ pub struct Spent<T> {
     pub result: T,
     /// The units that were spent.
     pub units: u64,
-    /// Whether the budget ran out before the work was done.
+    /// True if the budget ran out before the work was done.
     pub exhausted: bool,
 }
 

@@ -32,7 +32,7 @@ fn all_actions(domain: &Domain, world: &World) -> Vec<(domain::ActionId, Vec<Ent
     all
 }
 
-/// Whether a rule for every state is broken after a step and not before it.
+/// Returns whether a rule for every state is broken after a step and not before it.
 fn breaks_a_rule(domain: &Domain, world: &World, before: &State, after: &State) -> bool {
     let mut rules = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
     rules.any(|rule| {

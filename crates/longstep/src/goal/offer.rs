@@ -168,7 +168,7 @@ impl Phrases {
         Self(word.phrases.iter().map(said).collect())
     }
 
-    /// Whether the instruction uses one of the phrases with these arguments, if there are any.
+    /// Returns whether the instruction uses one of the phrases with these arguments, if there are any.
     fn fit(&self, bindings: &[EntityId]) -> bool {
         self.0.is_empty()
             || self

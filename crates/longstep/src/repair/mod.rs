@@ -221,7 +221,7 @@ struct Search<'a> {
     pins: &'a Pins,
     meant: &'a Meant,
     expanded: usize,
-    /// Whether a part of the search took all the work that it may take.
+    /// True if a part of the search took all the work that it may take.
     exhausted: bool,
 }
 

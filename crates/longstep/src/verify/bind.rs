@@ -134,7 +134,7 @@ pub(super) struct WayArguments {
     pub(super) arguments: Vec<Vec<EntityId>>,
     /// The arguments that could be others.
     pub(super) assumptions: Vec<Assumption>,
-    /// Whether finding them would have taken more than the budget.
+    /// True if finding them would have taken more than the budget.
     pub(super) exhausted: bool,
 }
 
@@ -388,7 +388,7 @@ impl Binder<'_> {
         broken
     }
 
-    /// Whether a step of the way, or the one behind it with these arguments, tells whether the fact holds.
+    /// Returns whether a step of the way, or the one behind it with these arguments, tells whether the fact holds.
     fn is_sensed(&self, fact: Fact, way: &[Vec<EntityId>], arguments: &[EntityId]) -> bool {
         let done = way.iter().map(Vec::as_slice).chain([arguments]);
         let mut steps = self.turns.iter().zip(done);
@@ -512,7 +512,7 @@ impl Binder<'_> {
         Some(along)
     }
 
-    /// Whether the plan can be executed with `other` at one step, and is as far from what is claimed.
+    /// Returns whether the plan can be executed with `other` at one step, and is as far from what is claimed.
     fn fits_as_well(
         &self,
         chosen: &[Vec<EntityId>],

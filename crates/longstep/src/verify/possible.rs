@@ -91,7 +91,7 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Whether the open arguments can be filled in so that the action can apply and the effect can happen.
+    /// Returns whether the open arguments can be filled in so that the action can apply and the effect can happen.
     fn some_arguments(&self, arguments: &mut Vec<EntityId>) -> bool {
         let (domain, world) = (self.domain, self.world);
         let parameters = domain.action(self.action).parameters.len();

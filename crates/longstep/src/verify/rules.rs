@@ -125,7 +125,7 @@ fn complete(
     }
 }
 
-/// Whether a step from one state to another breaks a rule for every state that held before it.
+/// Returns whether a step from one state to another breaks a rule for every state that held before it.
 pub(super) fn breaks_a_rule(domain: &Domain, world: &World, before: &State, after: &State) -> bool {
     let mut always = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
     always.any(|rule| {

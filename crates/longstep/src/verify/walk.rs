@@ -190,7 +190,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether the plan is not followed any further: there are too many states, or the budget is spent.
+    /// Returns whether the plan is not followed any further: there are too many states, or the budget is spent.
     pub(super) fn is_stopped(&self) -> bool {
         self.stopped || effort::is_exhausted()
     }

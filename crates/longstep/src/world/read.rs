@@ -76,7 +76,7 @@ impl EnvironmentReader<'_> {
         });
     }
 
-    /// Whether nothing more is reported: looking for places and for similar names takes time for each finding.
+    /// Returns whether nothing more is reported: looking for places and for similar names takes time for each finding.
     fn is_full(&self) -> bool {
         self.findings.len() >= FINDINGS
     }

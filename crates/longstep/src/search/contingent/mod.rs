@@ -171,7 +171,7 @@ fn straight(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Out
 struct Tally {
     /// States looked at.
     states: usize,
-    /// Whether a run took all the work that it may take.
+    /// True if a run took all the work that it may take.
     exhausted: bool,
 }
 
