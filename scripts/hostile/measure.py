@@ -1,15 +1,16 @@
 """Runs the program on a case in a child process with limits, and measures processor time and peak memory."""
 
+import json
 import os
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 from dataclasses import dataclass, field
 
-# The shell sets the limits in the child itself: address space in KiB, processor time in seconds, files in KiB.
-LIMITED = 'ulimit -v "$1"; ulimit -t "$2"; ulimit -f 262144; ulimit -c 0; shift 2; exec "$@"'
+LAUNCHER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "launcher.py")
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,7 @@ class Runner:
         self.address_kibibytes = address_mebibytes * 1024
         self.wall_seconds = wall_seconds
         self.base = tempfile.mkdtemp(prefix="longstep-hostile-", dir=folder_in_memory())
+        self.own = threading.local()
 
     def close(self):
         shutil.rmtree(self.base, ignore_errors=True)
@@ -65,37 +67,41 @@ class Runner:
             "LONGSTEP_CACHE": os.path.join(folder, ".cache"),
             "LONGSTEP_SESSIONS": os.path.join(folder, ".sessions"),
         }
-        limits = [str(self.address_kibibytes), str(cpu_seconds)]
-        command = ["/bin/sh", "-c", LIMITED, "sh", *limits, self.program, *argv]
-        with open(os.path.join(folder, ".stderr"), "w+b") as errors:
-            child = subprocess.Popen(
-                command,
-                cwd=folder,
-                env=env,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=errors,
-                start_new_session=True,
-            )
-            # A child that sleeps spends no processor time.
-            timer = threading.Timer(self.wall_seconds, end_group, [child.pid])
-            timer.start()
-            _, status, usage = os.wait4(child.pid, 0)
-            timer.cancel()
-            child.returncode = os.waitstatus_to_exitcode(status)
-            errors.seek(0)
+        seconds, kibibytes, code = self.launcher().ask(
+            {
+                "command": [self.program, *argv],
+                "folder": folder,
+                "env": env,
+                "address_kibibytes": self.address_kibibytes,
+                "cpu_seconds": cpu_seconds,
+                "wall_seconds": self.wall_seconds,
+            }
+        )
+        with open(os.path.join(folder, ".stderr"), "rb") as errors:
             text = errors.read(4000).decode("utf-8", "replace")
-        code = child.returncode
         end = str(code) if code >= 0 else signal.Signals(-code).name
-        return Cost(usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, end, text)
+        return Cost(seconds, kibibytes / 1024, end, text)
+
+    def launcher(self):
+        """The launcher of this thread."""
+        if not hasattr(self.own, "launcher"):
+            self.own.launcher = Launcher()
+        return self.own.launcher
 
 
-def end_group(pid):
-    """Ends a child and its children."""
-    try:
-        os.killpg(pid, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
+class Launcher:
+    """A small process that starts the program, since what starts it counts into its peak memory."""
+
+    def __init__(self):
+        self.process = subprocess.Popen([sys.executable, "-S", "-E", LAUNCHER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8")
+
+    def ask(self, request):
+        self.process.stdin.write(json.dumps(request) + "\n")
+        self.process.stdin.flush()
+        answer = self.process.stdout.readline()
+        if not answer:
+            raise RuntimeError("the launcher has ended")
+        return json.loads(answer)
 
 
 def write_files(files, folder):
