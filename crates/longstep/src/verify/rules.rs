@@ -105,6 +105,8 @@ fn complete(
 ) {
     let Some(variable) = rule.variables.get(bindings.len()) else {
         if !holds(Moment { world, state }, &rule.condition, bindings) {
+            // A list of its own, and a violation that is made of it.
+            effort::spend(4 * effort::KEPT);
             broken.push(bindings.clone());
         }
         return;

@@ -98,7 +98,8 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
     let instances = |kind, inner: &Condition, bindings: &mut Bindings| -> Vec<Vec<Missing>> {
         let mut all = Vec::new();
         for entity in world.of_kind(kind) {
-            if !effort::spend(effort::KEPT) {
+            // A list for each entity, which is copied into the list of each quantifier around it.
+            if !effort::spend(8 * effort::KEPT) {
                 break;
             }
             bindings.push(*entity);

@@ -193,7 +193,8 @@ fn for_guards(
     }
 }
 
-/// Visits the entities that stand in the slot in facts that hold, the slots before it being bound.
+/// Visits the entities that stand in the slot in facts that hold, the slots before it being bound; none when the budget
+/// is spent.
 pub(crate) fn for_matching(
     state: &State,
     atom: &Atom,
@@ -209,7 +210,9 @@ pub(crate) fn for_matching(
         Some(first) => state.of_first(atom.predicate, first),
         None => state.of_predicate(atom.predicate),
     };
-    effort::spend(facts.len());
+    if !effort::spend(1 + facts.len()) {
+        return ControlFlow::Break(());
+    }
     for fact in facts {
         let mut entity = None;
         let fits = atom.terms.iter().enumerate().all(|(place, term)| {

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{LARGEST, Row, Work, fill, many, nest, numbered, read_environment};
 
-const READING: u64 = 5_000_000;
+const READING: u64 = 12_000_000;
 
 fn reply(text: String) -> Work {
     assert!(text.len() <= LARGEST);
