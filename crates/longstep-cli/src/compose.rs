@@ -47,8 +47,8 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
             Ok(inlined) => {
                 let composed = Composed::new(&domain, &world, inlined, &summary);
                 match arguments.no_repair {
-                    true => composed.verdict(&domain, &world),
-                    false => composed.mended(&domain, &world),
+                    true => composed.verdict(),
+                    false => composed.mended(),
                 }
             }
             Err(misfits) => compose::refused(&world, &summary, &misfits),

@@ -1,9 +1,10 @@
 //! What `longstep verify` and `longstep repair` share: a plan's file and the world that it is for.
 
 use anyhow::Result;
-use longstep::attempt::Attempt;
+use longstep::assessment::Assessment;
 use longstep::domain::Domain;
 use longstep::json;
+use longstep::plan;
 use longstep::world::World;
 
 use crate::arguments::DraftArguments;
@@ -14,7 +15,7 @@ use crate::inputs;
 pub(crate) struct Draft {
     pub(crate) domain: Domain,
     pub(crate) world: World,
-    pub(crate) attempt: Attempt,
+    draft: plan::Draft,
 }
 
 impl Draft {
@@ -35,7 +36,10 @@ impl Draft {
                     .into());
             }
         };
-        let attempt = Attempt::new(&domain, &world, draft, None);
-        Ok(Self { domain, world, attempt })
+        Ok(Self { domain, world, draft })
+    }
+
+    pub(crate) fn assessment(&self) -> Assessment<'_> {
+        Assessment::new(&self.domain, &self.world, self.draft.clone(), None)
     }
 }

@@ -10,9 +10,10 @@ use crate::output::{self, remark};
 
 /// Writes the plan to stdout if it is valid; else its verdict to stderr, and nothing to stdout.
 pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
-    let Draft { domain, world, attempt } = Draft::read(&arguments.draft)?;
-    let answer = attempt.verdict(&domain, &world);
-    let verified = attempt.verified(&domain, &world);
+    let draft = Draft::read(&arguments.draft)?;
+    let assessment = draft.assessment();
+    let answer = assessment.verdict();
+    let verified = assessment.verified();
     let (Status::Verified, Some(verified)) = (answer.status, verified) else {
         match answer.status {
             Status::Question => remark!("The plan asks back: {}", answer.plan.question),
@@ -24,7 +25,10 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
         return Ok(answer.status.exit_code());
     };
     match arguments.format {
-        PlanFormat::Python => output::document(&script::write(&Written::of_plan(&domain, &world, verified.plan()))),
+        PlanFormat::Python => {
+            let written = Written::of_plan(&draft.domain, &draft.world, verified.plan());
+            output::document(&script::write(&written));
+        }
         PlanFormat::Json => output::json(&answer.plan)?,
     }
     Ok(answer.status.exit_code())

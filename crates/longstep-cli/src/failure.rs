@@ -109,6 +109,10 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
         let hint = "use a model with a larger context, or shorter prompt parts with --prompt FOLDER";
         return (Some(hint.to_owned()), LIMIT);
     }
+    if let Some(AdvanceError::Prompt(PromptError::TooMuchWork)) = advance {
+        let hint = "declare fewer goals with fewer parameters, or ask for the plan itself with --strategy direct";
+        return (Some(hint.to_owned()), LIMIT);
+    }
     if let Some(ResumeError::Plan { .. } | ResumeError::Environment(_)) = error.downcast_ref::<ResumeError>() {
         let hint = "the domain has changed since: take up its old version, or begin a new session; nothing was \
                     touched, and `longstep session show` still tells what happened";

@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use longstep::repair::Pins;
 
 use crate::arguments::RepairArguments;
 use crate::draft::Draft;
@@ -11,15 +10,16 @@ use crate::solve::{finish, milliseconds};
 
 pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
     let started = Instant::now();
-    let Draft { domain, world, attempt } = Draft::read(&arguments.draft)?;
+    let draft = Draft::read(&arguments.draft)?;
+    let assessment = draft.assessment();
     let searching = Instant::now();
-    let mut answer = match attempt.question() {
-        Some(_) => attempt.verdict(&domain, &world),
+    let mut answer = match assessment.question() {
+        Some(_) => assessment.verdict(),
         None => {
-            let outcome = attempt.repair(&domain, &world, &Pins::default());
+            assessment.repair();
             let search = milliseconds(searching);
             let verifying = Instant::now();
-            let mut answer = attempt.repaired(&domain, &world, outcome);
+            let mut answer = assessment.repaired();
             answer.timings_ms.verify = milliseconds(verifying);
             answer.timings_ms.search = search;
             answer

@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use anyhow::Result;
 use longstep::answer::Status;
-use longstep::repair::Pins;
 
 use crate::arguments::VerifyArguments;
 use crate::draft::Draft;
@@ -14,19 +13,20 @@ use crate::solve::milliseconds;
 
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     let started = Instant::now();
-    let Draft { domain, world, attempt } = Draft::read(&arguments.draft)?;
+    let draft = Draft::read(&arguments.draft)?;
+    let assessment = draft.assessment();
     let verifying = Instant::now();
-    let mut answer = attempt.verdict(&domain, &world);
+    let mut answer = assessment.verdict();
     answer.timings_ms.verify = milliseconds(verifying);
     answer.timings_ms.total = milliseconds(started);
     if arguments.json {
         show::json(&answer)?;
     } else if arguments.feedback && answer.status == Status::Invalid {
-        output::document(&attempt.feedback(&domain, &world, &Pins::default()));
+        output::document(&assessment.feedback());
     } else if !arguments.feedback || answer.status == Status::Question {
         show::answer(&answer, show::Changes::Shown);
         let advice = (answer.status == Status::Invalid)
-            .then(|| attempt.advice(&domain, &world))
+            .then(|| assessment.advice())
             .flatten();
         if let Some(advice) = advice {
             show::hint(&advice);

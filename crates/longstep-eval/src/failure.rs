@@ -29,12 +29,12 @@
 //! - [`Failure::NoPlan`]: a plan was expected, and none was found for what was understood.
 //! - [`Failure::Unusable`]: a reply that cannot be read, or a prompt that does not fit.
 
-use longstep::attempt::Attempt;
+use longstep::assessment::Assessment;
 use longstep::call::Call;
 use longstep::domain::Domain;
 use longstep::goal::{Goal, GoalFact};
 use longstep::plan;
-use longstep::repair::{Edit, EditKind, Outcome, Pins};
+use longstep::repair::{Edit, EditKind, Outcome};
 use longstep::world::World;
 use serde::{Deserialize, Serialize};
 
@@ -107,18 +107,18 @@ pub(crate) fn of_draft(domain: &Domain, world: &World, reply: &str, instruction:
     let Ok(draft) = plan::read(reply) else {
         return Vec::new();
     };
-    let attempt = Attempt::new(domain, world, draft, Some(instruction));
+    let assessment = Assessment::new(domain, world, draft, Some(instruction));
     let mut found = Vec::new();
-    if !attempt.resolved.issues.is_empty() {
+    if !assessment.resolved.issues.is_empty() {
         found.push(Failure::UnknownName);
     }
-    match attempt.repair(domain, world, &Pins::default()) {
+    match assessment.repair() {
         Outcome::Valid(_) => {}
         Outcome::Repaired(repaired) => found.extend(repaired.edits.iter().map(of_edit)),
         _ if found.is_empty() => found.push(Failure::UnmetPrecondition),
         _ => {}
     }
-    if !attempt.verdict(domain, world).claims.differing.is_empty() {
+    if !assessment.verdict().claims.differing.is_empty() {
         found.push(Failure::WrongClaim);
     }
     found

@@ -1,5 +1,7 @@
 //! Was that right?
 
+use std::cell::OnceCell;
+
 use longstep::domain::Domain;
 use longstep::goal::Goal;
 use longstep::plan::Plan;
@@ -34,22 +36,37 @@ impl Amiss {
 pub(crate) struct Standard<'a> {
     domain: &'a Domain,
     world: &'a World,
-    goals: Vec<(&'a Goal, Option<VerifiedPlan>)>,
+    goals: Vec<Expected<'a>>,
+}
+
+/// A goal, and the plan that search finds for it once somebody asks: most of a suite's time may go there.
+#[derive(Debug)]
+struct Expected<'a> {
+    goal: &'a Goal,
+    reference: OnceCell<Option<VerifiedPlan>>,
 }
 
 impl<'a> Standard<'a> {
     pub(crate) fn new(domain: &'a Domain, world: &'a World, goals: &'a [Goal]) -> Self {
-        let reference = |goal: &'a Goal| (goal, solution::of_goal(domain, world, goal, "", || 0.0).plan);
+        let expected = |goal: &'a Goal| Expected {
+            goal,
+            reference: OnceCell::new(),
+        };
         Self {
             domain,
             world,
-            goals: goals.iter().map(reference).collect(),
+            goals: goals.iter().map(expected).collect(),
         }
     }
 
     /// The plan that search finds for the first goal, if there is one.
     pub(crate) fn reference(&self) -> Option<&VerifiedPlan> {
-        self.goals.first()?.1.as_ref()
+        self.reference_for(self.goals.first()?)
+    }
+
+    fn reference_for<'s>(&self, expected: &'s Expected<'a>) -> Option<&'s VerifiedPlan> {
+        let search = || solution::of_goal(self.domain, self.world, expected.goal, "", || 0.0).plan;
+        expected.reference.get_or_init(search).as_ref()
     }
 
     /// Why the plan is not what was wanted, for the goal that it comes closest to.
@@ -57,7 +74,7 @@ impl<'a> Standard<'a> {
         let each = self
             .goals
             .iter()
-            .map(|(goal, reference)| self.amiss_for(plan, goal, reference.as_ref()));
+            .map(|expected| self.amiss_for(plan, expected.goal, self.reference_for(expected)));
         each.min_by_key(Amiss::len).unwrap_or_default()
     }
 

@@ -111,10 +111,10 @@ fn verdict(domain: &Domain, world: &World, written: &Written, stored: &[Stored],
     let inlined = compose::inline(domain, world, written, stored);
     let inlined = inlined.map_err(|misfits| misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
     let composed = Composed::new(domain, world, inlined, wish);
-    if composed.verified(domain, world).is_some() {
+    if composed.verified().is_some() {
         return Ok(());
     }
-    let wrong = composed.verdict(domain, world).violations;
+    let wrong = composed.verdict().violations;
     Err(wrong
         .iter()
         .map(|violation| violation.message.clone())

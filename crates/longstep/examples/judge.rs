@@ -15,7 +15,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
-use longstep::attempt::Attempt;
+use longstep::assessment::Assessment;
 use longstep::domain::{self, Domain, Files};
 use longstep::plan::{self, PlanFile, TaskCohesion};
 use longstep::verify::{bind_tree, check};
@@ -81,11 +81,11 @@ fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
             leniencies: Vec::new(),
         },
     };
-    let attempt = Attempt::new(domain, world, draft, None);
-    let mut answer = serde_json::to_value(attempt.verdict(domain, world))?;
-    let bound = bind_tree(domain, world, &attempt.resolved, attempt.purpose.claim.as_ref());
-    if let (Ok((plan, _)), None) = (bound, attempt.question()) {
-        let report = check(domain, world, plan, &attempt.purpose);
+    let assessment = Assessment::new(domain, world, draft, None);
+    let mut answer = serde_json::to_value(assessment.verdict())?;
+    let bound = bind_tree(domain, world, &assessment.resolved, assessment.purpose.claim.as_ref());
+    if let (Ok((plan, _)), None) = (bound, assessment.question()) {
+        let report = check(domain, world, plan, &assessment.purpose);
         let endings = report.endings.iter().map(|ending| {
             let when: Vec<String> = ending
                 .when

@@ -1,9 +1,11 @@
 //! A plan that somebody wrote, against the world that it is for: what `longstep verify`, `longstep repair` and the
 //! direct strategy share.
 
+use std::cell::OnceCell;
+
 use crate::answer::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::domain::Domain;
-use crate::plan::{self, Plan, PlanFile, Resolved, resolve};
+use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check, feedback};
 use crate::world::{Claim, Voice, World};
@@ -11,36 +13,49 @@ use crate::world::{Claim, Voice, World};
 /// More changes than this are counted rather than told in a hint.
 const TOLD: usize = 4;
 
-/// A plan as it was written, resolved, with what it claims.
+/// A written plan in a world: resolved, simulated at most once and repaired at most once, when somebody asks.
 #[derive(Debug, Clone)]
-pub struct Attempt {
+pub struct Assessment<'a> {
+    domain: &'a Domain,
+    world: &'a World,
     /// The plan as it was written.
     pub file: PlanFile,
-    /// The same in terms of domain and world.
+    /// The plan in terms of domain and world.
     pub resolved: Resolved,
     /// What it is for, as far as it says.
     pub purpose: Purpose,
     /// What was read leniently, and what of the claim means nothing.
     notes: Vec<String>,
+    /// What a repair leaves as it is.
+    pins: Pins,
+    simulation: OnceCell<Result<Simulation, Vec<Violation>>>,
+    repair: OnceCell<Outcome>,
 }
 
-impl Attempt {
+/// A simulated plan, and what its open arguments were taken to be.
+#[derive(Debug, Clone)]
+pub(crate) struct Simulation {
+    pub(crate) report: Report,
+    open: Vec<Assumption>,
+}
+
+impl<'a> Assessment<'a> {
     /// Resolves a draft. `instruction` is what was asked for, if that is known from elsewhere than the plan's own
     /// summary.
     ///
     /// ```
-    /// use longstep::{attempt::Attempt, domain, json, plan, world};
+    /// use longstep::{assessment::Assessment, domain, json, plan, world};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let text = r#"{"objects": ["<pen>"], "assets": ["<desk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// let environment = world::Environment::from_json(text).unwrap();
     /// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
     /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#);
-    /// let attempt = Attempt::new(&household, &world, draft.unwrap(), None);
-    /// let answer = attempt.verdict(&household, &world);
+    /// let assessment = Assessment::new(&household, &world, draft.unwrap(), None);
+    /// let answer = assessment.verdict();
     /// assert_eq!(answer.status.exit_code(), 10);
     /// assert_eq!(answer.violations[0].message, "step 1: grasp_object() needs that the hand is at the pen");
     /// ```
-    pub fn new(domain: &Domain, world: &World, draft: plan::Draft, instruction: Option<&str>) -> Self {
+    pub fn new(domain: &'a Domain, world: &'a World, draft: plan::Draft, instruction: Option<&str>) -> Self {
         let file = draft.file;
         let mut notes: Vec<String> = draft.leniencies.iter().map(|leniency| leniency.message()).collect();
         let claim = file
@@ -61,10 +76,25 @@ impl Attempt {
             ..Purpose::default()
         };
         Self {
+            domain,
+            world,
             file,
             resolved,
             purpose,
             notes,
+            pins: Pins::default(),
+            simulation: OnceCell::new(),
+            repair: OnceCell::new(),
+        }
+    }
+
+    /// Sets what a repair leaves as it is.
+    #[must_use]
+    pub fn pinned(self, pins: Pins) -> Self {
+        Self {
+            pins,
+            repair: OnceCell::new(),
+            ..self
         }
     }
 
@@ -74,33 +104,40 @@ impl Attempt {
         (self.resolved.written.is_empty() && !question.is_empty()).then_some(question)
     }
 
-    /// Simulates the plan; with it, what its open arguments were taken to be.
+    /// Simulates the plan.
     ///
     /// # Errors
     ///
     /// What stands in the way of simulating it: words that mean nothing, arguments that nothing fits.
-    pub(crate) fn simulate(&self, domain: &Domain, world: &World) -> Result<(Report, Vec<Assumption>), Vec<Violation>> {
-        let (plan, open) = bind_tree(domain, world, &self.resolved, self.purpose.claim.as_ref())?;
-        Ok((check(domain, world, plan, &self.purpose), open))
+    pub(crate) fn simulation(&self) -> Result<&Simulation, &[Violation]> {
+        let simulate = || {
+            let claim = self.purpose.claim.as_ref();
+            let (plan, open) = bind_tree(self.domain, self.world, &self.resolved, claim)?;
+            let report = check(self.domain, self.world, plan, &self.purpose);
+            Ok(Simulation { report, open })
+        };
+        self.simulation.get_or_init(simulate).as_ref().map_err(Vec::as_slice)
     }
 
     /// The answer to the plan as it stands.
-    pub fn verdict(&self, domain: &Domain, world: &World) -> Answer {
+    pub fn verdict(&self) -> Answer {
+        let (domain, world) = (self.domain, self.world);
         if let Some(question) = self.question() {
             return Answer::without_plan(Status::Question, world, &self.file.instruction_summary, question);
         }
-        match self.simulate(domain, world) {
-            Ok((report, open)) => self.answer(domain, world, &report, &open),
+        match self.simulation() {
+            Ok(simulation) => self.answer(&simulation.report, &simulation.open),
             Err(issues) => {
-                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved.written, &issues);
-                self.remark(domain, world, &mut answer);
+                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved.written, issues);
+                self.remark(&mut answer);
                 answer
             }
         }
     }
 
     /// The answer to a simulated plan.
-    fn answer(&self, domain: &Domain, world: &World, report: &Report, open: &[Assumption]) -> Answer {
+    fn answer(&self, report: &Report, open: &[Assumption]) -> Answer {
+        let (domain, world) = (self.domain, self.world);
         let mut answer = Answer::of_report(domain, world, report, None, &self.file.instruction_summary);
         answer.assumptions.extend(open.iter().map(|a| a.message(domain, world)));
         let claim = self.purpose.claim.as_ref();
@@ -121,33 +158,36 @@ impl Attempt {
                 told => format!("the plan claims the world for the case that {}", told.join(" and ")),
             });
         }
-        self.remark(domain, world, &mut answer);
+        self.remark(&mut answer);
         answer
     }
 
-    fn remark(&self, domain: &Domain, world: &World, answer: &mut Answer) {
+    fn remark(&self, answer: &mut Answer) {
         answer.plan.question.clone_from(&self.file.question);
         let readings = self.resolved.readings.iter();
-        let told = readings.map(|reading| reading.message(domain, world));
+        let told = readings.map(|reading| reading.message(self.domain, self.world));
         answer.assumptions.splice(0..0, told);
         answer.notes.splice(0..0, self.notes.iter().cloned());
     }
 
-    /// The least change that makes the plan valid, and leaves what is pinned.
-    pub fn repair(&self, domain: &Domain, world: &World, pins: &Pins) -> Outcome {
-        repair_pinned(domain, world, &self.resolved, &self.purpose, pins)
+    /// Finds the least change that makes the plan valid and leaves what is pinned.
+    pub fn repair(&self) -> &Outcome {
+        let find = || repair_pinned(self.domain, self.world, &self.resolved, &self.purpose, &self.pins);
+        self.repair.get_or_init(find)
     }
 
     /// The plan as it stands, if it is valid.
-    pub fn verified(&self, domain: &Domain, world: &World) -> Option<VerifiedPlan> {
-        self.simulate(domain, world).ok()?.0.into_verified().ok()
+    pub fn verified(&self) -> Option<VerifiedPlan> {
+        self.simulation().ok()?.report.clone().into_verified().ok()
     }
 
-    /// The answer to what came of a repair.
-    pub fn repaired(&self, domain: &Domain, world: &World, outcome: Outcome) -> Answer {
-        let mut answer = match &outcome {
-            Outcome::Repaired(repaired) => self.answer(domain, world, repaired.plan.report(), &[]),
-            _ => self.verdict(domain, world),
+    /// The answer to what came of the repair.
+    pub fn repaired(&self) -> Answer {
+        let (domain, world) = (self.domain, self.world);
+        let outcome = self.repair();
+        let mut answer = match outcome {
+            Outcome::Repaired(repaired) => self.answer(repaired.plan.report(), &[]),
+            _ => self.verdict(),
         };
         match outcome {
             Outcome::Valid(_) => {}
@@ -161,7 +201,7 @@ impl Attempt {
                 let whole = self.resolved.issues.iter().filter(|issue| issue.step().is_none());
                 let told = whole.map(|issue| issue.message(domain, world, &[], None));
                 answer.notes.extend(told);
-                let given_up = given_up(domain, world, &repaired).into_iter();
+                let given_up = given_up(domain, world, repaired).into_iter();
                 let told = given_up.map(|fact| format!("claimed and given up: {fact}"));
                 answer.notes.extend(told);
             }
@@ -172,15 +212,15 @@ impl Attempt {
             Outcome::ProvenUnsolvable { .. } => answer.status = Status::Unsolvable,
             Outcome::GaveUp { why, .. } => {
                 answer.status = Status::GaveUp;
-                answer.notes.push(why);
+                answer.notes.push(why.clone());
             }
         }
         answer
     }
 
     /// What repair would do to an invalid plan, if it can mend it.
-    pub fn advice(&self, domain: &Domain, world: &World) -> Option<String> {
-        let Outcome::Repaired(repaired) = self.repair(domain, world, &Pins::default()) else {
+    pub fn advice(&self) -> Option<String> {
+        let Outcome::Repaired(repaired) = self.repair() else {
             return None;
         };
         let length = self.resolved.written.len();
@@ -188,7 +228,7 @@ impl Attempt {
             0..=TOLD => repaired.edits.iter().map(|edit| edit.told(length)).collect(),
             many => vec![format!("{many} changes")],
         };
-        let given_up = given_up(domain, world, &repaired).into_iter();
+        let given_up = given_up(self.domain, self.world, repaired).into_iter();
         told.extend(given_up.map(|fact| format!("give up that {fact}")));
         if told.is_empty() {
             told.push("its steps stay as they are".to_owned());
@@ -196,18 +236,18 @@ impl Attempt {
         Some(format!("`longstep repair` makes it valid: {}", told.join("; ")))
     }
 
-    /// The feedback for a model about the plan, with the smallest change that mends it around what is pinned.
-    pub fn feedback(&self, domain: &Domain, world: &World, pins: &Pins) -> String {
-        let (violations, steps) = match self.simulate(domain, world) {
-            Ok((report, _)) => (report.violations, report.plan),
-            Err(issues) => (issues, Plan::default()),
+    /// The feedback for a model about the plan, with the smallest change that mends it.
+    pub fn feedback(&self) -> String {
+        let (violations, steps) = match self.simulation() {
+            Ok(simulation) => (&*simulation.report.violations, simulation.report.plan.steps()),
+            Err(issues) => (issues, &[][..]),
         };
-        let edits = match self.repair(domain, world, pins) {
-            Outcome::Repaired(repaired) => repaired.edits,
-            _ => Vec::new(),
+        let edits = match self.repair() {
+            Outcome::Repaired(repaired) => &*repaired.edits,
+            _ => &[],
         };
         let length = self.resolved.written.len();
-        feedback(domain, world, &violations, steps.steps(), length, &edits)
+        feedback(self.domain, self.world, violations, steps, length, edits)
     }
 }
 

@@ -39,7 +39,7 @@
 
 pub mod answer;
 pub mod arms;
-pub mod attempt;
+pub mod assessment;
 pub mod call;
 pub mod compose;
 pub mod diagnostic;

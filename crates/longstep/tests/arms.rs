@@ -10,12 +10,12 @@
 )]
 
 use longstep::arms;
-use longstep::attempt::Attempt;
+use longstep::assessment::Assessment;
 use longstep::domain::{self, Domain, Files};
 use longstep::goal;
 use longstep::json::Path;
 use longstep::plan::{self, Node};
-use longstep::repair::{Outcome, Pins};
+use longstep::repair::Outcome;
 use longstep::solution;
 use longstep::world::{self, Environment, World};
 use serde_json::{Value, json};
@@ -34,15 +34,15 @@ fn world_of(domain: &Domain, environment: &Value) -> World {
 fn diagnosed(written: &Value) -> (Vec<String>, Vec<String>) {
     let domain = dual();
     let world = world_of(&domain, &written["environment_before"]);
-    let attempt = Attempt::new(&domain, &world, plan::read(&written.to_string()).unwrap(), None);
-    let verdict = attempt.verdict(&domain, &world);
+    let attempt = Assessment::new(&domain, &world, plan::read(&written.to_string()).unwrap(), None);
+    let verdict = attempt.verdict();
     let messages = verdict
         .violations
         .into_iter()
         .map(|violation| violation.message)
         .collect();
     let length = attempt.resolved.written.len();
-    let edits = match attempt.repair(&domain, &world, &Pins::default()) {
+    let edits = match attempt.repair() {
         Outcome::Valid(_) => Vec::new(),
         Outcome::Repaired(repaired) => {
             assert!(repaired.given_up.is_empty(), "{:?}", repaired.given_up);

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use longstep::answer::{Answer, Status};
-use longstep::attempt::Attempt;
+use longstep::assessment::Assessment;
 use longstep::domain::{self, Domain};
 use longstep::json::Path;
 use longstep::plan::{self, PlanFile, TaskCohesion, Written, script};
@@ -20,13 +20,13 @@ fn kitchen() -> (Domain, World) {
     (domain, world)
 }
 
-fn attempt(domain: &Domain, world: &World, text: &str) -> Attempt {
-    Attempt::new(domain, world, plan::read(text).unwrap(), None)
+fn attempt<'a>(domain: &'a Domain, world: &'a World, text: &str) -> Assessment<'a> {
+    Assessment::new(domain, world, plan::read(text).unwrap(), None)
 }
 
 fn verdict(text: &str) -> Answer {
     let (domain, world) = kitchen();
-    attempt(&domain, &world, text).verdict(&domain, &world)
+    attempt(&domain, &world, text).verdict()
 }
 
 #[track_caller]
@@ -75,13 +75,11 @@ fn a_script_that_senses_is_verified_on_both_ways() {
 #[test]
 fn what_is_written_is_read_again_with_the_same_verdict() {
     let (domain, world) = kitchen();
-    let verified = attempt(&domain, &world, &format!("{TAKE}{SORT}"))
-        .verified(&domain, &world)
-        .unwrap();
+    let verified = attempt(&domain, &world, &format!("{TAKE}{SORT}")).verified().unwrap();
     let file = PlanFile::from(TaskCohesion::new(&domain, &world, verified.plan()));
     let script = script::write(&Written::of_plan(&domain, &world, verified.plan()));
     for text in [script, serde_json::to_string_pretty(&file).unwrap()] {
-        let again = attempt(&domain, &world, &text).verified(&domain, &world).unwrap();
+        let again = attempt(&domain, &world, &text).verified().unwrap();
         assert_eq!(again.plan(), verified.plan(), "{text}");
     }
 }
@@ -158,8 +156,7 @@ fn named_parameters_bind_what_a_call_hides() {
 fn a_tree_is_repaired_way_by_way() {
     let (domain, world) = kitchen();
     let attempt = attempt(&domain, &world, SORT);
-    let outcome = attempt.repair(&domain, &world, &longstep::repair::Pins::default());
-    let answer = attempt.repaired(&domain, &world, outcome);
+    let answer = attempt.repaired();
     assert_eq!(answer.status, Status::Verified);
     let after: Vec<Option<&str>> = answer.edits.iter().map(|edit| edit.after.as_deref()).collect();
     let calls = ["move_hand()", "grasp_object()", "detach_from_plane()"];
@@ -217,11 +214,11 @@ fn the_published_branching_plan_is_read_and_every_line_of_its_verdict_has_a_reas
         &Path::default(),
     )
     .unwrap();
-    let attempt = Attempt::new(&domain, &world, draft, None);
-    let answer = attempt.verdict(&domain, &world);
+    let attempt = Assessment::new(&domain, &world, draft, None);
+    let answer = attempt.verdict();
     // Each step is possible on each way, and the hand is empty at the end of both.
     assert_eq!(answer.status, Status::Verified, "{:?}", answer.violations);
-    let verified = attempt.verified(&domain, &world).unwrap();
+    let verified = attempt.verified().unwrap();
     // Looking once splits the plan in two; looking again, in the condition, tells nothing new.
     let endings: Vec<String> = verified
         .endings()

@@ -2,25 +2,25 @@
 
 use super::Inlined;
 use crate::answer::Answer;
-use crate::attempt::Attempt;
+use crate::assessment::Assessment;
 use crate::domain::Domain;
 use crate::plan::{Draft, PlanFile, TaskCohesion};
-use crate::repair::{Outcome, Pins};
+use crate::repair::Outcome;
 use crate::verify::VerifiedPlan;
 use crate::world::World;
 
 /// A composition with the steps of its plans, resolved in the world as it is now.
 #[derive(Debug, Clone)]
-pub struct Composed {
-    /// It as a plan that somebody wrote.
-    pub attempt: Attempt,
+pub struct Composed<'a> {
+    /// The composition as a plan that somebody wrote.
+    pub assessment: Assessment<'a>,
     /// For each step: the stored plan that it comes from.
     origins: Vec<Option<String>>,
 }
 
-impl Composed {
+impl<'a> Composed<'a> {
     /// Resolves a composition; `instruction` is what was asked for.
-    pub fn new(domain: &Domain, world: &World, inlined: Inlined, instruction: &str) -> Self {
+    pub fn new(domain: &'a Domain, world: &'a World, inlined: Inlined, instruction: &str) -> Self {
         let file = PlanFile {
             task_cohesion: TaskCohesion::from_written(inlined.written),
             environment_before: Some(world.environment.clone()),
@@ -34,14 +34,14 @@ impl Composed {
             leniencies: Vec::new(),
         };
         Self {
-            attempt: Attempt::new(domain, world, draft, None),
+            assessment: Assessment::new(domain, world, draft, None),
             origins: inlined.origins,
         }
     }
 
     /// The answer to the composition as it stands. What is wrong is told with the stored plans that it is about.
-    pub fn verdict(&self, domain: &Domain, world: &World) -> Answer {
-        let mut answer = self.attempt.verdict(domain, world);
+    pub fn verdict(&self) -> Answer {
+        let mut answer = self.assessment.verdict();
         for violation in &mut answer.violations {
             let about = [violation.step, violation.undone_by].into_iter().flatten();
             let parts: Vec<String> = about
@@ -58,15 +58,15 @@ impl Composed {
     }
 
     /// The composition as it stands, if it is valid.
-    pub fn verified(&self, domain: &Domain, world: &World) -> Option<VerifiedPlan> {
-        self.attempt.verified(domain, world)
+    pub fn verified(&self) -> Option<VerifiedPlan> {
+        self.assessment.verified()
     }
 
     /// The answer after the least change that makes it valid, if there is one; else what is wrong with it.
-    pub fn mended(&self, domain: &Domain, world: &World) -> Answer {
-        match self.attempt.repair(domain, world, &Pins::default()) {
-            outcome @ Outcome::Repaired(_) => self.attempt.repaired(domain, world, outcome),
-            _ => self.verdict(domain, world),
+    pub fn mended(&self) -> Answer {
+        match self.assessment.repair() {
+            Outcome::Repaired(_) => self.assessment.repaired(),
+            _ => self.verdict(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A stored plan as it was when it was made: every argument known.
 
 use super::{Misfit, Stored};
-use crate::attempt::Attempt;
+use crate::assessment::Assessment;
 use crate::domain::Domain;
 use crate::json::Path;
 use crate::plan::{Draft, Plan, Step, Written};
@@ -41,12 +41,12 @@ impl Recalled {
             file: stored.file.clone(),
             leniencies: Vec::new(),
         };
-        let attempt = Attempt::new(domain, &own, draft, None);
-        let (report, _) = attempt.simulate(domain, &own).map_err(|issues| {
+        let assessment = Assessment::new(domain, &own, draft, None);
+        let simulation = assessment.simulation().map_err(|issues| {
             let told = issues.iter().map(|issue| issue.message(domain, &own, &[], None));
             unusable(joined(told))
         })?;
-        Ok(Self::of_plan(domain, &own, &report.plan, &stored.summary))
+        Ok(Self::of_plan(domain, &own, &simulation.report.plan, &stored.summary))
     }
 
     fn of_plan(domain: &Domain, own: &World, plan: &Plan, summary: &str) -> Self {

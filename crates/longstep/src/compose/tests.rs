@@ -128,7 +128,7 @@ fn shed(now: &[&str]) -> Scene {
     )
 }
 
-fn composed(scene: &Scene, composition: &str) -> Result<Composed, Vec<Misfit>> {
+fn composed<'a>(scene: &'a Scene, composition: &str) -> Result<Composed<'a>, Vec<Misfit>> {
     let written = script::read(composition).unwrap();
     let inlined = inline(&scene.domain, &scene.world, &written, &scene.stored)?;
     Ok(Composed::new(&scene.domain, &scene.world, inlined, ""))
@@ -140,8 +140,8 @@ fn check(scene: &Scene, composition: &str, expected: &str) {
     let told = match composed(scene, composition) {
         Err(misfits) => misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"),
         Ok(composed) => {
-            let answer: Answer = composed.verdict(&scene.domain, &scene.world);
-            match composed.verified(&scene.domain, &scene.world) {
+            let answer: Answer = composed.verdict();
+            match composed.verified() {
                 Some(plan) => format!("{} steps, {} endings", plan.steps().len(), plan.endings().len()),
                 None => {
                     let wrong = answer.violations.iter().map(|violation| violation.message.as_str());
@@ -181,7 +181,7 @@ fn what_does_not_fit_together_names_the_stored_plan() {
          `shelve_cream`)",
     );
     let told = composed(&scene, "take_cream()\ndrop_cream()\nshelve_cream()\n").unwrap();
-    let answer = told.verdict(&scene.domain, &scene.world);
+    let answer = told.verdict();
     let first = &answer.violations[0].message;
     assert!(
         first.starts_with("step 6: move_object() needs")
@@ -197,9 +197,7 @@ fn what_is_missing_now_is_an_issue() {
         &scene.domain,
         &json!({"assets": ["<bench>"], "objects": ["<cream>"], "object_states": {"<cream>": ON_BENCH}}),
     );
-    let answer = composed(&scene, "take_cream()\nshelve_cream()")
-        .unwrap()
-        .verdict(&scene.domain, &scene.world);
+    let answer = composed(&scene, "take_cream()\nshelve_cream()").unwrap().verdict();
     let first = &answer.violations[0];
     assert_eq!(first.kind, "unknown_entity");
     assert!(

@@ -12,11 +12,13 @@ use super::{
     ChatRequest, Constraint, ConstraintKind, Finish, Message, PartCost, Reply, Role, Round, TokenCounter, Usage, scene,
 };
 use crate::domain::{Domain, plain_words};
+use crate::effort;
 use crate::feedback::WishError;
 use crate::goal::{
     self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Spoken, Understanding, Ways, ended,
     grammar_of, offers, offers_on, schema_of, understand_spoken,
 };
+use crate::search;
 use crate::world::{EntityId, World};
 
 /// Goals in one answer at most.
@@ -44,7 +46,14 @@ pub enum DialogueError {
     /// The reply is no change of the plan that it is about.
     #[error("the model's answer is no change of this plan: {0}")]
     NoWish(#[from] WishError),
+    /// Finding the goals that make sense here takes more work than its budget.
+    #[error("{TOO_MUCH_WORK}")]
+    TooMuchWork,
 }
+
+/// Message for a domain and a world with more goals than can be looked at.
+pub(super) const TOO_MUCH_WORK: &str =
+    "there are too many goals in this domain and world, or their conditions take too much work";
 
 /// Whether a reply came to its end: one that is cut off or refused says nothing.
 ///
@@ -106,6 +115,10 @@ pub struct GoalDialogue {
     cannot_be_told: bool,
     /// Whether the model said that something is not here which is: then it is not to ask again.
     mistaken: bool,
+    /// Goals that can be said next.
+    open: Vec<Offer>,
+    /// True if finding `open`, or the scene, took more work than its budget.
+    exhausted: bool,
     /// What the calls so far cost.
     pub usage: Usage,
 }
@@ -121,6 +134,19 @@ impl GoalDialogue {
     /// What the person speaks of is read from the instruction and the words together, and the words win: what they
     /// exclude ("not that plate") is not offered, and neither is the answer that they take back.
     pub fn again(domain: &Domain, world: &World, instruction: &str, rounds: &[Round], kind: ConstraintKind) -> Self {
+        let mut dialogue = Self::before(domain, world, instruction, rounds, kind);
+        dialogue.begin(domain, world);
+        dialogue
+    }
+
+    /// The conversation before it is known what can be said in it.
+    pub(super) fn before(
+        domain: &Domain,
+        world: &World,
+        instruction: &str,
+        rounds: &[Round],
+        kind: ConstraintKind,
+    ) -> Self {
         let mut messages = fixed_turns(domain, kind);
         let fixed = messages.len();
         let mut heard = Correction::of(domain, world, instruction);
@@ -131,7 +157,10 @@ impl GoalDialogue {
             Some(_) => Spoken::default(),
             None => heard.spoken.clone(),
         };
-        let scene = scene(domain, world, &offers(domain, world, &[], &Spoken::default()));
+        let shown = effort::within(effort::OPERATION, || {
+            scene(domain, world, &offers(domain, world, &[], &Spoken::default()))
+        });
+        let scene = shown.result;
         messages.push(Message::new(
             Role::User,
             scene_and_instruction(&scene, &plain_line(instruction)),
@@ -140,7 +169,7 @@ impl GoalDialogue {
             messages.push(Message::new(Role::Assistant, in_form(&round.replied, kind)));
             messages.push(Message::new(Role::User, plain_line(&round.said)));
         }
-        let mut dialogue = Self {
+        Self {
             cannot_be_told: goal::cannot_be_told(domain, world, &heard.spoken),
             heard,
             spoken,
@@ -154,19 +183,24 @@ impl GoalDialogue {
             next: Next::Goal,
             has_condition: false,
             mistaken: false,
+            open: Vec::new(),
+            exhausted: shown.exhausted,
             usage: Usage::default(),
-        };
-        dialogue.begin(domain, world);
-        dialogue
+        }
     }
 
     /// Where the last words only add to the answer, a new one goes on from it.
-    fn begin(&mut self, domain: &Domain, world: &World) {
+    pub(super) fn begin(&mut self, domain: &Domain, world: &World) {
         self.facts.clone_from(&self.heard.begun);
         self.said = self.facts.iter().flat_map(GoalFact::parts).cloned().collect();
-        if self.facts.is_empty() || self.offers(domain, world).is_empty() {
+        self.look(domain, world);
+        if self.facts.is_empty() {
+            return;
+        }
+        if self.open.is_empty() {
             self.facts.clear();
             self.said.clear();
+            self.look(domain, world);
         } else if self.kind == ConstraintKind::Grammar {
             let said: Vec<String> = self.facts.iter().map(|fact| fact.everyday(domain, world)).collect();
             self.answer = said.join(" & ") + goal::JOINT;
@@ -179,7 +213,7 @@ impl GoalDialogue {
             ConstraintKind::Grammar => Constraint::Lark(self.grammar(domain, world)),
             ConstraintKind::JsonSchema => {
                 let depends = !goal::conditions(domain, world, &self.heard.spoken).is_empty();
-                Constraint::JsonSchema(schema_of(domain, world, &self.offers(domain, world), depends))
+                Constraint::JsonSchema(schema_of(domain, world, &self.open, depends))
             }
         };
         ChatRequest {
@@ -196,7 +230,7 @@ impl GoalDialogue {
 
     /// The grammar for what can be said next.
     fn grammar(&self, domain: &Domain, world: &World) -> String {
-        let offers = self.offers(domain, world);
+        let offers = &self.open;
         let spoken = &self.heard.spoken;
         let conditions = match self.next {
             Next::Goal => goal::conditions(domain, world, spoken),
@@ -220,13 +254,13 @@ impl GoalDialogue {
         // Who says "if" makes something depend on it.
         let must_depend = more && !conditions.is_empty() && !self.has_condition;
         let place = if self.answer.is_empty() {
-            let question = !self.mistaken && !goal::is_plain(domain, &offers, &self.spoken);
+            let question = !self.mistaken && !goal::is_plain(domain, offers, &self.spoken);
             Place::First { question }
         } else {
             Place::Next
         };
         let ways = Ways {
-            offers: if self.cannot_be_told { &[] } else { &offers },
+            offers: if self.cannot_be_told { &[] } else { offers },
             conditions: &conditions,
             joints: &joints,
             may_end: !must_depend,
@@ -254,6 +288,20 @@ impl GoalDialogue {
         costs
     }
 
+    /// Finds the goals that can be said next, within a budget.
+    fn look(&mut self, domain: &Domain, world: &World) {
+        // What a word asks for may hold again after the goals before it, which takes a search to know.
+        let search = if self.said.is_empty() { 0 } else { search::EFFORT };
+        let found = effort::within(effort::OPERATION + search, || self.offers(domain, world));
+        self.exhausted |= found.exhausted;
+        self.open = found.result;
+    }
+
+    /// Returns whether finding the goals that make sense took more work than its budget; no reply is of use then.
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.exhausted
+    }
+
     /// What can be said next: nothing that the person took back.
     fn offers(&self, domain: &Domain, world: &World) -> Vec<Offer> {
         let further = !self.said.is_empty() || self.next == Next::Otherwise;
@@ -279,21 +327,26 @@ impl GoalDialogue {
     ///
     /// # Errors
     ///
-    /// When the reply is cut off, refused, or not what was asked for.
+    /// When the reply is cut off, refused, or not what was asked for, or when finding what it can say took too much work.
     pub fn supply(&mut self, domain: &Domain, world: &World, reply: &Reply) -> Result<Turn, DialogueError> {
         self.usage += reply.usage;
         self.answer.push_str(&reply.text);
         whole(reply)?;
-        match self.kind {
+        let turn = match self.kind {
+            _ if self.exhausted => Err(DialogueError::TooMuchWork),
             ConstraintKind::Grammar => self.supply_part(domain, world),
             ConstraintKind::JsonSchema => self.supply_whole(domain, world, &reply.text),
+        }?;
+        if self.exhausted {
+            return Err(DialogueError::TooMuchWork);
         }
+        Ok(turn)
     }
 
     fn supply_part(&mut self, domain: &Domain, world: &World) -> Result<Turn, DialogueError> {
         if let Some(question) = self.answer.strip_prefix(goal::QUESTION) {
             let question = question.trim().to_owned();
-            if !self.mistaken && self.denies_what_is_here(world, &question) && !self.offers(domain, world).is_empty() {
+            if !self.mistaken && self.denies_what_is_here(world, &question) && !self.open.is_empty() {
                 self.mistaken = true;
                 self.answer.clear();
                 return Ok(Turn::GoOn);
@@ -303,8 +356,11 @@ impl GoalDialogue {
         let begun = Begun::read(domain, world, &self.answer)?;
         (self.said, self.next, self.has_condition) = (begun.said(), begun.next, begun.has_condition());
         (self.facts, self.other_side) = (begun.facts, begun.other_side);
-        if self.next != Next::Nothing && !self.offers(domain, world).is_empty() {
-            return Ok(Turn::GoOn);
+        if self.next != Next::Nothing {
+            self.look(domain, world);
+            if !self.open.is_empty() {
+                return Ok(Turn::GoOn);
+            }
         }
         self.facts = ended(domain, world, &self.answer)?.facts;
         Ok(self.done(domain, world))

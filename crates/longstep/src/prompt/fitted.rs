@@ -1,13 +1,16 @@
 //! The goal strategy in a world that may be too large for it.
 
 use super::dialogue::ANSWER_TOKENS;
-use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, Round, TokenCounter, focus};
+use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, PromptError, Round, TokenCounter, focus};
 use crate::domain::Domain;
+use crate::effort;
 use crate::world::World;
 
 /// Entities of a scene at most, unless the instruction names more. Goals are offered for pairs of things: a grammar for a
 /// hundred has some 70 KiB where nothing is named, and a model that is shown more reads none of it well.
 const SCENE: usize = 100;
+/// Units of work for all dialogues that are begun to find one that fits.
+const EFFORT: u64 = 2 * effort::OPERATION;
 
 /// A goal dialogue, and the part of the world that it is about.
 #[derive(Debug, Clone)]
@@ -51,7 +54,7 @@ impl GoalDialogue {
     ///
     /// # Errors
     ///
-    /// When not even what the instruction names fits.
+    /// When not even what the instruction names fits, or when finding the goals that make sense takes too much work.
     pub fn fitted(
         domain: &Domain,
         world: &World,
@@ -60,14 +63,35 @@ impl GoalDialogue {
         kind: ConstraintKind,
         context: Option<u64>,
         counter: &mut dyn TokenCounter,
-    ) -> Result<FittedDialogue, OverBudget> {
+    ) -> Result<FittedDialogue, PromptError> {
+        let fitted = || Self::fitted_within(domain, world, instruction, rounds, kind, context, counter);
+        let mut fitted = effort::within(EFFORT, fitted).result?;
+        let seen = fitted.narrowed.as_ref().unwrap_or(world);
+        fitted.dialogue.begin(domain, seen);
+        if fitted.dialogue.is_exhausted() {
+            return Err(PromptError::TooMuchWork);
+        }
+        Ok(fitted)
+    }
+
+    fn fitted_within(
+        domain: &Domain,
+        world: &World,
+        instruction: &str,
+        rounds: &[Round],
+        kind: ConstraintKind,
+        context: Option<u64>,
+        counter: &mut dyn TokenCounter,
+    ) -> Result<FittedDialogue, PromptError> {
         let room = context.map_or(u64::MAX, |context| context.saturating_sub(ANSWER_TOKENS.into()));
         let mut attempt = |shown: &World| {
-            let dialogue = GoalDialogue::again(domain, shown, instruction, rounds, kind);
+            let dialogue = GoalDialogue::before(domain, shown, instruction, rounds, kind);
             let costs = dialogue.costs(counter);
             let needed = costs.iter().map(|cost| cost.tokens).sum();
             if needed > room {
-                Err(OverBudget { needed, room })
+                Err(OverBudget { needed, room }.into())
+            } else if dialogue.is_exhausted() {
+                Err(PromptError::TooMuchWork)
             } else {
                 Ok((dialogue, costs))
             }

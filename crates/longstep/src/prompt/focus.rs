@@ -4,7 +4,6 @@ use std::cmp::Reverse;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::OverBudget;
 use crate::domain::{Domain, PredicateId, base_name, plain_words, singular};
 use crate::goal::Spoken;
 use crate::world::{EntityId, World};
@@ -103,11 +102,11 @@ impl Focus {
     /// and never fewer than are needed.
     ///
     /// More entities are taken to cost more.
-    pub(super) fn most<T>(
+    pub(super) fn most<T, E>(
         &self,
         at_most: usize,
-        mut attempt: impl FnMut(&[EntityId]) -> Result<T, OverBudget>,
-    ) -> Result<T, OverBudget> {
+        mut attempt: impl FnMut(&[EntityId]) -> Result<T, E>,
+    ) -> Result<T, E> {
         let mut good = self.needed.min(self.ranked.len());
         let mut bad = at_most.clamp(good, self.ranked.len()) + 1;
         let mut made = attempt(&self.ranked[..good])?;

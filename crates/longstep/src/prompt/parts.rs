@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use minijinja::{Value, context};
 
+use super::dialogue::TOO_MUCH_WORK;
 use super::{Message, OverBudget, Role, template, told, worked};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::domain::{Domain, Files};
@@ -81,6 +82,9 @@ pub enum PromptError {
     /// It does not fit.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
+    /// Finding the goals that make sense in the world takes more work than its budget.
+    #[error("{TOO_MUCH_WORK}")]
+    TooMuchWork,
 }
 
 /// The texts that the direct strategy's parts are made from, with their paths.

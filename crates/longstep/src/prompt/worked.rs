@@ -11,7 +11,7 @@ use super::query::{contained_json, query_text};
 use super::reply::{AnswerText, StateLists};
 use super::{Message, Role};
 use crate::answer::{Answer, Status};
-use crate::attempt::Attempt;
+use crate::assessment::Assessment;
 use crate::diagnostic::{Diagnostic, Position};
 use crate::domain::Domain;
 use crate::plan::{self, Draft, PlanFile, TaskCohesion, script};
@@ -156,10 +156,10 @@ fn verified(domain: &Domain, world: &World, mut file: PlanFile, summary: &str) -
         file,
         leniencies: Vec::new(),
     };
-    let attempt = Attempt::new(domain, world, draft, None);
-    match attempt.verified(domain, world) {
+    let assessment = Assessment::new(domain, world, draft, None);
+    match assessment.verified() {
         Some(plan) => Ok(shown(domain, world, &plan, summary)),
-        None => Err(told(&attempt.verdict(domain, world))),
+        None => Err(told(&assessment.verdict())),
     }
 }
 

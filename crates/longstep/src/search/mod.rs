@@ -83,7 +83,7 @@ impl Outcome {
 }
 
 /// The units of work of one search: grounding, leaving out what cannot matter, and all its runs.
-const EFFORT: u64 = 60_000_000;
+pub(crate) const EFFORT: u64 = 60_000_000;
 
 /// The answer when they are spent.
 const TOO_MUCH: &str =

@@ -75,7 +75,7 @@ impl Session {
         counter: &mut dyn TokenCounter,
     ) -> Result<Box<Prepared>, PromptError> {
         let prepared = match &mut asking.what {
-            What::Goal(goal) => self.goal_request(&turn, goal, counter).map_err(Into::into),
+            What::Goal(goal) => self.goal_request(&turn, goal, counter),
             What::Plan => self.plan_request(&turn, counter),
             What::Wish(dialogue, _) => Ok(Prepared {
                 request: dialogue.request(&self.domain, &self.world),

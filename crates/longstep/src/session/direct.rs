@@ -3,7 +3,7 @@
 use super::asking::{Asking, What, unusable};
 use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn, sentence};
 use crate::answer::Status;
-use crate::attempt::Attempt;
+use crate::assessment::Assessment;
 use crate::domain::Domain;
 use crate::feedback;
 use crate::plan;
@@ -66,8 +66,8 @@ impl Session {
                 return self.correct(turn, reply, told, stuck);
             }
         };
-        let attempt = Attempt::new(&self.domain, &self.world, draft, Some(&turn.instruction));
-        if let Some(question) = attempt.question() {
+        let assessment = Assessment::new(&self.domain, &self.world, draft, Some(&turn.instruction));
+        if let Some(question) = assessment.question() {
             let question = question.to_owned();
             return self.ask_person(turn, reply.text.clone(), question);
         }
@@ -77,43 +77,9 @@ impl Session {
             RepairPolicy::AfterFeedback => last,
             RepairPolicy::Never => false,
         };
-        self.check(turn, reply, &attempt, mend);
-    }
-
-    /// Looks at a plan that the model wrote.
-    fn check(&mut self, turn: Turn, reply: &Reply, attempt: &Attempt, mend: bool) {
-        let (domain, world) = (&self.domain, &self.world);
-        let started = (self.now)();
-        // What a person asked for is not repaired away.
-        let pins = turn
-            .proposal
-            .as_ref()
-            .map(|proposal| feedback::pins(proposal.plan.plan(), &attempt.resolved))
-            .unwrap_or_default();
-        let outcome = match mend {
-            true => Some(attempt.repair(domain, world, &pins)),
-            false => None,
-        };
-        let searched = (self.now)();
-        let plan: Option<VerifiedPlan> = match &outcome {
-            Some(Outcome::Valid(plan)) => Some(plan.clone()),
-            // Giving up what the plan was for is no way to do what the person said about it.
-            Some(Outcome::Repaired(repaired)) if turn.proposal.is_some() && !repaired.given_up.is_empty() => None,
-            Some(Outcome::Repaired(repaired)) => Some(repaired.plan.clone()),
-            Some(_) => None,
-            None => attempt.verified(domain, world),
-        };
-        let mut answer = match outcome {
-            Some(outcome) if plan.is_some() => attempt.repaired(domain, world, outcome),
-            _ => attempt.verdict(domain, world),
-        };
-        turn.price(&mut answer);
-        answer.plan.instruction_summary.clone_from(&turn.instruction);
-        answer.timings_ms.search = if mend { searched - started } else { 0.0 };
-        answer.timings_ms.verify = (self.now)() - searched;
-        match plan {
-            // The person asked for something else than they have.
-            Some(plan) if turn.is_as_before(&plan) => {
+        match self.check(&turn, assessment, mend) {
+            Checked::Plan(proposal) => self.propose(turn, *proposal),
+            Checked::AsBefore => {
                 let stuck = Stuck {
                     why: "the model's plan is the same as before".to_owned(),
                     trouble: Trouble::Model,
@@ -122,29 +88,66 @@ impl Session {
                 let told = "This is the same plan as before. Answer with the whole plan, changed as I said.";
                 self.correct(turn, reply, told.to_owned(), stuck);
             }
-            Some(plan) => {
-                let proposal = Proposal {
-                    plan,
-                    purpose: attempt.purpose.clone(),
-                    goal: None,
-                    answer,
-                    refused: Vec::new(),
-                };
-                self.propose(turn, proposal);
-            }
+            Checked::Wrong { told, stuck } => self.correct(turn, reply, told, stuck),
+        }
+    }
+
+    /// Looks at a plan that the model wrote.
+    fn check(&self, turn: &Turn, assessment: Assessment<'_>, mend: bool) -> Checked {
+        let started = (self.now)();
+        // What a person asked for is not repaired away.
+        let pins = turn
+            .proposal
+            .as_ref()
+            .map(|proposal| feedback::pins(proposal.plan.plan(), &assessment.resolved))
+            .unwrap_or_default();
+        let assessment = assessment.pinned(pins);
+        let outcome = mend.then(|| assessment.repair());
+        let searched = (self.now)();
+        let plan: Option<VerifiedPlan> = match outcome {
+            Some(Outcome::Valid(plan)) => Some(plan.clone()),
+            // Giving up what the plan was for is no way to do what the person said about it.
+            Some(Outcome::Repaired(repaired)) if turn.proposal.is_some() && !repaired.given_up.is_empty() => None,
+            Some(Outcome::Repaired(repaired)) => Some(repaired.plan.clone()),
+            Some(_) => None,
+            None => assessment.verified(),
+        };
+        let mut answer = match outcome {
+            Some(_) if plan.is_some() => assessment.repaired(),
+            _ => assessment.verdict(),
+        };
+        turn.price(&mut answer);
+        answer.plan.instruction_summary.clone_from(&turn.instruction);
+        answer.timings_ms.search = if mend { searched - started } else { 0.0 };
+        answer.timings_ms.verify = (self.now)() - searched;
+        match plan {
+            // The person asked for something else than they have.
+            Some(plan) if turn.is_as_before(&plan) => Checked::AsBefore,
+            Some(plan) => Checked::Plan(Box::new(Proposal {
+                plan,
+                purpose: assessment.purpose,
+                goal: None,
+                answer,
+                refused: Vec::new(),
+            })),
             None => {
                 let wrong: Vec<String> = answer.violations.iter().map(|v| v.message.clone()).collect();
                 let why = match wrong.is_empty() {
                     true => sentence(answer.status).to_owned(),
                     false => wrong.join("; "),
                 };
-                let told = attempt.feedback(domain, world, &pins);
-                let stuck = Stuck {
-                    why,
-                    trouble: Trouble::Plan,
-                    answer: Some(Box::new(answer)),
-                };
-                self.correct(turn, reply, told, stuck);
+                Checked::Wrong {
+                    // Where nobody is asked again, nothing is said.
+                    told: match turn.corrections >= self.settings.rounds {
+                        true => String::new(),
+                        false => assessment.feedback(),
+                    },
+                    stuck: Stuck {
+                        why,
+                        trouble: Trouble::Plan,
+                        answer: Some(Box::new(answer)),
+                    },
+                }
             }
         }
     }
@@ -174,6 +177,16 @@ impl Session {
             None => String::new(),
         }
     }
+}
+
+/// A plan that the model wrote, looked at.
+enum Checked {
+    /// It is good, or repair made it so.
+    Plan(Box<Proposal>),
+    /// It is the plan that the person wants changed.
+    AsBefore,
+    /// It is not valid: feedback for the model, and what is left if nobody asks it again.
+    Wrong { told: String, stuck: Stuck },
 }
 
 impl Turn {

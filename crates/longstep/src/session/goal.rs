@@ -6,7 +6,7 @@ use crate::answer::{Answer, EditAnswer};
 use crate::feedback::{Amended, StepWish, amend};
 use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
 use crate::prompt::{
-    DialogueError, GoalDialogue, OverBudget, PartCost, Prepared, Reply, Round, TokenCounter, Turn as DialogueTurn,
+    DialogueError, GoalDialogue, PartCost, Prepared, PromptError, Reply, Round, TokenCounter, Turn as DialogueTurn,
 };
 use crate::solution;
 use crate::world::World;
@@ -28,7 +28,7 @@ impl Session {
         turn: &Turn,
         goal: &mut Option<Box<GoalAsking>>,
         counter: &mut dyn TokenCounter,
-    ) -> Result<Prepared, OverBudget> {
+    ) -> Result<Prepared, PromptError> {
         let asking = match goal {
             Some(asking) => asking,
             None => {

@@ -2,10 +2,9 @@
 
 use longstep::answer::Status;
 use longstep::arms;
-use longstep::attempt::Attempt;
+use longstep::assessment::Assessment;
 use longstep::compose::{self, Composed, Said, Stored};
 use longstep::plan::{self, Draft, PlanFile, TaskCohesion, script};
-use longstep::repair::Pins;
 use serde_json::{Value, json};
 
 use super::{LARGEST, Row, Work, fill, many, shipped, world_of};
@@ -31,11 +30,11 @@ fn verify(domain: &str, environment: &Value, text: &str) -> Work {
     let world = world_of(&domain, environment);
     let draft = written(text);
     Box::new(move || {
-        let attempt = Attempt::new(&domain, &world, draft.clone(), None);
-        let answer = attempt.verdict(&domain, &world);
+        let attempt = Assessment::new(&domain, &world, draft.clone(), None);
+        let answer = attempt.verdict();
         if answer.status == Status::Invalid {
-            attempt.feedback(&domain, &world, &Pins::default());
-            attempt.advice(&domain, &world);
+            attempt.feedback();
+            attempt.advice();
         }
         answer.status == Status::Verified
     })
@@ -46,9 +45,8 @@ fn repair(domain: &str, environment: &Value, text: &str) -> Work {
     let world = world_of(&domain, environment);
     let draft = written(text);
     Box::new(move || {
-        let attempt = Attempt::new(&domain, &world, draft.clone(), None);
-        let outcome = attempt.repair(&domain, &world, &Pins::default());
-        attempt.repaired(&domain, &world, outcome).status == Status::Verified
+        let attempt = Assessment::new(&domain, &world, draft.clone(), None);
+        attempt.repaired().status == Status::Verified
     })
 }
 
@@ -60,12 +58,7 @@ fn composed(domain: &str, environment: &Value, text: &str, stored: &str) -> Work
     };
     let stored = vec![Stored::new("tidy", written(stored).file)];
     Box::new(move || match compose::inline(&domain, &world, &script, &stored) {
-        Ok(inlined) => {
-            Composed::new(&domain, &world, inlined, "")
-                .mended(&domain, &world)
-                .status
-                == Status::Verified
-        }
+        Ok(inlined) => Composed::new(&domain, &world, inlined, "").mended().status == Status::Verified,
         Err(misfits) => compose::refused(&world, "", &misfits).status == Status::Verified,
     })
 }
