@@ -268,12 +268,14 @@ pub(crate) fn hides_places(domain: &Domain, action: ActionId) -> bool {
     action.implicit().any(|parameter| action.object != Some(parameter))
 }
 
-/// Where the claim says that things are which are handled by calls that do not say where: then the claim alone does,
-/// even if it says that they are back where they were.
+/// Places that the claim gives for objects that are handled by calls which do not name one: then the claim alone does,
+/// even if it says that they are back where they were. A constant of the domain, such as a hand, is no place.
 pub(crate) fn places_claimed(domain: &Domain, world: &World, claim: &Claim, handled: &[EntityId]) -> Vec<Fact> {
     let mut places = claim.kept(domain, world);
+    let is_constant = |entity: EntityId| entity.index() < domain.constants.len();
     places.retain(|fact| {
         domain.is_relation(*fact)
+            && !domain.arguments(*fact).any(is_constant)
             && domain.words(fact.predicate()).fluent
             && handled.contains(&subject_of(domain, *fact))
     });

@@ -149,6 +149,27 @@ fn where_calls_do_not_say_where_the_claim_does() {
 }
 
 #[test]
+fn a_hand_is_no_place() {
+    let domain = domain::shipped("household-dual").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>"], "objects": ["<cup>"], "object_states": {"<cup>": "inside_hand(right)"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let calls = ["move_object(right)", "attach_to_plane(right)", "release_object(right)"];
+    let written = TaskCohesion {
+        task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
+        object_name: Some("<cup>".to_owned()),
+        ..TaskCohesion::default()
+    };
+    let purpose = Purpose {
+        claim: Some(Claim::read(&domain, &world, &environment)),
+        ..Purpose::default()
+    };
+    let resolved = resolve(&domain, &world, &written);
+    let (plan, _) = bind_tree(&domain, &world, &resolved, purpose.claim.as_ref()).unwrap();
+    assert_eq!(check(&domain, &world, plan, &purpose).violations, vec![]);
+}
+
+#[test]
 fn a_claim_promises_nothing_of_what_it_is_silent_about() {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let text = r#"{"assets": ["<room_1>", "<desk_2>"], "objects": ["<mug_4>"],
