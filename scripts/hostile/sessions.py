@@ -160,8 +160,8 @@ FAMILIES = [
     Family("solve-conditional", {**ENVIRONMENT, **GOAL, "goals": size(1, 30), "conditional": choice(4), "domain": choice(1), "way": choice(4)}, lambda genes, rng: solve({**genes, "domain": 1, "conditional": max(1, genes["conditional"])}, rng)),
     Family("environment", {**ENVIRONMENT, **WORDS, "domain": choice(4), "command": choice(len(WORLD_COMMANDS)), "schema": choice(2), "context": size(0, 20000)}, world_only),
     Family("compose", {**SMALL, **CALLS, **TREE, "stored": size(1, 30), "steps": size(0, 200)}, compose),
-    # An evaluation is a batch: each of its instructions has a budget of its own, so one is what is measured.
-    Family("suite", {**TALK, "cases": size(1, 1)}, suite),
-    Family("session-log", {**TALK, "cases": size(1, 1), "command": choice(len(SESSION_COMMANDS))}, log),
+    # An evaluation is a batch, and so is a log: each reply of a model has budgets of its own, so one is what is measured.
+    Family("suite", {**TALK, "cases": size(1, 1), "rounds": size(1, 1)}, suite),
+    Family("session-log", {**TALK, "cases": size(1, 1), "rounds": size(1, 1), "command": choice(len(SESSION_COMMANDS))}, log),
     Family("recording", {**SMALL, **WORDS, "cases": size(1, 200), "rounds": size(0, 30)}, recording),
 ]

@@ -10,7 +10,8 @@
 //! - [`Failure::WrongOrder`]: repair moves a step.
 //! - [`Failure::WrongObject`]: repair replaces a step by one on other things.
 //! - [`Failure::NeedlessStep`]: repair drops a step.
-//! - [`Failure::UnmetPrecondition`]: the plan is not valid, and repair finds no way to mend it.
+//! - [`Failure::UnmetPrecondition`]: the plan is not valid, and repair finds no way to mend it, or none within
+//!   [`effort::OPERATION`] units of work.
 //! - [`Failure::WrongClaim`]: the environment that the model claims is not the simulated one.
 //!
 //! What the model understood (goal strategy) is compared with the nearest of the expected goals, part by part:
@@ -32,6 +33,7 @@
 use longstep::assessment::Assessment;
 use longstep::call::Call;
 use longstep::domain::Domain;
+use longstep::effort;
 use longstep::goal::{Goal, GoalFact};
 use longstep::plan;
 use longstep::repair::{Edit, EditKind, Outcome};
@@ -112,9 +114,10 @@ pub(crate) fn of_draft(domain: &Domain, world: &World, reply: &str, instruction:
     if !assessment.resolved.issues.is_empty() {
         found.push(Failure::UnknownName);
     }
-    match assessment.repair() {
-        Outcome::Valid(_) => {}
-        Outcome::Repaired(repaired) => found.extend(repaired.edits.iter().map(of_edit)),
+    let repair = effort::within(effort::OPERATION, || assessment.repair());
+    match repair.result {
+        Outcome::Valid(_) if !repair.exhausted => {}
+        Outcome::Repaired(repaired) if !repair.exhausted => found.extend(repaired.edits.iter().map(of_edit)),
         _ if found.is_empty() => found.push(Failure::UnmetPrecondition),
         _ => {}
     }

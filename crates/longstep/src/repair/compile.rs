@@ -7,6 +7,7 @@ use rustc_hash::FxHashSet;
 use super::pins::{Pins, Reach, Unwanted};
 use super::target::Meant;
 use crate::domain::{ActionId, Domain, plain_words, singular};
+use crate::effort;
 use crate::goal::wanted_fact;
 use crate::plan::{DraftStep, Resolved};
 use crate::search::{Always, Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
@@ -135,6 +136,9 @@ pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked,
     (asked, about)
 }
 
+/// Units that are charged for an operator: its step, its condition and its effects are lists of their own.
+const OPERATOR: usize = 12 * effort::KEPT;
+
 /// Writes the draft as a task over what is in scope.
 pub(super) fn compile<'a>(
     domain: &'a Domain,
@@ -190,6 +194,9 @@ pub(super) fn compile<'a>(
         moves: Vec::new(),
     };
     for (index, step) in draft.steps.iter().enumerate() {
+        if effort::is_exhausted() {
+            break;
+        }
         match step {
             Some(step) => {
                 let mut choices = candidates(domain, world, step, &draft.objects, &places);
@@ -280,6 +287,7 @@ struct Writer<'a, 'b> {
 
 impl Writer<'_, '_> {
     fn push(&mut self, mut operator: Operator, cost: u32, meaning: Move) {
+        effort::spend(OPERATOR);
         operator.cost = cost;
         operator.tag = self.moves.len() as u32;
         operator.effects.sort();
