@@ -198,9 +198,14 @@ class Search:
         return over + len(self.crashes)
 
 
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+
 def main():
     options = arguments()
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    # A shell that starts it in the background has it ignore Ctrl-C, so the interrupt is raised here.
+    signal.signal(signal.SIGTERM, interrupt)
     seed = options.seed if options.seed is not None else random.SystemRandom().randrange(1 << 32)
     print(f"seed {seed}; limits {options.seconds} s and {options.megabytes} MB; every file and argument has at most 20000 bytes", flush=True)
     search = Search(options, seed)
