@@ -13,8 +13,8 @@ use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, 
 
 use crate::arguments::{ChatArguments, ModelArguments};
 use crate::ask::{self, Waiting};
+use crate::clock::stopwatch;
 use crate::failure::{self, Failure};
-use crate::solve::stopwatch;
 use crate::{inputs, output, plan, show};
 use input::{Input, Lines};
 

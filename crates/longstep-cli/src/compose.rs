@@ -3,17 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use longstep::answer::{Answer, Status};
 use longstep::compose::{self, Composed, Said, Stored};
 use longstep::domain::Domain;
 use longstep::prompt::{Finish, Usage};
+use longstep::report::{Answer, Status};
 use longstep::world::World;
 
 use crate::arguments::ComposeArguments;
 use crate::ask::{self, Waiting};
+use crate::clock::stopwatch;
 use crate::failure::{Failure, LIMIT, MODEL, UNREADABLE};
 use crate::plan::said;
-use crate::solve::{finish, stopwatch};
+use crate::solve::finish;
 use crate::{inputs, output, show};
 
 pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
@@ -154,7 +155,7 @@ fn stored(paths: &[PathBuf]) -> Result<Vec<Stored>> {
 /// The plan files of a folder; a session's log, which lies beside them, has another ending.
 fn plan_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let failed = |error: std::io::Error| {
-        Failure::unreadable(format!("cannot read {}: {}", folder.display(), inputs::plain(&error)))
+        Failure::unreadable(format!("cannot read {}: {}", folder.display(), output::plain(&error)))
             .hint("check the path")
     };
     let mut files = Vec::new();

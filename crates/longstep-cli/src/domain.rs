@@ -52,7 +52,7 @@ fn check(name: &str, strict: bool, json: bool) -> Result<u8> {
             "{name}: {verdict} (actions: {}, goals: {}, examples: {})",
             domain.actions.len(),
             domain.goal_words.len(),
-            domain.examples.len()
+            domain.prompts.examples.len()
         );
     }
     Ok(if strict && !findings.is_empty() { NOT_VALID } else { 0 })
@@ -117,7 +117,7 @@ fn table(title: &str, entries: &[(String, &str)]) {
 fn create(folder: &Path) -> Result<()> {
     let shown = folder.display();
     let failed = |error: std::io::Error| {
-        Failure::unreadable(format!("cannot write {shown}: {}", inputs::plain(&error)))
+        Failure::unreadable(format!("cannot write {shown}: {}", output::plain(&error)))
             .hint("check that the folder around it exists and may be written to")
     };
     if folder.exists() {

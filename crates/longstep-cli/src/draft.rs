@@ -1,10 +1,10 @@
 //! What `longstep verify` and `longstep repair` share: a plan's file and the world that it is for.
 
 use anyhow::Result;
-use longstep::assessment::Assessment;
 use longstep::domain::Domain;
 use longstep::json;
 use longstep::plan;
+use longstep::report::Assessment;
 use longstep::world::World;
 
 use crate::arguments::DraftArguments;

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Result;
-use longstep::answer::Status;
 use longstep::domain::{Domain, Files};
+use longstep::report::Status;
 use longstep::session::{RepairPolicy, Settings, Strategy};
 use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
 use longstep_eval::suite::{self, PLAIN, Suite};

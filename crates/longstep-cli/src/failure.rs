@@ -8,14 +8,7 @@ use longstep_llm::{AdvanceError, FolderError, ModelError};
 
 use crate::output::{Style, remark};
 
-/// What was checked is not as it should be.
-pub(crate) const NOT_VALID: u8 = 10;
-/// Input that cannot be read.
-pub(crate) const UNREADABLE: u8 = 30;
-/// A limit was reached.
-pub(crate) const LIMIT: u8 = 20;
-/// The model or the network failed.
-pub(crate) const MODEL: u8 = 40;
+pub(crate) use crate::exit_code::{LIMIT, MODEL, NOT_VALID, UNREADABLE};
 
 /// An error of the program's own.
 #[derive(Debug)]

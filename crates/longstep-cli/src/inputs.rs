@@ -13,6 +13,7 @@ use longstep::world::{self, Environment, World};
 use longstep_llm::{read_bounded, write_whole};
 
 use crate::failure::Failure;
+use crate::output;
 
 /// Files larger than this are not environments or plans; no more of them is read.
 const SIZE_LIMIT: u64 = 64 << 20;
@@ -21,7 +22,7 @@ const SIZE_LIMIT: u64 = 64 << 20;
 pub(crate) fn text(path: &Path) -> Result<String> {
     let shown = path.display();
     let metadata = std::fs::metadata(path).map_err(|error| {
-        Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))).hint("check the path")
+        Failure::unreadable(format!("cannot read {shown}: {}", output::plain(&error))).hint("check the path")
     })?;
     if metadata.is_dir() {
         return Err(Failure::unreadable(format!("{shown} is a folder, not a file")).into());
@@ -29,22 +30,13 @@ pub(crate) fn text(path: &Path) -> Result<String> {
     let bytes = read_bounded(path, SIZE_LIMIT).map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => Failure::unreadable(format!("{shown} is larger than {} MiB", SIZE_LIMIT >> 20))
             .hint("check the path: no environment, plan or domain is as large as that"),
-        _ => Failure::unreadable(format!("cannot read {shown}: {}", plain(&error))).hint("check the path"),
+        _ => Failure::unreadable(format!("cannot read {shown}: {}", output::plain(&error))).hint("check the path"),
     })?;
     String::from_utf8(bytes).map_err(|_| {
         Failure::unreadable(format!("{shown} is not a text file (not UTF-8)"))
             .hint("save it as UTF-8")
             .into()
     })
-}
-
-/// An I/O error without the operating system's number.
-pub(crate) fn plain(error: &std::io::Error) -> String {
-    let text = error.to_string();
-    let text = text.split(" (os error").next().unwrap_or_default();
-    let mut letters = text.chars();
-    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
-    first.into_iter().chain(letters).collect()
 }
 
 /// Loads a shipped domain by name, or any domain by folder.
@@ -106,7 +98,8 @@ pub(crate) fn domain_files(name: &str) -> Result<Files> {
 /// [`Files::overlay`]. What editors leave behind is none of them.
 pub(crate) fn prompt_files(folder: &Path) -> Result<BTreeMap<String, String>> {
     let failed = |error: std::io::Error| {
-        Failure::unreadable(format!("cannot read {}: {}", folder.display(), plain(&error))).hint("check the path")
+        Failure::unreadable(format!("cannot read {}: {}", folder.display(), output::plain(&error)))
+            .hint("check the path")
     };
     let mut files = BTreeMap::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
@@ -193,7 +186,7 @@ pub(crate) fn save(path: &Path, plan: &PlanFile) -> Result<()> {
     let mut json = serde_json::to_string_pretty(plan)?;
     json.push('\n');
     write_whole(path, json.as_bytes()).map_err(|error| {
-        Failure::unreadable(format!("cannot write {}: {}", path.display(), plain(&error)))
+        Failure::unreadable(format!("cannot write {}: {}", path.display(), output::plain(&error)))
             .hint("check that the folder exists and may be written to")
     })?;
     Ok(())

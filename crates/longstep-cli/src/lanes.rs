@@ -1,9 +1,9 @@
 //! Plans whose actors work side by side: a column for each, a line for each unit of time.
 
-use longstep::answer::Answer;
 use longstep::arms::{self, Row};
 use longstep::domain::Domain;
 use longstep::plan::{Lane, Node, Plan, StepId};
+use longstep::report::Answer;
 use longstep::verify::{Purpose, VerifiedPlan};
 use longstep::visible;
 use longstep::world::World;

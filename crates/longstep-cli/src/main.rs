@@ -7,10 +7,12 @@
 mod arguments;
 mod ask;
 mod chat;
+mod clock;
 mod compose;
 mod domain;
 mod draft;
 mod eval;
+mod exit_code;
 mod explain;
 mod export;
 mod failure;

@@ -97,7 +97,7 @@ pub(crate) fn failed() -> bool {
 pub(crate) fn finished(code: u8) -> u8 {
     let Some(error) = FAILED.get() else { return code };
     if error.kind() != ErrorKind::BrokenPipe {
-        let reason = crate::inputs::plain(error);
+        let reason = plain(error);
         remark!("{} cannot write to standard output: {reason}", "error:".red().bold());
         let hint = "nothing was printed, or a part of it; free some space or print to another place";
         remark!("{} {hint}", "hint:".cyan().bold());
@@ -122,4 +122,13 @@ fn to_stderr(shown: &str) {
     let mut stderr = anstream::stderr().lock();
     // There is no place left to report it.
     let _ = stderr.write_all(shown.as_bytes()).and_then(|()| stderr.flush());
+}
+
+/// An I/O error without the operating system's number.
+pub(crate) fn plain(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
+    first.into_iter().chain(letters).collect()
 }

@@ -1,15 +1,16 @@
 //! `longstep plan`: from an instruction to a verified plan.
 
 use anyhow::Result;
-use longstep::answer::{Answer, Status};
 use longstep::prompt::{self, Prepared};
+use longstep::report::{Answer, Status};
 use longstep::session::{Need, Session, Stuck, Trouble};
 use longstep_llm::advance;
 
 use crate::arguments::PlanArguments;
 use crate::ask::{self, Waiting};
+use crate::clock::stopwatch;
 use crate::failure::{Failure, LIMIT, MODEL};
-use crate::solve::{self, stopwatch};
+use crate::solve;
 use crate::{explain, inputs, lanes};
 
 /// More than anybody says to a robot in one go.

@@ -4,15 +4,15 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use longstep::answer::{Answer, Status};
 use longstep::domain;
 use longstep::pddl;
-use longstep::solution;
+use longstep::report;
+use longstep::report::{Answer, Status};
 use longstep::verify::Purpose;
 
 use crate::arguments::SolveArguments;
+use crate::clock::{milliseconds, stopwatch};
 use crate::output::print_line;
-use crate::solve::{milliseconds, stopwatch};
 use crate::{inputs, show};
 
 pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8> {
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
         ..Purpose::default()
     };
     let (world, wanted) = (&problem.world, &problem.wanted);
-    let mut answer = solution::of_wanted(&domain, world, wanted, &purpose, None, &problem.name, stopwatch).answer;
+    let mut answer = report::of_wanted(&domain, world, wanted, &purpose, None, &problem.name, stopwatch).answer;
     answer.goal = pddl::write_goal(&domain, &problem.world, &problem.wanted)?;
     answer.timings_ms.total = milliseconds(started);
     if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {

@@ -5,8 +5,9 @@ use std::time::Instant;
 use anyhow::Result;
 
 use crate::arguments::RepairArguments;
+use crate::clock::milliseconds;
 use crate::draft::Draft;
-use crate::solve::{finish, milliseconds};
+use crate::solve::finish;
 
 pub(crate) fn run(arguments: &RepairArguments) -> Result<u8> {
     let started = Instant::now();

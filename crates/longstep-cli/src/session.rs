@@ -8,8 +8,8 @@ use longstep_llm::{LOG, SessionFolder, session_directory};
 use serde_json::Value;
 
 use crate::arguments::SessionCommand;
+use crate::clock::stopwatch;
 use crate::output::{Style, print_line};
-use crate::solve::stopwatch;
 use crate::{inputs, output};
 
 /// Characters of an instruction that a table shows.

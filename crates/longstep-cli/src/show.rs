@@ -1,7 +1,7 @@
 //! Answers for a person.
 
-use longstep::answer::{self, Answer, Status};
 use longstep::plan::OutlineLine;
+use longstep::report::{self, Answer, Status};
 use longstep::visible;
 use longstep::world::Environment;
 
@@ -78,7 +78,7 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
 
 /// Prints what differs between two environments.
 pub(crate) fn changes(before: &Environment, after: &Environment) {
-    let changed = answer::changes(before, after);
+    let changed = report::changes(before, after);
     let width = changed
         .iter()
         .map(|(identifier, ..)| visible::line(identifier).chars().count())

@@ -1,17 +1,17 @@
 //! `longstep solve`, and what it shares with `longstep plan`: from a goal to an answer.
 
 use std::path::Path;
-use std::sync::OnceLock;
 use std::time::Instant;
 
 use anyhow::Result;
-use longstep::answer::{Answer, Status};
 use longstep::domain::Domain;
 use longstep::goal::{self, Goal};
+use longstep::report::{Answer, Status};
 use longstep::world::World;
-use longstep::{pddl, solution};
+use longstep::{pddl, report};
 
 use crate::arguments::SolveArguments;
+use crate::clock::{milliseconds, stopwatch};
 use crate::output::{self, Line, print_line, remark};
 use crate::{inputs, lanes, problem, show};
 
@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         output::document(&written);
         return Ok(Status::Verified.exit_code());
     }
-    let solution::Solution { plan, mut answer } = solution::of_goal(&domain, &world, &goal, text, stopwatch);
+    let report::Solution { plan, mut answer } = report::of_goal(&domain, &world, &goal, text, stopwatch);
     let shown = match plan.filter(|_| arguments.parallel) {
         Some(plan) => lanes::side_by_side(&domain, &world, &plan, &goal.purpose(&domain), &mut answer),
         None => Vec::new(),
@@ -75,16 +75,4 @@ pub(crate) fn finish(answer: &Answer, goal: &[String], lanes: &[Line], save: Opt
         }
     }
     Ok(answer.status.exit_code())
-}
-
-/// Milliseconds since then.
-pub(crate) fn milliseconds(since: Instant) -> f64 {
-    // Microseconds are as fine as anybody reads.
-    (since.elapsed().as_secs_f64() * 1_000_000.0).round() / 1000.0
-}
-
-/// Milliseconds since the first time that somebody asked.
-pub(crate) fn stopwatch() -> f64 {
-    static START: OnceLock<Instant> = OnceLock::new();
-    milliseconds(*START.get_or_init(Instant::now))
 }

@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use longstep::answer::Status;
+use longstep::report::Status;
 
 use crate::arguments::VerifyArguments;
+use crate::clock::milliseconds;
 use crate::draft::Draft;
 use crate::output;
 use crate::show;
-use crate::solve::milliseconds;
 
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8> {
     let started = Instant::now();

@@ -3,7 +3,7 @@
 //! An [`Attempt`] is one line of `results.jsonl` and depends on nothing but what was asked and what was answered, so the
 //! same run writes the same bytes. What the machine had to do with it is a [`Timing`], in a file of its own.
 
-use longstep::answer::{EditAnswer, Status};
+use longstep::report::{EditAnswer, Status};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;

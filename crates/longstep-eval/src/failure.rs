@@ -30,13 +30,13 @@
 //! - [`Failure::NoPlan`]: a plan was expected, and none was found for what was understood.
 //! - [`Failure::Unusable`]: a reply that cannot be read, or a prompt that does not fit.
 
-use longstep::assessment::Assessment;
 use longstep::call::Call;
 use longstep::domain::Domain;
 use longstep::effort;
 use longstep::goal::{Goal, GoalFact};
 use longstep::plan;
 use longstep::repair::{Edit, EditKind, Outcome};
+use longstep::report::Assessment;
 use longstep::world::World;
 use serde::{Deserialize, Serialize};
 

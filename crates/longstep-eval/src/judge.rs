@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use longstep::domain::Domain;
 use longstep::goal::Goal;
 use longstep::plan::Plan;
-use longstep::solution;
+use longstep::report;
 use longstep::verify::{Ending, Purpose, VerifiedPlan, check};
 use longstep::world::{EntityId, World, differences, subject_of};
 
@@ -65,7 +65,7 @@ impl<'a> Standard<'a> {
     }
 
     fn reference_for<'s>(&self, expected: &'s Expected<'a>) -> Option<&'s VerifiedPlan> {
-        let search = || solution::of_goal(self.domain, self.world, expected.goal, "", || 0.0).plan;
+        let search = || report::of_goal(self.domain, self.world, expected.goal, "", || 0.0).plan;
         expected.reference.get_or_init(search).as_ref()
     }
 

@@ -13,8 +13,8 @@ mod chain;
 
 use chain::{Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
 use longstep::domain::Domain;
+use longstep::report;
 use longstep::session::{Event, ModelFacts, Need, Session, Settings};
-use longstep::solution;
 use longstep::world::World;
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, advance, cache_directory, catalogue, open};
 
@@ -171,7 +171,7 @@ fn hundred() {
     let (mut meant, mut verified, mut questions, mut stuck) = (0, 0, 0, 0);
     for number in 1..=100 {
         let drawn = draw.instruction(session.domain(), session.world());
-        let wanted = solution::of_goal(session.domain(), session.world(), &drawn.goal, "", || 0.0);
+        let wanted = report::of_goal(session.domain(), session.world(), &drawn.goal, "", || 0.0);
         let wanted = session.world().after(session.domain(), wanted.plan.unwrap().ending());
         session.instruct(&drawn.words).unwrap();
         let asked = ask(&mut session, model.as_mut());

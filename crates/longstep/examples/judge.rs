@@ -15,12 +15,12 @@ use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
-use longstep::assessment::Assessment;
 use longstep::domain::{self, Domain, Files};
 use longstep::plan::{self, PlanFile, TaskCohesion};
+use longstep::report::Assessment;
 use longstep::verify::{bind_tree, check};
 use longstep::world::{self, Environment, Voice, World};
-use longstep::{goal, json, solution};
+use longstep::{goal, json, report};
 use serde_json::{Value, json};
 
 type Anyhow<T> = Result<T, Box<dyn Error>>;
@@ -101,6 +101,6 @@ fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
 
 fn solve(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
     let goal = goal::parse(domain, world, text)?;
-    let solution = solution::of_goal(domain, world, &goal, text, || 0.0);
+    let solution = report::of_goal(domain, world, &goal, text, || 0.0);
     Ok(serde_json::to_value(solution.answer)?)
 }

@@ -37,24 +37,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod answer;
-pub mod arms;
-pub mod assessment;
-pub mod call;
+pub use longstep_core::{arms, call, diagnostic, effort, json, pddl, plan, repair, search, verify, visible, world};
+
 pub mod compose;
-pub mod diagnostic;
 pub mod domain;
-pub mod effort;
 pub mod feedback;
 pub mod goal;
-pub mod json;
-pub mod pddl;
-pub mod plan;
+mod lint;
+mod load;
+mod model;
 pub mod prompt;
-pub mod repair;
-pub mod search;
+pub mod report;
 pub mod session;
-pub mod solution;
-pub mod verify;
-pub mod visible;
-pub mod world;
+mod usage;

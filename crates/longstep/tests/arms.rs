@@ -10,13 +10,13 @@
 )]
 
 use longstep::arms;
-use longstep::assessment::Assessment;
 use longstep::domain::{self, Domain, Files};
 use longstep::goal;
 use longstep::json::Path;
 use longstep::plan::{self, Node};
 use longstep::repair::Outcome;
-use longstep::solution;
+use longstep::report;
+use longstep::report::Assessment;
 use longstep::world::{self, Environment, World};
 use serde_json::{Value, json};
 
@@ -164,7 +164,7 @@ fn what_instructions_mean_can_be_reached() {
     assert_eq!(all.len(), 25);
     for (world, says, meant) in all {
         let goal = goal::parse(&domain, &world, &meant).unwrap();
-        let solution = solution::of_goal(&domain, &world, &goal, &says, || 0.0);
+        let solution = report::of_goal(&domain, &world, &goal, &says, || 0.0);
         let plan = solution
             .plan
             .unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
@@ -272,7 +272,7 @@ fn two_robots_share_work_as_two_hands_do() {
     );
     let told = |wanted: &str| {
         let goal = goal::parse(&domain, &world, wanted).unwrap();
-        let plan = solution::of_goal(&domain, &world, &goal, "", || 0.0).plan.unwrap();
+        let plan = report::of_goal(&domain, &world, &goal, "", || 0.0).plan.unwrap();
         let shared = arms::share(&domain, &world, &plan, &goal.purpose(&domain));
         (plan.steps().len(), shared)
     };

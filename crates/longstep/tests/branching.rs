@@ -1,11 +1,11 @@
 //! Plans that branch, repeat and run side by side, from their text to a verdict.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use longstep::answer::{Answer, Status};
-use longstep::assessment::Assessment;
 use longstep::domain::{self, Domain};
 use longstep::json::Path;
 use longstep::plan::{self, PlanFile, TaskCohesion, Written, script};
+use longstep::report::Assessment;
+use longstep::report::{Answer, Status};
 use longstep::world::{self, Environment, World};
 
 fn kitchen() -> (Domain, World) {

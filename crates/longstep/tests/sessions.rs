@@ -14,8 +14,8 @@ mod chain;
 use chain::{Drawn, Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
 use longstep::domain::Domain;
 use longstep::prompt::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
+use longstep::report;
 use longstep::session::{ModelFacts, Need, Session, Settings, Strategy};
-use longstep::solution;
 use longstep::world::World;
 use serde_json::Value;
 
@@ -156,7 +156,7 @@ fn understood(session: &Session, drawn: &Drawn) -> String {
             serde_json::json!({"question": "", "goals": goals}).to_string()
         }
         Strategy::Direct => {
-            let meant = solution::of_goal(domain, world, &drawn.goal, &drawn.words, || 0.0);
+            let meant = report::of_goal(domain, world, &drawn.goal, &drawn.words, || 0.0);
             serde_json::to_string(&meant.answer.plan).unwrap()
         }
     }

@@ -123,7 +123,7 @@ impl Chat<'_> {
         }
         let folder = Path::new(rest);
         create_private_folder(folder).map_err(|error| {
-            Failure::unreadable(format!("cannot make {rest}: {}", inputs::plain(&error))).hint("check the path")
+            Failure::unreadable(format!("cannot make {rest}: {}", crate::output::plain(&error))).hint("check the path")
         })?;
         let count = self.session.accepted().len();
         for number in 0..count {

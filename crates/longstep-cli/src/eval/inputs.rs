@@ -95,7 +95,11 @@ pub(super) fn suite_files(name: &str) -> Result<Files> {
 /// The texts of the files of a folder that end so, by their names without the ending.
 fn texts(folder: &Path, ending: &str) -> Result<BTreeMap<String, String>> {
     let failed = |error: std::io::Error| {
-        Failure::unreadable(format!("cannot read {}: {}", folder.display(), inputs::plain(&error)))
+        Failure::unreadable(format!(
+            "cannot read {}: {}",
+            folder.display(),
+            crate::output::plain(&error)
+        ))
     };
     let mut texts = BTreeMap::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
@@ -135,8 +139,12 @@ pub(super) fn origin(reference: &ModelReference) -> Result<(Option<String>, Opti
         ModelReference::Catalogue(entry) => Some(entry.sha256.to_owned()),
         ModelReference::Replay(path) => {
             let bytes = read_bounded(path, LOG_LIMIT).map_err(|error| {
-                Failure::unreadable(format!("cannot replay {}: {}", path.display(), inputs::plain(&error)))
-                    .hint("check the path")
+                Failure::unreadable(format!(
+                    "cannot replay {}: {}",
+                    path.display(),
+                    crate::output::plain(&error)
+                ))
+                .hint("check the path")
             })?;
             Some(sha256(&bytes))
         }
@@ -156,6 +164,11 @@ pub(super) fn without_address(reference: &str) -> String {
 /// Writes a file, whole or not at all.
 pub(super) fn write(path: &Path, text: &str) -> Result<()> {
     write_whole(path, text.as_bytes()).map_err(|error| {
-        Failure::unreadable(format!("cannot write {}: {}", path.display(), inputs::plain(&error))).into()
+        Failure::unreadable(format!(
+            "cannot write {}: {}",
+            path.display(),
+            crate::output::plain(&error)
+        ))
+        .into()
     })
 }

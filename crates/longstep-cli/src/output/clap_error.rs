@@ -37,7 +37,7 @@ fn print(mut error: clap::Error) -> u8 {
         true => super::to_stderr(&shown),
         false => super::to_stdout(&shown),
     }
-    u8::try_from(error.exit_code()).unwrap_or(crate::failure::UNREADABLE)
+    u8::try_from(error.exit_code()).unwrap_or(crate::exit_code::UNREADABLE)
 }
 
 fn visible_value(value: &ContextValue) -> Option<ContextValue> {

@@ -1,6 +1,6 @@
 //! What can be asked in a composition: sensing actions with the things that they are about.
 
-use crate::domain::{Action, Domain, Term};
+use crate::model::{Action, Domain, Term};
 use crate::plan::WrittenStep;
 use crate::world::{Entity, EntityId, Fact, World};
 

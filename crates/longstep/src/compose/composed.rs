@@ -1,11 +1,11 @@
 //! A composition as one plan, verified and mended like any other.
 
 use super::Inlined;
-use crate::answer::Answer;
-use crate::assessment::Assessment;
-use crate::domain::Domain;
+use crate::model::Domain;
 use crate::plan::{Draft, PlanFile, TaskCohesion};
 use crate::repair::Outcome;
+use crate::report::Answer;
+use crate::report::Assessment;
 use crate::verify::VerifiedPlan;
 use crate::world::World;
 

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::asked::{called, spelled_out};
 use super::{Misfit, Recalled, Stored};
 use crate::diagnostic::nearest;
-use crate::domain::Domain;
+use crate::model::Domain;
 use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Test};
 use crate::plan::{StepId, Written, WrittenNode, WrittenStep};
 use crate::prompt::actors;
@@ -282,7 +282,7 @@ impl<'a> Inliner<'a> {
         match condition {
             Test::Holds(step) => {
                 let senses =
-                    |action: &&crate::domain::Action| action.call == step.call.name && !action.senses.is_empty();
+                    |action: &&crate::model::Action| action.call == step.call.name && !action.senses.is_empty();
                 if self.domain.actions.iter().find(senses).is_some() {
                     self.origins.push(origin.map(str::to_owned));
                 }

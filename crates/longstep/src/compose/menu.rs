@@ -5,8 +5,8 @@
 
 use super::asked::{Check, called, checks};
 use super::{Recalled, Stored};
-use crate::domain::{Domain, plain_words, singular};
 use crate::goal::{Spoken, cannot_be_told, conditions};
+use crate::model::{Domain, plain_words, singular};
 use crate::prompt::actors;
 use crate::world::World;
 

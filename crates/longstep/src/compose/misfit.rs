@@ -1,6 +1,6 @@
 //! What keeps a composition from becoming a plan, before anything is simulated.
 
-use crate::answer::{Answer, Status, ViolationAnswer};
+use crate::report::{Answer, Status, ViolationAnswer};
 use crate::world::World;
 
 /// A part of a composition that cannot be put in its place.

@@ -1,10 +1,10 @@
 //! A stored plan as it was when it was made: every argument known.
 
 use super::{Misfit, Stored};
-use crate::assessment::Assessment;
-use crate::domain::Domain;
 use crate::json::Path;
+use crate::model::Domain;
 use crate::plan::{Draft, Plan, Step, Written};
+use crate::report::Assessment;
 use crate::world::{self, World};
 
 /// A stored plan, bound in the world that it was made for.

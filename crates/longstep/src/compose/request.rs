@@ -5,8 +5,8 @@ use super::examples::{EXAMPLES, Example};
 use super::grammar::{grammar, schema};
 use super::menu::Menu;
 use super::read::in_json;
-use crate::domain::Domain;
 use crate::goal::QUESTION;
+use crate::model::Domain;
 use crate::prompt::{ChatRequest, Constraint, ConstraintKind, Message, Role, Round, plain_line};
 use crate::world::World;
 

@@ -1,6 +1,6 @@
 //! Plans that are kept, by the names that compositions call them by.
 
-use crate::domain::Domain;
+use crate::model::Domain;
 use crate::plan::PlanFile;
 
 /// An accepted plan that can be a part of another one.

@@ -3,11 +3,11 @@
 use serde_json::{Value, json};
 
 use super::*;
-use crate::answer::Answer;
 use crate::domain::{Domain, shipped};
 use crate::json::Path;
 use crate::plan::{PlanFile, script};
 use crate::prompt::{Constraint, ConstraintKind};
+use crate::report::Answer;
 use crate::world::{self, Environment, World};
 
 /// A domain, its world now, and stored plans: file name, what is handled, `call: explanation` for each step.

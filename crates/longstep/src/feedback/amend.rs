@@ -2,8 +2,8 @@
 
 use super::StepWish;
 use super::apply::{Applied, apply, completed, reopened};
-use crate::domain::Domain;
 use crate::goal::GoalFact;
+use crate::model::Domain;
 use crate::plan::{Plan, Resolved};
 use crate::repair::{Edit, Outcome, repair_pinned};
 use crate::search::Wanted;
@@ -154,12 +154,12 @@ fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose
 /// What is wanted as a sentence: the goal word's, or the facts that are missing.
 fn wanted_text(domain: &Domain, world: &World, wanted: &Wanted, state: &State) -> String {
     let mut words = domain.goal_words.iter();
-    let same = |word: &crate::domain::GoalWord| {
+    let same = |word: &crate::model::GoalWord| {
         word.condition == wanted.condition && word.parameters.len() == wanted.bindings.len()
     };
     if let Some(index) = words.position(same) {
         let fact = GoalFact::Word {
-            word: crate::domain::GoalWordId::new(index),
+            word: crate::model::GoalWordId::new(index),
             arguments: wanted.bindings.clone(),
         };
         return fact.sentence(domain, world);

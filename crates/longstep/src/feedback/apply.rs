@@ -2,7 +2,7 @@
 
 use super::StepWish;
 use super::difference::unwanted;
-use crate::domain::{ActionId, Domain, plain_words, singular};
+use crate::model::{ActionId, Domain, plain_words, singular};
 use crate::plan::{DraftStep, Plan, Resolved, Step};
 use crate::repair::Pins;
 use crate::world::{EntityId, World};

@@ -8,8 +8,8 @@ use super::grammar::{GOAL, MOST, grammar, schema};
 use super::heard::{Heard, what_for};
 use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
-use crate::domain::{Domain, plain_words};
 use crate::goal::QUESTION;
+use crate::model::{Domain, plain_words};
 use crate::plan::{Plan, Step};
 use crate::prompt::{
     ChatRequest, Constraint, ConstraintKind, DialogueError, Message, Reply, Role, Usage, object, one_line, whole,
@@ -127,7 +127,8 @@ impl FeedbackDialogue {
         if text == GOAL {
             return Ok(Wish::Goal);
         }
-        let mut wishes = parse(domain, world, &text, self.length)?;
+        let mut wishes =
+            parse(domain, world, &text, self.length).map_err(|error| DialogueError::NoWish(error.to_string()))?;
         self.explain(world, &mut wishes);
         Ok(Wish::Steps(wishes))
     }

@@ -5,22 +5,9 @@ use serde_json::json;
 use super::grammar::GOAL;
 use super::language::{Form, JOINT, action_of, form};
 use crate::call::Call;
-use crate::domain::Domain;
 use crate::goal::QUESTION;
+use crate::model::{Domain, FeedbackExample};
 use crate::prompt::{ConstraintKind, Message, Role};
-
-/// A worked example for the model: a plan, what a person says about it, and the answer.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FeedbackExample {
-    /// What had been asked for.
-    pub instruction: String,
-    /// The steps, each a call and its sentence: `grasp_object(): grasp the mug`.
-    pub plan: Vec<String>,
-    /// What the person says.
-    pub says: String,
-    /// `goal`, changes joined by ` & `, or `question: ...`.
-    pub answer: String,
-}
 
 /// Whether the example's answer is one that a model could give: changes of the example's plan, in calls of this domain.
 pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample) -> Result<(), String> {
@@ -55,7 +42,7 @@ pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample)
 /// The turns that come before the plan and the words: the task, then each example as a pair of turns.
 pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
     let mut turns = vec![Message::new(Role::System, task(domain, kind))];
-    for example in &domain.feedback_examples {
+    for example in &domain.prompts.feedback_examples {
         turns.push(Message::new(
             Role::User,
             plan_and_words(&example.instruction, &example.plan, &example.says),

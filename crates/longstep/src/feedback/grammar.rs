@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 
 use super::language::{JOINT, everyday};
 use super::offer::{Called, Offers};
-use crate::domain::Domain;
 use crate::goal::{QUESTION, quoted};
+use crate::model::Domain;
 use crate::world::World;
 
 /// The word for feedback that is about what is wanted.

@@ -1,7 +1,7 @@
 //! What the words of a person name for certain: actions by their calls, steps by their numbers, things.
 
-use crate::domain::{ActionId, Domain, plain_words, singular};
 use crate::goal::{Spoken, parts};
+use crate::model::{ActionId, Domain, plain_words, singular};
 use crate::plan::{Plan, Step};
 use crate::world::{EntityId, World};
 

@@ -3,7 +3,7 @@
 use super::StepWish;
 use crate::call::Call;
 use crate::diagnostic::nearest;
-use crate::domain::{ActionId, Domain};
+use crate::model::{ActionId, Domain};
 use crate::world::{EntityId, World};
 
 /// Why a text is no wish about the steps of a plan.
@@ -161,7 +161,7 @@ pub(super) fn action_of(domain: &Domain, text: &str) -> Result<(ActionId, Call),
     let call = Call::parse(text).map_err(|_| unknown(text))?;
     let mut actions = domain.action_ids();
     let fits =
-        |action: &crate::domain::Action| action.call == call.name && action.explicit.len() == call.arguments.len();
+        |action: &crate::model::Action| action.call == call.name && action.explicit.len() == call.arguments.len();
     match actions.find(|(_, action)| fits(action)) {
         Some((id, _)) => Ok((id, call)),
         None => Err(unknown(&call.name)),

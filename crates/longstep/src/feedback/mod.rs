@@ -18,14 +18,14 @@ mod offer;
 #[cfg(test)]
 mod tests;
 
+pub use crate::model::FeedbackExample;
 pub use amend::{Amended, Amendment, amend};
 pub use dialogue::{FeedbackDialogue, Wish};
 pub use difference::pins;
-pub use example::FeedbackExample;
 pub(crate) use example::check_feedback_example;
 pub use language::{WishError, parse, written};
 
-use crate::domain::ActionId;
+use crate::model::ActionId;
 use crate::world::EntityId;
 
 /// One thing that a person wants changed about the steps of a plan. All numbers are those of the plan that the person

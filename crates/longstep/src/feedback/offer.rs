@@ -1,7 +1,7 @@
 //! Which changes of a plan make sense to write after what a person said.
 
 use super::heard::Heard;
-use crate::domain::{ActionId, Domain};
+use crate::model::{ActionId, Domain};
 use crate::plan::{DraftStep, Plan};
 use crate::verify::{apply, can_apply, candidates, unmet};
 use crate::world::{EntityId, State, World};

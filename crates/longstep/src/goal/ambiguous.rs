@@ -2,7 +2,7 @@
 
 use super::mention::{DETERMINERS, among};
 use super::{Goal, GoalFact, Spoken};
-use crate::domain::{Domain, base_name, head, singular};
+use crate::model::{Domain, base_name, head, singular};
 use crate::world::{EntityId, Fact, Moment, Voice, World, holds};
 
 /// Articles that speak of no certain thing.

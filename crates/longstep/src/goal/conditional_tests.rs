@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::domain;
+use crate::domain::Domain;
 use crate::json::Path;
 use crate::prompt::{Constraint, ConstraintKind, Finish, GoalDialogue, Reply, Turn, Usage};
+use crate::world::World;
 use crate::world::{self, Environment};
 
 fn kitchen() -> (Domain, World) {

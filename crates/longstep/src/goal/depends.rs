@@ -1,7 +1,9 @@
 //! What an instruction makes its wishes depend on: "if the milk is past its date".
 
-use super::{Spoken, state_word};
-use crate::domain::{Domain, plain_words};
+use longstep_core::model::state_word;
+
+use super::Spoken;
+use crate::model::{Domain, plain_words};
 use crate::world::{Fact, World};
 
 /// Words that begin a condition.

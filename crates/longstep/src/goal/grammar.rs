@@ -3,18 +3,12 @@
 use indexmap::IndexMap;
 use serde_json::{Value, json};
 
-use super::conditional::{IF, NOT, THEN, written_fact};
 use super::depends::Dependence;
 use super::{GoalFact, Offer};
-use crate::domain::{Domain, FormPiece, GoalWord};
+use super::{IF, JOINT, NOT, QUESTION, THEN};
+use crate::model::{Domain, FormPiece, GoalWord};
 use crate::world::{EntityId, World};
-
-/// How a question begins in a model's answer.
-pub(crate) const QUESTION: &str = "question: ";
-
-/// What joins two goals. A fact ends with the first part and the next one begins with the rest: a model
-/// writes the blank and the word after it as one token, so the grammar must not be cut between them.
-pub(crate) const JOINT: &str = " &";
+use longstep_core::model::written_fact;
 
 /// Where in an answer a goal stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

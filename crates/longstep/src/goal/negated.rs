@@ -4,7 +4,7 @@
 //! sure of: "don't leave the fridge open" is about the fridge.
 
 use super::mention::{DETERMINERS, NOT_THINGS, among};
-use crate::domain::plain_words;
+use crate::model::plain_words;
 
 /// What is done to a thing that is to be let alone.
 const TOUCHING: &str = "touch move take use disturb want mean need bring grab pick mind bother include";

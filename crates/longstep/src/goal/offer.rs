@@ -3,8 +3,8 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Goal, GoalFact, Spoken};
-use crate::domain::{Domain, GoalWord, GoalWordId, base_name};
 use crate::effort;
+use crate::model::{Domain, GoalWord, GoalWordId, base_name};
 use crate::search::{self, Limits, Outcome};
 use crate::verify;
 use crate::world::{Bindings, EntityId, Fact, Moment, State, World, holds};

@@ -1,7 +1,7 @@
 //! "Put it back": what an instruction leaves to the one before it.
 
 use super::mention::Spoken;
-use crate::domain::{Domain, plain_words};
+use crate::model::{Domain, plain_words};
 use crate::world::{EntityId, World};
 
 /// Words that stand for one thing, and for several.

@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::domain;
+use crate::domain::Domain;
 use crate::json::Path;
 use crate::world::{self, Environment};
+use crate::world::{EntityId, World};
 
 fn flat() -> (Domain, World) {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();

@@ -11,13 +11,12 @@ use super::query::plain_line;
 use super::{
     ChatRequest, Constraint, ConstraintKind, Finish, Message, PartCost, Reply, Role, Round, TokenCounter, Usage, scene,
 };
-use crate::domain::{Domain, plain_words};
 use crate::effort;
-use crate::feedback::WishError;
 use crate::goal::{
     self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Spoken, Understanding, Ways, ended,
     grammar_of, offers, offers_on, schema_of, understand_spoken,
 };
+use crate::model::{Domain, plain_words};
 use crate::search;
 use crate::world::{EntityId, World};
 
@@ -45,7 +44,7 @@ pub enum DialogueError {
     NoGoal(#[from] GoalError),
     /// The reply is no change of the plan that it is about.
     #[error("the model's answer is no change of this plan: {0}")]
-    NoWish(#[from] WishError),
+    NoWish(String),
     /// Finding the goals that make sense here takes more work than its budget.
     #[error("{TOO_MUCH_WORK}")]
     TooMuchWork,

@@ -7,7 +7,7 @@ use super::{
     direct_schema, fit, fixed_parts, focus,
 };
 use crate::diagnostic::Diagnostics;
-use crate::domain::Domain;
+use crate::model::Domain;
 use crate::world::World;
 
 /// Tokens for the steps of an answer; the environments come on top.

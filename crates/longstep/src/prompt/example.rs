@@ -5,27 +5,8 @@ use serde_json::json;
 
 use super::told::size;
 use super::{ConstraintKind, Message, Role, template};
-use crate::domain::{Domain, GoalWord, StateWord};
 use crate::goal::{Written, read_form};
-
-/// A worked example for the model: a small scene, an instruction and the answer to it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Example {
-    /// Names of things and what is said of them.
-    pub objects: Vec<(String, String)>,
-    /// Names of places and what is said of them.
-    pub places: Vec<(String, String)>,
-    /// The instruction.
-    pub instruction: String,
-    /// Goals joined by ` & `, or `question: ...`.
-    pub answer: String,
-}
-
-impl Example {
-    fn names(&self) -> impl Iterator<Item = &str> {
-        self.objects.iter().chain(&self.places).map(|(name, _)| name.as_str())
-    }
-}
+use crate::model::{Domain, Example, GoalWord, StateWord};
 
 /// Whether the example's answer is one that a model could give: goals of this domain about things of the
 /// example's scene.
@@ -95,7 +76,7 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
 
 /// The turns that come before the scene and the instruction: the task, then each example as a pair of turns.
 pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
-    let mut task = domain.goal_prompt.clone();
+    let mut task = domain.prompts.goal.clone();
     if kind == ConstraintKind::JsonSchema {
         task.push_str(
             "\n\nWrite the answer as a JSON object with two keys: \"goals\", the list of goals, and \"question\", \
@@ -103,7 +84,7 @@ pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message>
         );
     }
     let mut turns = vec![Message::new(Role::System, task)];
-    for example in &domain.examples {
+    for example in &domain.prompts.examples {
         let text = scene_and_instruction(&scene_text(&example.objects, &example.places), &example.instruction);
         turns.push(Message::new(Role::User, text));
         turns.push(Message::new(Role::Assistant, in_form(&example.answer, kind)));

@@ -2,8 +2,8 @@
 
 use super::dialogue::ANSWER_TOKENS;
 use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, PromptError, Round, TokenCounter, focus};
-use crate::domain::Domain;
 use crate::effort;
+use crate::model::Domain;
 use crate::world::World;
 
 /// Entities of a scene at most, unless the instruction names more. Goals are offered for pairs of things: a grammar for a

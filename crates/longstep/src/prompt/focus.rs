@@ -4,8 +4,8 @@ use std::cmp::Reverse;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::domain::{Domain, PredicateId, base_name, plain_words, singular};
 use crate::goal::Spoken;
+use crate::model::{Domain, PredicateId, base_name, plain_words, singular};
 use crate::world::{EntityId, World};
 
 /// Of a kind of which the instruction means one thing without saying which, so many are taken to be needed.

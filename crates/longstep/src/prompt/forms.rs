@@ -1,6 +1,6 @@
 //! What plans of a domain can have besides steps in a row: branches and loops where it senses, lanes where it has actors.
 
-use crate::domain::Domain;
+use crate::model::Domain;
 use crate::world::{EntityId, World};
 
 /// Whether some action tells what nobody knows yet, so that a plan can branch on it.

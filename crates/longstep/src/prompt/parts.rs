@@ -3,14 +3,12 @@
 //! Each is a template, the library's own or one of the domain's `prompt/` folder, rendered from the domain when it is
 //! asked for. The sixth part, the query, is made anew for each instruction (`query`).
 
-use std::collections::BTreeMap;
-
 use minijinja::{Value, context};
 
 use super::dialogue::TOO_MUCH_WORK;
 use super::{Message, OverBudget, Role, template, told, worked};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
-use crate::domain::{Domain, Files};
+use crate::model::Domain;
 
 /// What a model says to a part that asks nothing of it.
 const UNDERSTOOD: &str = "Understood. I am waiting.";
@@ -87,66 +85,6 @@ pub enum PromptError {
     TooMuchWork,
 }
 
-/// The texts that the direct strategy's parts are made from, with their paths.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PartTexts {
-    /// By file name.
-    sources: BTreeMap<String, Source>,
-}
-
-/// A text and what findings call it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Source {
-    pub(super) path: String,
-    pub(super) text: String,
-}
-
-impl Default for PartTexts {
-    /// The library's own, which have no examples.
-    fn default() -> Self {
-        let own = [
-            ("role.md", include_str!("parts/role.md")),
-            ("actions.md", include_str!("parts/actions.md")),
-            ("environment.md", include_str!("parts/environment.md")),
-            ("format.md", include_str!("parts/format.md")),
-            ("query.md", include_str!("parts/query.md")),
-            ("plans.toml", ""),
-        ];
-        let source = |(name, text): (&str, &str)| {
-            let path = format!("longstep's own {name}");
-            (
-                name.to_owned(),
-                Source {
-                    path,
-                    text: text.to_owned(),
-                },
-            )
-        };
-        Self {
-            sources: own.into_iter().map(source).collect(),
-        }
-    }
-}
-
-impl PartTexts {
-    /// The library's own texts, less those that the files replace.
-    pub(crate) fn of(files: &Files) -> Self {
-        let mut texts = Self::default();
-        for (name, text) in &files.parts {
-            let source = Source {
-                path: files.prompt_path(name),
-                text: text.clone(),
-            };
-            texts.sources.insert(name.clone(), source);
-        }
-        texts
-    }
-
-    pub(super) fn source(&self, file: &str) -> &Source {
-        &self.sources[file]
-    }
-}
-
 /// Renders the fixed parts, in the order in which they are said.
 ///
 /// Examples are planned for and checked on the way, so that none can be out of date; this takes milliseconds, and
@@ -197,7 +135,7 @@ pub(crate) fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
         0,
     ) {
         Ok(text) => {
-            let source = domain.parts.source("query.md");
+            let source = domain.prompts.parts.source("query.md");
             let left_out = shown.iter().filter(|variable| !text.contains(**variable));
             findings.extend(left_out.map(|variable| {
                 let message = format!("the query does not show `{}`", variable.trim_matches(['{', '}']));
@@ -222,7 +160,7 @@ fn text_part(domain: &Domain, name: PartName) -> Result<Vec<Message>, Diagnostic
 
 /// Renders a file of `prompt/` with what the domain says, and with `more`, whose texts have `more_size` bytes.
 pub(super) fn render(domain: &Domain, file: &str, more: Value, more_size: usize) -> Result<String, Diagnostic> {
-    let source = domain.parts.source(file);
+    let source = domain.prompts.parts.source(file);
     let given = told::size(domain) + more_size;
     let variables = match more.is_undefined() {
         true => told::context(domain),

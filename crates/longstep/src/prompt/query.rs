@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::PromptError;
 use super::parts::render;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::domain::Domain;
+use crate::model::Domain;
 use crate::world::{Environment, World};
 
 /// Renders `prompt/query.md`: the person's turn.

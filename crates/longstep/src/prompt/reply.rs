@@ -8,7 +8,7 @@ use super::forms::{actors, has_trees, senses};
 use super::query::contained_json;
 use super::tree_schema::{TreeForms, TreeSchema, closed, in_schema, tree_schema};
 use crate::call::Call;
-use crate::domain::{Action, Domain, Term, TypeId};
+use crate::model::{Action, Domain, Term, TypeId};
 use crate::plan::{PlanFile, TaskCohesion, write_tree};
 use crate::world::{EntityId, Environment, World};
 

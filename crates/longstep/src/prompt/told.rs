@@ -3,7 +3,7 @@
 use minijinja::{Value, context};
 
 use super::forms::{acts, has_trees, senses};
-use crate::domain::{Action, Condition, Domain, RuleTime, Slot, Term, TypeId};
+use crate::model::{Action, Condition, Domain, RuleTime, Slot, Term, TypeId};
 
 /// The variables of a template: `name`, `about`, `actions` (`call`, `means`, `needs`, `object`, `hidden`, `tells`),
 /// `states` and `properties` (`word`, `means`), `rules` (`name`, `when`, `says`), `objects_matter` (calls leave out what

@@ -6,16 +6,16 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::parts::Source;
 use super::query::{contained_json, query_text};
 use super::reply::{AnswerText, StateLists};
 use super::{Message, Role};
-use crate::answer::{Answer, Status};
-use crate::assessment::Assessment;
 use crate::diagnostic::{Diagnostic, Position};
-use crate::domain::Domain;
+use crate::model::Domain;
+use crate::model::Source;
 use crate::plan::{self, Draft, PlanFile, TaskCohesion, script};
-use crate::solution::{self, Solution};
+use crate::report::Assessment;
+use crate::report::{self, Solution};
+use crate::report::{Answer, Status};
 use crate::verify::VerifiedPlan;
 use crate::world::{self, Environment, World};
 use crate::{goal, json};
@@ -47,7 +47,7 @@ struct Entry {
 
 /// The examples as pairs of turns: the query, and the answer to it.
 pub(super) fn turns(domain: &Domain) -> Result<Vec<Message>, Vec<Diagnostic>> {
-    let source = domain.parts.source("plans.toml");
+    let source = domain.prompts.parts.source("plans.toml");
     let file: PlansFile = toml::from_str(&source.text).map_err(|error| {
         let position = Position::of(&source.text, error.span().map_or(0, |span| span.start));
         let message = error.message().trim().replace('\n', "; ");
@@ -113,7 +113,7 @@ fn asking(domain: &Domain, world: &World, summary: &str, question: &str) -> Answ
 /// The shortest plan for a goal: one that looks first, where the goal depends on what nobody knows.
 fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
     let goal = goal::parse(domain, world, text).map_err(|error| error.to_string())?;
-    let Solution { plan, answer } = solution::of_goal(domain, world, &goal, summary, || 0.0);
+    let Solution { plan, answer } = report::of_goal(domain, world, &goal, summary, || 0.0);
     match (plan, answer.status) {
         (Some(plan), _) if plan.steps().is_empty() => Err("the goal of this example holds already".to_owned()),
         (Some(plan), _) => Ok(shown(domain, world, &plan, summary)),

@@ -1,8 +1,8 @@
 //! What has been accepted.
 
 use super::StepRecord;
-use crate::domain::Domain;
 use crate::goal::Goal;
+use crate::model::Domain;
 use crate::plan::{self, PlanFile, Step, TaskCohesion};
 use crate::verify::{Ending, VerifiedPlan};
 use crate::world::{EntityId, World};

@@ -2,15 +2,15 @@
 
 use super::asking::{Asking, What, unusable};
 use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn, sentence};
-use crate::answer::Status;
-use crate::assessment::Assessment;
-use crate::domain::Domain;
 use crate::feedback;
+use crate::model::Domain;
 use crate::plan;
 use crate::prompt::{
     DialogueError, Exchange, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query, whole,
 };
 use crate::repair::Outcome;
+use crate::report::Assessment;
+use crate::report::Status;
 use crate::verify::VerifiedPlan;
 
 /// The model's last word is the plan that the person saw, repaired or not: that is what their words are about.

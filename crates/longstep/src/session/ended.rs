@@ -1,7 +1,7 @@
 //! How a plan came out that can end in several ways.
 
 use super::{Accepted, Event, OutOfTurn, Session, Stage};
-use crate::domain::Domain;
+use crate::model::Domain;
 use crate::world::{Environment, Fact, Voice, World};
 
 /// A way in which an accepted plan may have ended.

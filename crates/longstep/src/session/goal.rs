@@ -2,13 +2,13 @@
 
 use super::asking::{Asking, What, unusable};
 use super::{Event, Proposal, Session, Stage, Stuck, Trouble, Turn, sentence};
-use crate::answer::{Answer, EditAnswer};
 use crate::feedback::{Amended, StepWish, amend};
 use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
 use crate::prompt::{
     DialogueError, GoalDialogue, PartCost, Prepared, PromptError, Reply, Round, TokenCounter, Turn as DialogueTurn,
 };
-use crate::solution;
+use crate::report;
+use crate::report::{Answer, EditAnswer};
 use crate::world::World;
 
 /// A conversation about goals.
@@ -125,7 +125,7 @@ impl Session {
     /// Plans for a goal.
     fn pursue(&mut self, turn: Turn, goal: Goal, left_out: &[LeftOut]) {
         let (domain, world) = (&self.domain, &self.world);
-        let solution = solution::of_goal(domain, world, &goal, &turn.instruction, self.now);
+        let solution = report::of_goal(domain, world, &goal, &turn.instruction, self.now);
         let mut answer = solution.answer;
         answer.tell_left_out(domain, world, left_out);
         if let Some(spelled) = self.pronoun(&turn.instruction) {

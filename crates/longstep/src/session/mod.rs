@@ -63,11 +63,11 @@ pub use why::{Why, why};
 
 use std::sync::Arc;
 
-use crate::answer::Answer;
-use crate::domain::Domain;
+use crate::model::Domain;
 use crate::plan::PlanFile;
 use crate::prompt::{ConstraintKind, Counting, Message, Prepared, PromptError, Round, TokenCounter, Usage};
-use crate::solution::Stopwatch;
+use crate::report::Answer;
+use crate::report::Stopwatch;
 use crate::world::World;
 
 use stage::{Stage, Turn, sentence};

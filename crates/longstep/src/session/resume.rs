@@ -7,12 +7,12 @@ use serde_json::Value;
 
 use super::{Accepted, Event, Log, ModelFacts, OutOfTurn, Session, Stage, StepRecord};
 use crate::diagnostic::Diagnostics;
-use crate::domain::Domain;
 use crate::goal::{self, Goal};
 use crate::json::Path;
+use crate::model::Domain;
 use crate::plan::{Plan, PlanFile, Step, resolve};
 use crate::prompt::{ConstraintKind, Message, Role};
-use crate::solution::Stopwatch;
+use crate::report::Stopwatch;
 use crate::verify::{Purpose, check};
 use crate::world;
 

@@ -3,9 +3,9 @@
 use super::Ended;
 use super::asking::Asking;
 use super::ended::Left;
-use crate::answer::{Answer, Status};
 use crate::goal::Goal;
 use crate::prompt::{Prepared, Round, Usage};
+use crate::report::{Answer, Status};
 use crate::verify::{Purpose, VerifiedPlan};
 
 /// What a session needs now.

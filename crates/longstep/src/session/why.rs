@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::domain::Domain;
 use crate::goal::Goal;
+use crate::model::Domain;
 use crate::plan::{Plan, StepId};
 use crate::verify::{Purpose, check};
 use crate::world::{Voice, World};
@@ -14,14 +14,14 @@ use crate::world::{Voice, World};
 ///
 /// ```
 /// use longstep::plan::StepId;
-/// use longstep::solution;
+/// use longstep::report;
 /// use longstep::{domain, goal, json, session, world};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let environment = world::Environment::from_json(text).unwrap();
 /// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
-/// let plan = solution::of_goal(&household, &world, &goal, "", || 0.0).plan.unwrap();
+/// let plan = report::of_goal(&household, &world, &goal, "", || 0.0).plan.unwrap();
 /// let why = session::why(&household, &world, plan.plan(), &goal.purpose(&household), Some(&goal), StepId::new(1));
 /// assert_eq!(why.brings_about, ["the hand holds the pen"]);
 /// assert_eq!(why.without_it[0], "step 3: detach_from_plane() needs that the hand holds the pen");

@@ -2,7 +2,7 @@
 
 use longstep::domain::{Domain, PredicateId};
 use longstep::goal::{Goal, GoalFact, Spoken, offers};
-use longstep::solution;
+use longstep::report;
 use longstep::world::{EntityId, Fact, World};
 
 /// An instruction, and what is meant by it.
@@ -138,7 +138,7 @@ impl Draw {
                     arguments,
                 }],
             };
-            if solution::of_goal(domain, world, &goal, "", || 0.0).plan.is_some() {
+            if report::of_goal(domain, world, &goal, "", || 0.0).plan.is_some() {
                 let kind = (*kind).to_owned();
                 return Drawn { words, goal, kind };
             }

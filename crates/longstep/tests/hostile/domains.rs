@@ -1,9 +1,9 @@
 //! Domains of somebody's own: read, linted, grounded, searched; problems for planners.
 
-use longstep::answer::Status;
 use longstep::domain::{self, Files};
+use longstep::report::Status;
 use longstep::verify::Purpose;
-use longstep::{pddl, solution};
+use longstep::{pddl, report};
 
 use super::{LARGEST, Row, Work, fill, nest};
 
@@ -30,7 +30,7 @@ fn planned(domain: String, problem: String) -> Work {
             wanted: problem.wanted.clone(),
             ..Purpose::default()
         };
-        let found = solution::of_wanted(&domain, &problem.world, &problem.wanted, &purpose, None, "", || 0.0);
+        let found = report::of_wanted(&domain, &problem.world, &problem.wanted, &purpose, None, "", || 0.0);
         let _ = pddl::write_problem(&domain, &problem.world, &problem.wanted, "again");
         found.answer.status == Status::Verified
     })
@@ -111,7 +111,7 @@ fn ruled(time: &str, parcels: usize) -> Work {
         let Ok(goal) = longstep::goal::parse(&domain, &world, "bring(<o1>, <b>)") else {
             return false;
         };
-        solution::of_goal(&domain, &world, &goal, "", || 0.0).answer.status == Status::Verified
+        report::of_goal(&domain, &world, &goal, "", || 0.0).answer.status == Status::Verified
     })
 }
 

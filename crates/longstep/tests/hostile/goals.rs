@@ -1,10 +1,10 @@
 //! Goals: read, solved, offered to a model; instructions, and the prompts for them.
 
-use longstep::answer::Status;
 use longstep::domain::Domain;
 use longstep::goal::{self, Spoken};
 use longstep::prompt::{ConstraintKind, EstimatedTokens, GoalDialogue, direct_request};
-use longstep::solution;
+use longstep::report;
+use longstep::report::Status;
 use longstep::world::World;
 use serde_json::Value;
 
@@ -17,7 +17,7 @@ fn solve(domain: &str, environment: &Value, text: String) -> Work {
     let domain = shipped(domain);
     let world = world_of(&domain, environment);
     Box::new(move || match goal::parse(&domain, &world, &text) {
-        Ok(goal) => solution::of_goal(&domain, &world, &goal, &text, || 0.0).answer.status == Status::Verified,
+        Ok(goal) => report::of_goal(&domain, &world, &goal, &text, || 0.0).answer.status == Status::Verified,
         Err(_) => false,
     })
 }

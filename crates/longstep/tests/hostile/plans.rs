@@ -1,10 +1,10 @@
 //! Plans, verified and repaired: as replies, as scripts, composed of stored ones.
 
-use longstep::answer::Status;
 use longstep::arms;
-use longstep::assessment::Assessment;
 use longstep::compose::{self, Composed, Said, Stored};
 use longstep::plan::{self, Draft, PlanFile, TaskCohesion, script};
+use longstep::report::Assessment;
+use longstep::report::Status;
 use serde_json::{Value, json};
 
 use super::{LARGEST, Row, Work, fill, many, shipped, world_of};
@@ -134,7 +134,7 @@ fn side_by_side() -> Work {
     let goal: Vec<String> = (0..4).map(|n| format!("put(<o{n}>, <p{}>)", n % 4 + 1)).collect();
     let goal = longstep::goal::parse(&domain, &world, &goal.join(" & ")).unwrap();
     Box::new(move || {
-        let found = longstep::solution::of_goal(&domain, &world, &goal, "", || 0.0);
+        let found = longstep::report::of_goal(&domain, &world, &goal, "", || 0.0);
         let shared = found
             .plan
             .as_ref()

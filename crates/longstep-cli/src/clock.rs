@@ -1,0 +1,16 @@
+//! How long things take.
+
+use std::sync::OnceLock;
+use std::time::Instant;
+
+/// Milliseconds since then.
+pub(crate) fn milliseconds(since: Instant) -> f64 {
+    // Microseconds are as fine as anybody reads.
+    (since.elapsed().as_secs_f64() * 1_000_000.0).round() / 1000.0
+}
+
+/// Milliseconds since the first time that somebody asked.
+pub(crate) fn stopwatch() -> f64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    milliseconds(*START.get_or_init(Instant::now))
+}

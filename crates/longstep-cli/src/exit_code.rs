@@ -1,0 +1,10 @@
+//! Exit codes that are no verdict on a plan.
+
+/// What was checked is not as it should be.
+pub(crate) const NOT_VALID: u8 = 10;
+/// Input that cannot be read.
+pub(crate) const UNREADABLE: u8 = 30;
+/// A limit was reached.
+pub(crate) const LIMIT: u8 = 20;
+/// The model or the network failed.
+pub(crate) const MODEL: u8 = 40;

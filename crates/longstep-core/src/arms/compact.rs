@@ -1,0 +1,219 @@
+//! From steps one after the other to lanes side by side.
+
+use std::collections::BTreeMap;
+
+use super::footprint::{Contended, Footprint, Grounded};
+use super::{Makespan, actors, makespan};
+use crate::effort;
+use crate::model::Domain;
+use crate::model::{EntityId, State, World};
+use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId};
+use crate::verify::{Purpose, VerifiedPlan, apply, check};
+
+/// A plan whose actors work side by side.
+#[derive(Debug, Clone)]
+pub struct Compacted {
+    /// The plan.
+    pub plan: VerifiedPlan,
+    /// How long it took one step after the other.
+    pub before: Makespan,
+    /// How long it takes now.
+    pub after: Makespan,
+}
+
+/// Lets the actors of a plain list of steps work side by side, as early as each step can be: it comes after what its
+/// actor did before, and after every step that it is not independent of. Where it has to wait for another lane, both
+/// have a synchronisation point. A step that no single actor does parts what comes before from what comes after.
+///
+/// None if the plan is no plain list, has one actor only, gains no time, or would end otherwise than it did: the
+/// result is verified in every order in which the lanes' steps can happen.
+pub fn compact(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
+    let spent = effort::within(effort::OPERATION, || compact_within(domain, world, plan, purpose));
+    spent.result.filter(|_| !spent.exhausted)
+}
+
+fn compact_within(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
+    if !plan.plan().is_sequence() {
+        return None;
+    }
+    let (before, tree) = (makespan(plan.plan()), arranged(domain, world, plan.steps())?);
+    let after = makespan(&tree);
+    if after.units() >= before.units() {
+        return None;
+    }
+    let compacted = check(domain, world, tree, purpose).into_verified().ok()?;
+    let same_end = compacted
+        .endings()
+        .iter()
+        .all(|ending| ending.after == plan.ending().after);
+    same_end.then_some(Compacted {
+        plan: compacted,
+        before,
+        after,
+    })
+}
+
+/// The steps as lanes; none if there is nothing to do side by side.
+pub(super) fn arranged(domain: &Domain, world: &World, steps: &[Step]) -> Option<Plan> {
+    if actors(domain, steps).len() < 2 {
+        return None;
+    }
+    let prints = footprints(domain, world, steps);
+    let mut tree = Tree::default();
+    let mut from = 0;
+    for to in 0..=steps.len() {
+        let together = steps.get(to).filter(|step| step.actor(domain).is_none());
+        if to == steps.len() || together.is_some() {
+            tree.side_by_side(&timed(domain, &steps[from..to], &prints[from..to]));
+            together.into_iter().for_each(|step| tree.one(step));
+            from = to + 1;
+        }
+    }
+    Plan::tree(tree.steps, tree.body)
+}
+
+/// A step of one actor with its earliest time.
+struct Timed<'a> {
+    step: &'a Step,
+    actor: EntityId,
+    start: usize,
+    /// By other lane: when the last of its steps ends that this one has to wait for.
+    awaits: BTreeMap<EntityId, usize>,
+}
+
+/// Gives each step the earliest time that its actor and the steps before it allow.
+fn timed<'a>(domain: &Domain, steps: &'a [Step], prints: &[Footprint]) -> Vec<Timed<'a>> {
+    let mut timed: Vec<Timed<'a>> = Vec::with_capacity(steps.len());
+    for (step, own) in steps.iter().zip(prints) {
+        let Some(actor) = step.actor(domain) else { continue };
+        let (mut start, mut awaits) = (0, BTreeMap::new());
+        for (before, print) in timed.iter().zip(prints) {
+            let end = before.start + 1;
+            effort::spend(1);
+            if before.actor == actor {
+                start = start.max(end);
+            } else if print.is_needed_before(own) {
+                start = start.max(end);
+                let last = awaits.entry(before.actor).or_insert(end);
+                *last = end.max(*last);
+            }
+        }
+        timed.push(Timed {
+            step,
+            actor,
+            start,
+            awaits,
+        });
+    }
+    timed
+}
+
+/// What each step reads and changes where it stands.
+fn footprints(domain: &Domain, world: &World, steps: &[Step]) -> Vec<Footprint> {
+    let mut state: State = world.state.clone();
+    let mut grounded = Vec::with_capacity(steps.len());
+    for step in steps {
+        grounded.push(Grounded::of(domain, world, &state, step));
+        apply(world, &mut state, domain.action(step.action), &step.arguments);
+    }
+    let writers: Vec<Option<EntityId>> = steps.iter().map(|step| step.actor(domain)).collect();
+    let mut written: Vec<(Option<EntityId>, Contended)> = Vec::new();
+    for (writer, step) in writers.iter().zip(&grounded) {
+        match written.iter_mut().find(|(actor, _)| actor == writer) {
+            Some((_, all)) => all.extend(step.contends()),
+            None => written.push((*writer, step.contends().collect())),
+        }
+    }
+    let footprint = |(actor, step): (&Option<EntityId>, &Grounded)| {
+        let others = written.iter().filter(|(writer, _)| writer != actor);
+        step.footprint(&others.flat_map(|(_, values)| values).copied().collect())
+    };
+    writers.iter().zip(&grounded).map(footprint).collect()
+}
+
+/// A plan that is being put together.
+#[derive(Default)]
+struct Tree {
+    steps: Vec<Step>,
+    body: Vec<Node>,
+    /// How many synchronisation points there are.
+    syncs: usize,
+}
+
+impl Tree {
+    fn add(&mut self, step: &Step) -> StepId {
+        self.steps.push(step.clone());
+        StepId::new(self.steps.len() - 1)
+    }
+
+    fn one(&mut self, step: &Step) {
+        let step = self.add(step);
+        self.body.push(Node::Step(step));
+    }
+
+    /// Adds steps that each have an actor.
+    fn side_by_side(&mut self, timed: &[Timed<'_>]) {
+        let mut actors: Vec<EntityId> = timed.iter().map(|timed| timed.actor).collect();
+        actors.sort_unstable();
+        actors.dedup();
+        // Where nothing overlaps, a list says the same.
+        let end = timed.iter().map(|timed| timed.start + 1).max();
+        if end.is_none_or(|end| end == timed.len()) {
+            timed.iter().for_each(|timed| self.one(timed.step));
+            return;
+        }
+        let meetings = meetings(timed);
+        let name = |at: usize| format!("sync {}", self.syncs + at + 1);
+        let names: Vec<String> = (0..meetings.len()).map(name).collect();
+        self.syncs += meetings.len();
+        let mut lanes = Vec::with_capacity(actors.len());
+        for actor in actors {
+            let mut own = meetings
+                .iter()
+                .zip(&names)
+                .filter(|(met, _)| met.lanes.contains(&actor))
+                .peekable();
+            let mut items = Vec::new();
+            for timed in timed.iter().filter(|timed| timed.actor == actor) {
+                while let Some((_, name)) = own.next_if(|(met, _)| met.time <= timed.start) {
+                    items.push(LaneItem::Sync(name.clone()));
+                }
+                items.push(LaneItem::Step(self.add(timed.step)));
+            }
+            items.extend(own.map(|(_, name)| LaneItem::Sync(name.clone())));
+            lanes.push(Lane { actor, items });
+        }
+        self.body.push(Node::Parallel { lanes });
+    }
+}
+
+/// A moment at which lanes wait for each other.
+struct Meeting {
+    time: usize,
+    lanes: Vec<EntityId>,
+}
+
+/// The fewest moments that keep every step behind what it has to wait for, in order of time.
+fn meetings(timed: &[Timed<'_>]) -> Vec<Meeting> {
+    let mut by_start: Vec<&Timed<'_>> = timed.iter().collect();
+    by_start.sort_by_key(|timed| timed.start);
+    let mut meetings: Vec<Meeting> = Vec::new();
+    for timed in by_start {
+        for (other, end) in &timed.awaits {
+            let between = |met: &Meeting| (*end..=timed.start).contains(&met.time);
+            let both = |met: &Meeting| met.lanes.contains(&timed.actor) && met.lanes.contains(other);
+            if meetings.iter().any(|met| between(met) && both(met)) {
+                continue;
+            }
+            let lanes = [timed.actor, *other];
+            match meetings.last_mut().filter(|met| met.time == timed.start) {
+                Some(met) => met.lanes.extend(lanes),
+                None => meetings.push(Meeting {
+                    time: timed.start,
+                    lanes: lanes.to_vec(),
+                }),
+            }
+        }
+    }
+    meetings
+}

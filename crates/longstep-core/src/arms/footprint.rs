@@ -1,0 +1,170 @@
+//! What a step reads and changes.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::model::Domain;
+use crate::model::{EntityId, Fact, State, World};
+use crate::plan::Step;
+use crate::search::{Formula, GroundAction, Literal, Operator, ground_step};
+
+/// What a step depends on and what it changes, done in a certain state.
+#[derive(Debug, Clone)]
+pub(super) struct Footprint {
+    /// Facts that let it be done, and that let its effects happen or not, with whether they hold.
+    reads: FxHashMap<Fact, bool>,
+    writes: Writes,
+    /// The things that it handles.
+    things: Vec<EntityId>,
+}
+
+/// What a step makes true or false, and whether it was not so before.
+type Writes = FxHashMap<Fact, Written>;
+
+#[derive(Debug, Clone, Copy)]
+struct Written {
+    holds: bool,
+    changed: bool,
+}
+
+/// Facts with a value that some other actor makes or ends.
+pub(super) type Contended = FxHashSet<(Fact, bool)>;
+
+/// A step with its arguments, about to be done in a certain state.
+pub(super) struct Grounded {
+    operator: Operator,
+    /// The facts that its literals number, and whether each holds.
+    facts: Vec<(Fact, bool)>,
+    things: Vec<EntityId>,
+}
+
+impl Grounded {
+    pub(super) fn of(domain: &Domain, world: &World, state: &State, step: &Step) -> Self {
+        let ground = GroundAction {
+            action: step.action,
+            arguments: step.arguments.clone(),
+        };
+        let (operator, facts) = ground_step(domain, world, ground);
+        let handled = |entity: &EntityId| world.is_of_kind(*entity, domain.environment.object);
+        Self {
+            operator,
+            facts: facts.into_iter().map(|fact| (fact, state.holds(fact))).collect(),
+            things: step.arguments.iter().copied().filter(handled).collect(),
+        }
+    }
+
+    fn holds(&self, literal: Literal) -> bool {
+        self.facts[literal.fact as usize].1 == literal.holds
+    }
+
+    fn writes(&self) -> Writes {
+        let mut writes = Writes::default();
+        for effect in &self.operator.effects {
+            if effect.condition.holds(&|literal| self.holds(literal)) {
+                let (fact, held) = self.facts[effect.literal.fact as usize];
+                let before = writes.get(&fact).is_some_and(|written: &Written| written.holds);
+                // What is both taken away and given stays.
+                let holds = effect.literal.holds || before;
+                let changed = holds != held;
+                writes.insert(fact, Written { holds, changed });
+            }
+        }
+        writes
+    }
+
+    /// What nobody else can rely on: values that the step ends, or makes where it was otherwise.
+    pub(super) fn contends(&self) -> impl Iterator<Item = (Fact, bool)> {
+        let values = |(fact, written): (Fact, Written)| {
+            let made = written.changed.then_some((fact, written.holds));
+            [(fact, !written.holds)].into_iter().chain(made)
+        };
+        self.writes().into_iter().flat_map(values)
+    }
+
+    /// What the step reads and changes: of several reasons why a condition holds or not, one that is not contended, if
+    /// there is one.
+    pub(super) fn footprint(&self, contended: &Contended) -> Footprint {
+        let effects = self.operator.effects.iter().map(|effect| &effect.condition);
+        let conditions = std::iter::once(&self.operator.precondition).chain(effects);
+        let reasons = conditions.flat_map(|condition| self.because(condition, contended).1);
+        Footprint {
+            reads: reasons.map(|literal| self.facts[literal.fact as usize]).collect(),
+            writes: self.writes(),
+            things: self.things.clone(),
+        }
+    }
+
+    /// Whether a formula holds, and literals that alone make it so.
+    fn because(&self, formula: &Formula, contended: &Contended) -> (bool, Vec<Literal>) {
+        let (parts, decisive) = match formula {
+            Formula::Literal(literal) => return (self.holds(*literal), vec![*literal]),
+            // One part that fails decides a conjunction, one that holds a disjunction; else all of them do.
+            Formula::And(parts) => (parts, false),
+            Formula::Or(parts) => (parts, true),
+        };
+        let reasons: Vec<(bool, Vec<Literal>)> = parts.iter().map(|part| self.because(part, contended)).collect();
+        let deciding = reasons.iter().filter(|(value, _)| *value == decisive);
+        let weight = |why: &[Literal]| {
+            let open = why
+                .iter()
+                .filter(|literal| contended.contains(&self.facts[literal.fact as usize]));
+            (open.count(), why.len())
+        };
+        match deciding.min_by_key(|(_, why)| weight(why)) {
+            Some((_, why)) => (decisive, why.clone()),
+            None => (!decisive, reasons.into_iter().flat_map(|(_, why)| why).collect()),
+        }
+    }
+}
+
+impl Footprint {
+    /// Whether this step, which stands before the other, has to: they handle something together, or one of them
+    /// changes what lets the other be done or what that changes.
+    pub(super) fn is_needed_before(&self, later: &Self) -> bool {
+        let written = |by: &Self, fact: &Fact| by.writes.get(fact).copied();
+        let enables = |(fact, held): (&Fact, &bool)| {
+            written(self, fact).is_some_and(|written| written.changed || written.holds != *held)
+        };
+        let disturbs =
+            |(fact, held): (&Fact, &bool)| written(later, fact).is_some_and(|written| written.holds != *held);
+        let differ =
+            |(fact, own): (&Fact, &Written)| written(later, fact).is_some_and(|other| other.holds != own.holds);
+        self.things.iter().any(|thing| later.things.contains(thing))
+            || later.reads.iter().any(enables)
+            || self.reads.iter().any(disturbs)
+            || self.writes.iter().any(differ)
+    }
+}
+
+/// Whether two steps, both about to be done in this state, can be done in either order or overlap: they handle
+/// nothing together, and neither changes what lets the other be done or what that changes.
+///
+/// Two steps that both make the same fact true, or both false, do not disturb each other by that, and neither does a
+/// step that makes a fact what it is already.
+///
+/// ```
+/// use longstep_core::{arms, domain, json, plan::Step, world};
+/// let domain = domain::shipped("household-dual").unwrap().unwrap();
+/// let text = r#"{"assets": ["<bench>", "<rack>"], "objects": ["<jar>"], "object_states": {"<jar>": "on_something(<bench>)"}}"#;
+/// let environment = world::Environment::from_json(text).unwrap();
+/// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let (move_hand, _) = domain.action_ids().find(|(_, action)| action.name == "move-hand").unwrap();
+/// let to = |hand: &str, place: &str| {
+///     let arguments = [hand, place].map(|name| world.find(name).unwrap()).to_vec();
+///     Step::explained(&domain, &world, move_hand, arguments)
+/// };
+/// let both = |one, other| arms::independent(&domain, &world, &world.state, &one, &other);
+/// assert!(both(to("right", "<jar>"), to("left", "<rack>")));
+/// assert!(!both(to("right", "<jar>"), to("right", "<rack>")));
+/// assert!(!both(to("right", "<jar>"), to("left", "<jar>")), "both reach for one thing");
+/// ```
+pub fn independent(domain: &Domain, world: &World, state: &State, one: &Step, other: &Step) -> bool {
+    let (one, other) = (
+        Grounded::of(domain, world, state, one),
+        Grounded::of(domain, world, state, other),
+    );
+    let (first, second) = (
+        one.footprint(&other.contends().collect()),
+        other.footprint(&one.contends().collect()),
+    );
+    !first.is_needed_before(&second) && !second.is_needed_before(&first)
+}

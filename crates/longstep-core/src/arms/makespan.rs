@@ -1,0 +1,176 @@
+//! How long a plan takes.
+
+use std::collections::VecDeque;
+use std::fmt;
+
+use crate::plan::{Lane, LaneItem, Node, Plan, StepId, Test};
+
+/// How long a plan takes at most, in units: a step takes one unit, whatever it does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Makespan {
+    /// So long.
+    Exact(u64),
+    /// So long with one turn of every loop whose number of turns is open; each further turn takes longer.
+    AtLeast(u64),
+}
+
+impl Makespan {
+    const NOTHING: Self = Self::Exact(0);
+
+    /// The number of units.
+    pub fn units(self) -> u64 {
+        match self {
+            Self::Exact(units) | Self::AtLeast(units) => units,
+        }
+    }
+
+    fn with(self, other: Self, units: impl Fn(u64, u64) -> u64) -> Self {
+        let units = units(self.units(), other.units());
+        match (self, other) {
+            (Self::Exact(_), Self::Exact(_)) => Self::Exact(units),
+            _ => Self::AtLeast(units),
+        }
+    }
+
+    fn then(self, other: Self) -> Self {
+        self.with(other, u64::saturating_add)
+    }
+
+    fn longer(self, other: Self) -> Self {
+        self.with(other, u64::max)
+    }
+}
+
+impl fmt::Display for Makespan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.units() == 1 { "" } else { "s" };
+        match self {
+            Self::Exact(units) => write!(f, "{units} unit{plural}"),
+            Self::AtLeast(units) => write!(f, "at least {units} unit{plural}"),
+        }
+    }
+}
+
+/// How long a plan takes: lanes run side by side and wait for each other where they are told to, of two ways the
+/// longer one counts, and sensing is a step like any other.
+///
+/// ```
+/// use longstep_core::arms::{Makespan, makespan};
+/// use longstep_core::plan::Plan;
+/// assert_eq!(makespan(&Plan::default()), Makespan::Exact(0));
+/// ```
+pub fn makespan(plan: &Plan) -> Makespan {
+    of_nodes(plan.body())
+}
+
+fn of_nodes(nodes: &[Node]) -> Makespan {
+    nodes.iter().map(of_node).fold(Makespan::NOTHING, Makespan::then)
+}
+
+fn of_node(node: &Node) -> Makespan {
+    match node {
+        Node::Step(_) => Makespan::Exact(1),
+        Node::If {
+            condition,
+            then,
+            otherwise,
+        } => of_test(condition).then(of_nodes(then).longer(of_nodes(otherwise))),
+        Node::While { condition, body } => {
+            let turn = of_test(condition).then(of_nodes(body)).then(of_test(condition));
+            Makespan::AtLeast(turn.units())
+        }
+        Node::Repeat { times, body } => of_nodes(body).with(Makespan::Exact(u64::from(*times)), u64::saturating_mul),
+        Node::Parallel { lanes } => Makespan::Exact(of_lanes(lanes)),
+        Node::Remark(_) => Makespan::NOTHING,
+    }
+}
+
+fn of_test(test: &Test) -> Makespan {
+    Makespan::Exact(test.steps().len() as u64)
+}
+
+fn of_lanes(lanes: &[Lane]) -> u64 {
+    let units = timetable(lanes).into_iter().filter(|row| matches!(row, Row::Unit(_)));
+    units.count() as u64
+}
+
+/// A line of a [`timetable`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Row {
+    /// What each lane does in one unit of time; nothing where it waits or is done.
+    Unit(Vec<Option<StepId>>),
+    /// Lanes that waited for each other go on.
+    Sync {
+        /// The name of the synchronisation point.
+        name: String,
+        /// The lanes, by their place.
+        lanes: Vec<usize>,
+    },
+}
+
+/// What lanes do when each step takes one unit and nobody waits longer than told. Where lanes wait for each other for
+/// ever, as verification would tell, the first of them goes on.
+///
+/// ```
+/// use longstep_core::arms::{Row, timetable};
+/// use longstep_core::plan::{Lane, LaneItem, StepId};
+/// use longstep_core::world::EntityId;
+/// let step = |number| LaneItem::Step(StepId::new(number));
+/// let lane = |actor, items| Lane { actor: EntityId::new(actor), items };
+/// let sync = || LaneItem::Sync("handed over".to_owned());
+/// let rows = timetable(&[lane(0, vec![step(0), sync()]), lane(1, vec![sync(), step(1)])]);
+/// assert_eq!(rows.len(), 3);
+/// assert_eq!(rows[2], Row::Unit(vec![None, Some(StepId::new(1))]));
+/// ```
+pub fn timetable(lanes: &[Lane]) -> Vec<Row> {
+    let counts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
+    let mut rest: Vec<VecDeque<&LaneItem>> = lanes
+        .iter()
+        .map(|lane| lane.items.iter().filter(counts).collect())
+        .collect();
+    let mut rows = Vec::new();
+    loop {
+        while let Some(name) = next_sync(&rest) {
+            let here = |lane: &usize| matches!(rest[*lane].front(), Some(LaneItem::Sync(other)) if *other == name);
+            let lanes: Vec<usize> = (0..rest.len()).filter(here).collect();
+            for lane in &lanes {
+                rest[*lane].pop_front();
+            }
+            rows.push(Row::Sync { name, lanes });
+        }
+        let done = rest.iter_mut().map(|lane| match lane.front() {
+            Some(LaneItem::Step(step)) => {
+                lane.pop_front();
+                Some(*step)
+            }
+            _ => None,
+        });
+        let done: Vec<Option<StepId>> = done.collect();
+        if done.iter().all(Option::is_none) {
+            return rows;
+        }
+        rows.push(Row::Unit(done));
+    }
+}
+
+/// A synchronisation point that every lane which still has it in front of it has come to; where no lane can do
+/// anything else, the first.
+fn next_sync(rest: &[VecDeque<&LaneItem>]) -> Option<String> {
+    let waiting: Vec<&String> = rest
+        .iter()
+        .filter_map(|lane| match lane.front() {
+            Some(LaneItem::Sync(name)) => Some(name),
+            _ => None,
+        })
+        .collect();
+    let is = |item: &LaneItem, name: &String| matches!(item, LaneItem::Sync(other) if other == name);
+    let met = |name: &&&String| {
+        let expecting = rest.iter().filter(|lane| lane.iter().any(|item| is(item, name)));
+        expecting
+            .into_iter()
+            .all(|lane| lane.front().is_some_and(|item| is(item, name)))
+    };
+    let stuck = || rest.iter().all(|lane| !matches!(lane.front(), Some(LaneItem::Step(_))));
+    let found = waiting.iter().find(met).or_else(|| waiting.first().filter(|_| stuck()));
+    found.map(|name| (*name).clone())
+}

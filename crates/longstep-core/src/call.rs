@@ -1,0 +1,68 @@
+//! The paper's notation for steps and states: `PutIn(<pie>, <microwave>)`, `closed()`.
+
+use std::fmt;
+
+/// A word with arguments in parentheses.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Call {
+    /// The word before the parenthesis.
+    pub name: String,
+    /// What stands in the parentheses, split at commas and trimmed.
+    pub arguments: Vec<String>,
+}
+
+/// A text that is no call.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is not written as `word(argument, ...)`")]
+pub struct NotACall {
+    text: String,
+}
+
+impl Call {
+    /// Reads a call; the parentheses may be left out when there are no arguments.
+    ///
+    /// # Errors
+    ///
+    /// When the text has another shape.
+    ///
+    /// ```
+    /// use longstep_core::call::Call;
+    /// let call = Call::parse("PutIn( <pie>, <oven> )").unwrap();
+    /// assert_eq!(call.to_string(), "PutIn(<pie>, <oven>)");
+    /// assert_eq!(Call::parse("CLOSED").unwrap().to_string(), "CLOSED()");
+    /// assert!(Call::parse("Open(<a>").is_err());
+    /// ```
+    pub fn parse(text: &str) -> Result<Self, NotACall> {
+        let trimmed = text.trim();
+        let error = || NotACall {
+            // A hostile text must not fill the screen.
+            text: trimmed.chars().take(80).collect(),
+        };
+        let (name, inner) = match trimmed.split_once('(') {
+            Some((name, rest)) => (name.trim(), rest.strip_suffix(')').ok_or_else(error)?),
+            None => (trimmed, ""),
+        };
+        let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-');
+        if name.is_empty() || !name.chars().all(word) || inner.contains(['(', ')']) {
+            return Err(error());
+        }
+        let arguments: Vec<String> = if inner.trim().is_empty() {
+            Vec::new()
+        } else {
+            inner.split(',').map(|argument| argument.trim().to_owned()).collect()
+        };
+        if arguments.iter().any(String::is_empty) {
+            return Err(error());
+        }
+        Ok(Self {
+            name: name.to_owned(),
+            arguments,
+        })
+    }
+}
+
+impl fmt::Display for Call {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}({})", self.name, self.arguments.join(", "))
+    }
+}

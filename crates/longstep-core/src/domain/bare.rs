@@ -1,0 +1,115 @@
+//! A domain without words of its own: PDDL that was written for planners in general.
+
+use super::pddl::{self, Semantics, Written};
+use super::{
+    Action, Atom, Domain, EnvironmentTypes, Lexicon, Predicate, PredicateWords, RepairCosts, StateWord, Template, Term,
+    TypeId, Unknown,
+};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+
+/// Reads a `domain.pddl` that has no `domain.toml` beside it.
+///
+/// The words are PDDL's own: a fact is said as `(on cup table)`, a step is called `stack(cup, table)`, and the
+/// state of an entity is each fact that it is the first argument of. There are no goal words and no rules; what
+/// is wanted comes from a problem file, which [`crate::pddl::read_problem`] reads.
+///
+/// `file` is what findings call the text. What planners commonly let pass (arguments of another type than
+/// declared, `object` declared as a type) passes here too, which [`super::load`] would tell.
+///
+/// # Errors
+///
+/// Everything that cannot be read, at once, with its place.
+///
+/// ```
+/// let text = "(define (domain lamps) (:predicates (lit ?lamp))
+///     (:action light :parameters (?lamp) :precondition () :effect (lit ?lamp)))";
+/// let domain = longstep_core::domain::from_pddl("lamps.pddl", text)?;
+/// assert_eq!((domain.name.as_str(), domain.actions[0].call.as_str()), ("lamps", "light"));
+/// # Ok::<(), longstep_core::diagnostic::Diagnostics>(())
+/// ```
+pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
+    let mut findings = Vec::new();
+    let semantics = pddl::read(file, text, Written::ForPlanners, &mut findings);
+    let counts = [
+        semantics.types.len(),
+        semantics.constants.len(),
+        semantics.predicates.len(),
+        semantics.actions.len(),
+    ];
+    if counts.iter().any(|count| *count > crate::model::ENTITY_LIMIT) {
+        findings.push(Diagnostic::whole(file, "too many names for one domain"));
+    }
+    if findings.is_empty() {
+        Ok(with_plain_words(semantics))
+    } else {
+        Err(Diagnostics::sorted(findings))
+    }
+}
+
+fn with_plain_words(semantics: Semantics) -> Domain {
+    let mut fluent = vec![false; semantics.predicates.len()];
+    for effect in semantics.actions.iter().flat_map(|action| &action.effects) {
+        fluent[effect.atom.predicate.index()] = true;
+    }
+    let words = |(predicate, fluent): (&Predicate, bool)| PredicateWords {
+        says: Template::pddl(&predicate.name, predicate.parameters.len()),
+        denies: Template::pddl_not(&predicate.name, predicate.parameters.len()),
+        short: None,
+        event: false,
+        unknown: Unknown::False,
+        fluent,
+        cues: Vec::new(),
+        past: None,
+    };
+    // A fact about nothing has no entity in whose entry it could stand.
+    let about_something = semantics.predicates.iter().enumerate();
+    let states = about_something.filter(|(_, predicate)| !predicate.parameters.is_empty());
+    let state = |(index, predicate): (usize, &Predicate)| StateWord {
+        word: predicate.name.clone(),
+        parameters: predicate.parameters[1..].iter().map(|p| p.name.clone()).collect(),
+        atom: Atom {
+            predicate: super::PredicateId::new(index),
+            terms: (0..predicate.parameters.len()).map(Term::Variable).collect(),
+        },
+        means: String::new(),
+    };
+    Domain {
+        about: format!("The PDDL domain {}, without words of its own.", semantics.name),
+        environment: EnvironmentTypes {
+            asset: TypeId::OBJECT,
+            object: TypeId::OBJECT,
+        },
+        predicate_words: semantics.predicates.iter().zip(fluent).map(words).collect(),
+        states: states.map(state).collect(),
+        properties: Vec::new(),
+        derivations: Vec::new(),
+        defaults: Vec::new(),
+        rules: Vec::new(),
+        goal_words: Vec::new(),
+        repair: RepairCosts::default(),
+        lexicon: Lexicon::default(),
+        implied: indexmap::IndexMap::new(),
+        actions: semantics
+            .actions
+            .into_iter()
+            .map(|schema| Action {
+                explicit: (0..schema.parameters.len()).collect(),
+                object: None,
+                actor: None,
+                senses: Vec::new(),
+                says: Template::pddl(&schema.name, schema.parameters.len()),
+                means: String::new(),
+                call: schema.name.clone(),
+                name: schema.name,
+                parameters: schema.parameters,
+                precondition: schema.precondition,
+                effects: schema.effects,
+            })
+            .collect(),
+        name: semantics.name.clone(),
+        pddl_name: semantics.name,
+        types: semantics.types,
+        constants: semantics.constants,
+        predicates: semantics.predicates,
+    }
+}

@@ -1,0 +1,490 @@
+//! From the files of a domain's folder to a [`Domain`].
+
+mod goals;
+mod sensing;
+
+use toml::Spanned;
+
+use super::pddl::{Reader, Scope, Semantics, Written};
+use super::words::{self, DomainFile, TimeEntry, UnknownEntry};
+use super::{
+    Action, ActionSchema, Atom, Condition, DefaultFact, Derivation, Domain, Effect, EnvironmentTypes, Files, FormPiece,
+    GoalWord, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule,
+    RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
+};
+use crate::call::Call;
+use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
+
+/// Reads a domain.
+///
+/// # Errors
+///
+/// Everything that is wrong with the files or on which they disagree, at once, each with file, line and
+/// column. (A file that is not even PDDL or TOML hides what the rest of it would have shown.)
+pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
+    match load_with_findings(files) {
+        (Some(domain), findings) if findings.is_empty() => Ok(domain),
+        (_, findings) => Err(Diagnostics::sorted(findings)),
+    }
+}
+
+/// Reads a domain as far as it can be read, with everything that is wrong with it: for who has more files to check against
+/// it.
+pub fn load_with_findings(files: &Files) -> (Option<Domain>, Vec<Diagnostic>) {
+    let mut findings = Vec::new();
+    let pddl_file = format!("{}domain.pddl", files.folder);
+    let semantics = pddl::read(&pddl_file, &files.pddl, Written::ForUs, &mut findings);
+    let words_file = format!("{}domain.toml", files.folder);
+    let parsed: Option<DomainFile> = read_toml(&words_file, &files.words, &mut findings);
+    let domain = parsed.map(|parsed| {
+        let mut loader = Loader {
+            file: &words_file,
+            text: &files.words,
+            pddl_file: &pddl_file,
+            semantics: &semantics,
+            findings: &mut findings,
+        };
+        loader.domain(parsed)
+    });
+    (domain, findings)
+}
+
+/// Reads a TOML file; what is wrong with it is added to the findings.
+pub fn read_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str, findings: &mut Vec<Diagnostic>) -> Option<T> {
+    toml::from_str(text)
+        .map_err(|error| {
+            let position = Position::of(text, error.span().map_or(0, |span| span.start));
+            findings.push(Diagnostic::at(
+                file,
+                position,
+                error.message().trim().replace('\n', "; "),
+            ));
+        })
+        .ok()
+}
+
+/// Where the content of a TOML string begins: behind its quotes.
+pub fn content_position<T>(text: &str, value: &Spanned<T>) -> Position {
+    let start = value.span().start;
+    let raw = &text[start..];
+    let quotes = if raw.starts_with("\"\"\"") || raw.starts_with("'''") {
+        3 + usize::from(raw[3..].starts_with('\n'))
+    } else {
+        1
+    };
+    Position::of(text, start + quotes)
+}
+
+struct Loader<'a> {
+    file: &'a str,
+    text: &'a str,
+    pddl_file: &'a str,
+    semantics: &'a Semantics,
+    findings: &'a mut Vec<Diagnostic>,
+}
+
+impl Loader<'_> {
+    fn report<T>(&mut self, place: &Spanned<T>, message: impl Into<String>) {
+        let position = content_position(self.text, place);
+        self.findings.push(Diagnostic::at(self.file, position, message));
+    }
+
+    fn report_unknown<'n>(
+        &mut self,
+        place: &Spanned<String>,
+        what: &str,
+        name: &str,
+        known: impl IntoIterator<Item = &'n str>,
+    ) {
+        let position = content_position(self.text, place);
+        let mut finding = Diagnostic::at(self.file, position, format!("unknown {what} `{name}`"));
+        if let Some(near) = nearest(name, known) {
+            finding = finding.hint(format!("did you mean `{near}`?"));
+        }
+        self.findings.push(finding);
+    }
+
+    fn read_with<T>(
+        &mut self,
+        text: &Spanned<String>,
+        read: impl FnOnce(&mut Reader<'_>, &sexpr::Expression) -> Option<T>,
+    ) -> Option<T> {
+        let base = content_position(self.text, text);
+        let expressions = match sexpr::read(self.file, text.get_ref()) {
+            Ok(expressions) => expressions,
+            Err(mut finding) => {
+                finding.position = Some(base);
+                self.findings.push(finding);
+                return None;
+            }
+        };
+        let [expression] = &expressions[..] else {
+            self.report(text, "expected one expression in parentheses");
+            return None;
+        };
+        let mut reader = Reader {
+            file: self.file,
+            base,
+            written: Written::ForUs,
+            findings: self.findings,
+        };
+        read(&mut reader, expression)
+    }
+
+    fn condition(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Condition {
+        let semantics = self.semantics;
+        let mut scope = scope_of(parameters);
+        self.read_with(text, |reader, expression| {
+            Some(reader.condition(expression, &mut scope, semantics))
+        })
+        .unwrap_or(Condition::TRUE)
+    }
+
+    fn literal(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Option<Literal> {
+        match self.condition(text, parameters) {
+            Condition::Atom {
+                atom,
+                holds,
+                initially: false,
+            } => Some(Literal { atom, holds }),
+            // What could not be read has been reported already.
+            Condition::And(empty) if empty.is_empty() => None,
+            _ => {
+                self.report(text, "expected one fact, `(predicate ...)` or `(not (predicate ...))`");
+                None
+            }
+        }
+    }
+
+    fn template(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Template {
+        let index = |name: &str| parameters.iter().position(|p| p.name == name);
+        Template::read(text.get_ref(), index).unwrap_or_else(|hole| {
+            if hole == "{" {
+                self.report(text, "a `{` is not closed");
+            } else {
+                self.report_unknown(
+                    text,
+                    "name in braces",
+                    &hole,
+                    parameters.iter().map(|p| p.name.as_str()),
+                );
+            }
+            Template::default()
+        })
+    }
+
+    fn parameter(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Option<usize> {
+        let name = text.get_ref().trim_start_matches('?');
+        let index = parameters.iter().position(|p| p.name == name);
+        if index.is_none() {
+            self.report_unknown(text, "parameter", name, parameters.iter().map(|p| p.name.as_str()));
+        }
+        index
+    }
+
+    fn kind(&mut self, text: &Spanned<String>) -> TypeId {
+        self.semantics.types.find(text.get_ref()).unwrap_or_else(|| {
+            self.report_unknown(text, "type", text.get_ref(), self.semantics.types.names());
+            TypeId::OBJECT
+        })
+    }
+
+    fn domain(&mut self, file: DomainFile) -> Domain {
+        let environment = EnvironmentTypes {
+            asset: self.kind(&file.environment.assets),
+            object: self.kind(&file.environment.objects),
+        };
+        let mut predicate_words = self.predicates(&file.predicate);
+        let actions = self.actions(&file.action);
+        for atom in actions.iter().flat_map(|action| &action.senses) {
+            predicate_words[atom.predicate.index()].fluent = true;
+        }
+        let states = file.state.iter().filter_map(|entry| self.state(entry)).collect();
+        let properties = file.property.iter().map(|entry| self.property(entry)).collect();
+        let derivations = file.derive.iter().map(|entry| self.derivation(entry)).collect();
+        let myself = [self_parameter()];
+        let defaults = file
+            .default
+            .iter()
+            .filter_map(|entry| {
+                let when = self.condition(&entry.when, &myself);
+                let literal = self.literal(&entry.fact, &myself)?;
+                Some(DefaultFact {
+                    atom: literal.atom,
+                    when,
+                })
+            })
+            .collect();
+        let goal_words: Vec<GoalWord> = file.goal.iter().filter_map(|entry| self.goal_word(entry)).collect();
+        self.asked_for_lack(&file, &actions, &goal_words);
+        let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
+        let repair = self.repair_costs(&file.repair);
+        Domain {
+            name: file.name,
+            pddl_name: self.semantics.name.clone(),
+            about: file.about,
+            types: self.semantics.types.clone(),
+            constants: self.semantics.constants.clone(),
+            predicates: self.semantics.predicates.clone(),
+            predicate_words,
+            actions,
+            environment,
+            states,
+            properties,
+            derivations,
+            defaults,
+            rules,
+            goal_words,
+            repair,
+            lexicon: Lexicon::new(file.lexicon),
+            implied: file.implied,
+        }
+    }
+
+    fn predicates(&mut self, entries: &[words::PredicateEntry]) -> Vec<PredicateWords> {
+        let semantics = self.semantics;
+        for entry in entries {
+            if !semantics.predicates.iter().any(|p| p.name == *entry.name.get_ref()) {
+                let known = semantics.predicates.iter().map(|p| p.name.as_str());
+                self.report_unknown(&entry.name, "predicate", entry.name.get_ref(), known);
+            }
+        }
+        let changed = |index: usize| {
+            let touches = |effect: &Effect| effect.atom.predicate.index() == index;
+            semantics.actions.iter().any(|a| a.effects.iter().any(touches))
+        };
+        let mut all = Vec::with_capacity(semantics.predicates.len());
+        for (index, predicate) in semantics.predicates.iter().enumerate() {
+            let fluent = changed(index);
+            let named = |entry: &&words::PredicateEntry| *entry.name.get_ref() == predicate.name;
+            let Some(entry) = entries.iter().find(named) else {
+                let position = semantics.predicate_positions[index];
+                let message = format!("the predicate `{}` has no words in domain.toml", predicate.name);
+                let hint = format!(
+                    "add `[[predicate]] name = \"{}\"` with `says` and `denies`",
+                    predicate.name
+                );
+                self.findings
+                    .push(Diagnostic::at(self.pddl_file, position, message).hint(hint));
+                all.push(PredicateWords {
+                    says: Template::default(),
+                    denies: Template::default(),
+                    short: None,
+                    event: false,
+                    unknown: Unknown::False,
+                    fluent,
+                    cues: Vec::new(),
+                    past: None,
+                });
+                continue;
+            };
+            if entry.unknown == UnknownEntry::Assume && (fluent || predicate.parameters.len() != 1) {
+                self.report(
+                    &entry.name,
+                    "`unknown = \"assume\"` is for facts about one entity that no action changes",
+                );
+            }
+            if entry.event && !fluent {
+                self.report(&entry.name, "an event needs an action that makes it true");
+            }
+            all.push(PredicateWords {
+                says: self.template(&entry.says, &predicate.parameters),
+                denies: self.template(&entry.denies, &predicate.parameters),
+                short: entry
+                    .short
+                    .as_ref()
+                    .map(|short| self.template(short, &predicate.parameters)),
+                event: entry.event,
+                unknown: match entry.unknown {
+                    UnknownEntry::False => Unknown::False,
+                    UnknownEntry::Assume => Unknown::Assume,
+                },
+                fluent,
+                cues: entry.cues.iter().map(|cue| cue.to_lowercase()).collect(),
+                past: entry.past.as_ref().and_then(|past| self.past(past, predicate, entries)),
+            });
+        }
+        all
+    }
+
+    fn actions(&mut self, entries: &[words::ActionEntry]) -> Vec<Action> {
+        let semantics = self.semantics;
+        for (index, entry) in entries.iter().enumerate() {
+            let name = entry.name.get_ref();
+            if !semantics.actions.iter().any(|a| a.name == *name) {
+                let known = semantics.actions.iter().map(|a| a.name.as_str());
+                self.report_unknown(&entry.name, "action", name, known);
+            }
+            if entries[..index].iter().any(|earlier| earlier.name.get_ref() == name) {
+                self.report(&entry.name, format!("the action `{name}` has words twice"));
+            }
+        }
+        let mut actions = Vec::with_capacity(semantics.actions.len());
+        for (index, schema) in semantics.actions.iter().enumerate() {
+            let Some(entry) = entries.iter().find(|entry| *entry.name.get_ref() == schema.name) else {
+                let position = semantics.action_positions[index];
+                let message = format!("the action `{}` has no words in domain.toml", schema.name);
+                let hint = format!(
+                    "add `[[action]] name = \"{}\"` with `call`, `says` and `means`",
+                    schema.name
+                );
+                self.findings
+                    .push(Diagnostic::at(self.pddl_file, position, message).hint(hint));
+                continue;
+            };
+            let call = match Call::parse(entry.call.get_ref()) {
+                Ok(call) => call,
+                Err(error) => {
+                    self.report(&entry.call, error.to_string());
+                    continue;
+                }
+            };
+            let known: Vec<&str> = schema.parameters.iter().map(|p| p.name.as_str()).collect();
+            let mut explicit = Vec::new();
+            for argument in &call.arguments {
+                let name = argument.trim_start_matches('?');
+                match known.iter().position(|k| *k == name) {
+                    Some(index) => explicit.push(index),
+                    None => self.report_unknown(&entry.call, "parameter", name, known.iter().copied()),
+                }
+            }
+            let object = entry
+                .object
+                .as_ref()
+                .and_then(|object| self.parameter(object, &schema.parameters));
+            let actor = entry
+                .actor
+                .as_ref()
+                .and_then(|actor| self.parameter(actor, &schema.parameters));
+            if let Some(shown) = object.filter(|index| explicit.contains(index)) {
+                let message = format!("`{}` is shown in the call already", known[shown]);
+                self.report(&entry.call, message);
+            }
+            if let Some(other) = actions.iter().find(|a: &&Action| a.call == call.name) {
+                let message = format!("the call `{}` is taken by the action `{}`", call.name, other.name);
+                self.report(&entry.call, message);
+            }
+            actions.push(Action {
+                name: schema.name.clone(),
+                parameters: schema.parameters.clone(),
+                precondition: schema.precondition.clone(),
+                effects: schema.effects.clone(),
+                call: call.name,
+                explicit,
+                object,
+                actor,
+                senses: self.senses(entry, schema),
+                says: self.template(&entry.says, &schema.parameters),
+                means: entry.means.clone(),
+            });
+        }
+        actions
+    }
+
+    fn state(&mut self, entry: &words::StateEntry) -> Option<StateWord> {
+        let call = match Call::parse(entry.word.get_ref()) {
+            Ok(call) => call,
+            Err(error) => {
+                self.report(&entry.word, error.to_string());
+                return None;
+            }
+        };
+        let mut parameters = vec![self_parameter()];
+        for argument in &call.arguments {
+            parameters.push(any_parameter(argument.trim_start_matches('<').trim_end_matches('>')));
+        }
+        let literal = self.literal(&entry.fact, &parameters)?;
+        if !literal.holds {
+            self.report(&entry.fact, "a state word stands for a fact, not for the lack of one");
+        }
+        let predicate = literal.atom.predicate.index();
+        let name = &self.semantics.predicates[predicate].name;
+        if literal.atom.terms.len() != parameters.len() {
+            let message = format!("`({name} ...)` and the word must speak of the same entities, `?self` included");
+            self.report(&entry.fact, message);
+        }
+        Some(StateWord {
+            word: call.name,
+            parameters: call.arguments,
+            atom: literal.atom,
+            means: entry.means.clone(),
+        })
+    }
+
+    fn property(&mut self, entry: &words::PropertyEntry) -> PropertyWord {
+        let literals = entry
+            .facts
+            .iter()
+            .filter_map(|fact| self.literal(fact, &[self_parameter()]))
+            .collect();
+        PropertyWord {
+            word: entry.word.get_ref().clone(),
+            literals,
+        }
+    }
+
+    fn derivation(&mut self, entry: &words::DeriveEntry) -> Derivation {
+        let both = [self_parameter(), any_parameter("other")];
+        let literals: Vec<Literal> = entry
+            .facts
+            .iter()
+            .filter_map(|fact| self.literal(fact, &both))
+            .collect();
+        let when = entry
+            .when
+            .as_ref()
+            .map_or(Condition::TRUE, |when| self.condition(when, &both));
+        let mut binary = !entry.other_names.is_empty() || entry.pattern.is_some();
+        for literal in &literals {
+            binary |= literal.atom.terms.contains(&super::Term::Variable(1));
+        }
+        if let Some(pattern) = &entry.pattern
+            && !pattern.get_ref().contains("{other}")
+        {
+            self.report(pattern, "a pattern needs `{other}` in it, as in `{other}_handle`");
+        }
+        Derivation {
+            literals,
+            names: entry.names.clone(),
+            other_names: entry.other_names.clone(),
+            pattern: entry.pattern.as_ref().map(|p| p.get_ref().clone()),
+            when,
+            binary,
+        }
+    }
+}
+
+fn scope_of(parameters: &[Parameter]) -> Scope {
+    parameters.iter().map(|p| (p.name.clone(), p.kind)).collect()
+}
+
+fn self_parameter() -> Parameter {
+    any_parameter("self")
+}
+
+fn any_parameter(name: &str) -> Parameter {
+    any_parameter_of(name, TypeId::OBJECT)
+}
+
+fn any_parameter_of(name: &str, kind: TypeId) -> Parameter {
+    Parameter {
+        name: name.to_owned(),
+        kind,
+    }
+}
+
+/// The variables of the leading `forall`s of a condition, in order.
+fn quantified_names(text: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut expression = sexpr::read("", text).ok().and_then(|mut e| e.pop());
+    while let Some([variables, inner]) = expression.as_ref().and_then(|e| e.tail_of("forall")) {
+        let words = variables
+            .list()
+            .unwrap_or_default()
+            .iter()
+            .filter_map(sexpr::Expression::word);
+        names.extend(words.filter_map(|word| Some(word.strip_prefix('?')?.to_owned())));
+        expression = Some(inner.clone());
+    }
+    names
+}

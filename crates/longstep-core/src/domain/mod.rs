@@ -1,0 +1,30 @@
+//! Domains from folders and files.
+//!
+//! A domain is a folder: `domain.pddl` holds the semantics, `domain.toml` the words, `prompt/` what a
+//! model is told. [`load`] reads the first two and reports everything on which they disagree; [`from_pddl`] makes do with
+//! the PDDL alone.
+
+mod bare;
+mod files;
+mod load;
+pub(crate) mod pddl;
+#[doc(hidden)]
+pub mod sexpr;
+mod shipped;
+mod starter;
+#[doc(hidden)]
+pub mod words;
+
+pub use crate::model::{
+    Action, ActionId, Atom, Condition, DefaultFact, Derivation, Domain, Effect, EnvironmentTypes, FormPiece, GoalWord,
+    GoalWordId, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule,
+    RuleTime, Slot, StateWord, Template, Term, TypeId, Types, Unknown, base_name, ends_with, head, plain_words,
+    singular, with_article,
+};
+pub use bare::from_pddl;
+pub use files::Files;
+pub use load::{content_position, load, load_with_findings, read_toml};
+pub use shipped::{shipped, shipped_files, shipped_names};
+pub use starter::starter;
+
+use crate::model::ActionSchema;

@@ -1,0 +1,635 @@
+//! Reads `domain.pddl`: types, constants, predicates and actions, with every name resolved.
+
+use super::sexpr::{self, Expression, Node};
+use super::{ActionSchema, Parameter, Predicate, PredicateId, TypeId, Types};
+use super::{Atom, Condition, Effect, Term};
+use crate::diagnostic::{Diagnostic, Position, nearest};
+use crate::model::EntityId;
+
+/// Arguments that a fact can hold; see [`crate::world::Fact`].
+const ARITY_LIMIT: usize = 7;
+
+/// The requirements that are understood; others are refused rather than half obeyed.
+const REQUIREMENTS: [&str; 8] = [
+    ":strips",
+    ":typing",
+    ":negative-preconditions",
+    ":disjunctive-preconditions",
+    ":quantified-preconditions",
+    ":conditional-effects",
+    ":equality",
+    ":adl",
+];
+
+/// For whom a file was written, and with it how much is let pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Written {
+    /// For this library: whatever looks like a slip is told.
+    ForUs,
+    /// For planners in general. They take arguments of any type and let `object` be declared; a fact about
+    /// something of the wrong type then simply holds, and no action ever asks for it. Conditions have no
+    /// `(initially ...)`, which is ours.
+    ForPlanners,
+}
+
+/// What `domain.pddl` says.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Semantics {
+    pub(crate) name: String,
+    pub(crate) types: Types,
+    pub(crate) constants: Vec<(String, TypeId)>,
+    pub(crate) predicates: Vec<Predicate>,
+    pub(crate) actions: Vec<ActionSchema>,
+    /// Where each predicate and action is declared, for findings of the words file.
+    pub(crate) predicate_positions: Vec<Position>,
+    pub(crate) action_positions: Vec<Position>,
+}
+
+/// Reads a domain file; findings are added to `findings`, and what could be read is returned.
+pub(crate) fn read(file: &str, text: &str, written: Written, findings: &mut Vec<Diagnostic>) -> Semantics {
+    let mut semantics = Semantics::default();
+    let expressions = match sexpr::read(file, text) {
+        Ok(expressions) => expressions,
+        Err(finding) => {
+            findings.push(finding);
+            return semantics;
+        }
+    };
+    let Some((define, sections)) = expressions
+        .first()
+        .and_then(|first| Some((first, first.tail_of("define")?)))
+    else {
+        findings.push(
+            Diagnostic::at(file, Position { line: 1, column: 1 }, "no `(define (domain NAME) ...)`")
+                .hint("a domain file is one `(define (domain NAME) ...)` list"),
+        );
+        return semantics;
+    };
+    for extra in &expressions[1..] {
+        findings.push(Diagnostic::at(
+            file,
+            extra.position,
+            "something follows the domain's end",
+        ));
+    }
+    let mut reader = Reader {
+        file,
+        base: Position { line: 1, column: 1 },
+        written,
+        findings,
+    };
+    match sections.first().and_then(|s| s.tail_of("domain")) {
+        Some([name]) if name.word().is_some() => {
+            semantics.name = name.word().unwrap_or_default().to_owned();
+        }
+        _ => reader.report(define.position, "the domain has no name: expected `(domain NAME)`"),
+    }
+    // Sections may come in any order, but later ones use the names of earlier ones.
+    let known = [":requirements", ":types", ":constants", ":predicates", ":action"];
+    for section in sections.iter().skip(1) {
+        let head = section.list().and_then(|items| items.first()?.word());
+        if !head.is_some_and(|head| known.contains(&head)) {
+            let message = format!(
+                "`{}` is not supported here; known sections are {}",
+                head.unwrap_or("?"),
+                known.join(", ")
+            );
+            reader.report(section.position, message);
+        }
+    }
+    let of = |head: &'static str| sections.iter().filter_map(move |s| Some((s, s.tail_of(head)?)));
+    for (_, items) in of(":requirements") {
+        for item in items {
+            let word = item.word().unwrap_or("?");
+            if !REQUIREMENTS.contains(&word) {
+                let message = format!("the requirement `{word}` is not supported");
+                reader.report(item.position, message);
+            }
+        }
+    }
+    for (_, items) in of(":types") {
+        reader.types(items, &mut semantics.types);
+    }
+    for (_, items) in of(":constants") {
+        for (name, kind, position) in reader.typed_list(items, &semantics.types) {
+            if semantics.constants.iter().any(|(known, _)| *known == name) {
+                reader.report(position, format!("the constant `{name}` is declared twice"));
+            }
+            semantics.constants.push((name, kind));
+        }
+    }
+    for (_, items) in of(":predicates") {
+        for item in items {
+            reader.predicate(item, &mut semantics);
+        }
+    }
+    for (section, items) in of(":action") {
+        reader.action(section, items, &mut semantics);
+    }
+    semantics
+}
+
+/// Variables in scope, outermost first.
+pub(crate) type Scope = Vec<(String, TypeId)>;
+
+/// Resolves expressions against the names that have been read so far.
+pub(crate) struct Reader<'a> {
+    pub(crate) file: &'a str,
+    /// Where the text that is read begins in the file: a condition may stand inside a TOML string.
+    pub(crate) base: Position,
+    pub(crate) written: Written,
+    pub(crate) findings: &'a mut Vec<Diagnostic>,
+}
+
+impl Reader<'_> {
+    fn place(&self, position: Position) -> Position {
+        Position {
+            line: self.base.line + position.line - 1,
+            column: if position.line == 1 {
+                self.base.column + position.column - 1
+            } else {
+                position.column
+            },
+        }
+    }
+
+    pub(crate) fn report(&mut self, position: Position, message: impl Into<String>) {
+        let position = self.place(position);
+        self.findings.push(Diagnostic::at(self.file, position, message));
+    }
+
+    fn report_unknown<'n>(
+        &mut self,
+        position: Position,
+        what: &str,
+        name: &str,
+        known: impl IntoIterator<Item = &'n str>,
+    ) {
+        let position = self.place(position);
+        let mut finding = Diagnostic::at(self.file, position, format!("unknown {what} `{name}`"));
+        if let Some(near) = nearest(name, known) {
+            finding = finding.hint(format!("did you mean `{near}`?"));
+        }
+        self.findings.push(finding);
+    }
+
+    fn types(&mut self, items: &[Expression], types: &mut Types) {
+        // A parent may be declared after its child, so all names are taken first.
+        for item in items {
+            match item.word() {
+                Some("-") => {}
+                Some(name) => {
+                    types.intern(name);
+                }
+                None => self.report(item.position, "expected a type's name (`either` is not supported)"),
+            }
+        }
+        let mut waiting = Vec::new();
+        let mut words = items.iter();
+        while let Some(item) = words.next() {
+            match item.word() {
+                Some("-") => {
+                    let Some(parent) = words.next().and_then(Expression::word) else {
+                        self.report(item.position, "`-` needs a type after it");
+                        break;
+                    };
+                    let parent = types.intern(parent);
+                    for child in waiting.drain(..) {
+                        if child == TypeId::OBJECT && self.written == Written::ForPlanners {
+                            continue;
+                        }
+                        if !types.set_parent(child, parent) {
+                            let message = format!("the type `{}` would be its own ancestor", types.name(child));
+                            self.report(item.position, message);
+                        }
+                    }
+                }
+                Some(name) => waiting.push(types.intern(name)),
+                None => {}
+            }
+        }
+    }
+
+    /// `a b - kind c` as names with types; names without a type are `object`s.
+    pub(crate) fn typed_list(&mut self, items: &[Expression], types: &Types) -> Vec<(String, TypeId, Position)> {
+        let mut list: Vec<(String, TypeId, Position)> = Vec::new();
+        let mut untyped = 0;
+        let mut words = items.iter();
+        while let Some(item) = words.next() {
+            match item.word() {
+                Some("-") => {
+                    let Some(kind) = words.next() else {
+                        self.report(item.position, "`-` needs a type after it");
+                        break;
+                    };
+                    let name = kind.word().unwrap_or("(either ...)");
+                    match types.find(name) {
+                        Some(id) => list[untyped..].iter_mut().for_each(|entry| entry.1 = id),
+                        None => self.report_unknown(kind.position, "type", name, types.names()),
+                    }
+                    untyped = list.len();
+                }
+                Some(name) => list.push((name.to_owned(), TypeId::OBJECT, item.position)),
+                None => self.report(item.position, "expected a name"),
+            }
+        }
+        list
+    }
+
+    /// Like [`Self::typed_list`], for variables: the leading `?` is required and taken off.
+    pub(crate) fn variables(&mut self, items: &[Expression], types: &Types) -> Vec<Parameter> {
+        let mut variables: Vec<Parameter> = Vec::new();
+        for (name, kind, position) in self.typed_list(items, types) {
+            match name.strip_prefix('?') {
+                Some(name) if variables.iter().any(|known| known.name == name) => {
+                    self.report(position, format!("`?{name}` is declared twice"));
+                }
+                Some(name) => variables.push(Parameter {
+                    name: name.to_owned(),
+                    kind,
+                }),
+                None => self.report(position, format!("`{name}` must be a variable, as in `?{name}`")),
+            }
+        }
+        variables
+    }
+
+    fn predicate(&mut self, item: &Expression, semantics: &mut Semantics) {
+        let Some([head, parameters @ ..]) = item.list() else {
+            return self.report(item.position, "expected `(predicate ?x - type)`");
+        };
+        let Some(name) = head.word() else {
+            return self.report(head.position, "expected a predicate's name");
+        };
+        if semantics.predicates.iter().any(|p| p.name == name) {
+            return self.report(head.position, format!("the predicate `{name}` is declared twice"));
+        }
+        let parameters = self.variables(parameters, &semantics.types);
+        if parameters.len() > ARITY_LIMIT {
+            let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
+            self.report(head.position, message);
+            return;
+        }
+        semantics.predicate_positions.push(head.position);
+        semantics.predicates.push(Predicate {
+            name: name.to_owned(),
+            parameters,
+        });
+    }
+
+    fn action(&mut self, section: &Expression, items: &[Expression], semantics: &mut Semantics) {
+        let [name, fields @ ..] = items else {
+            return self.report(section.position, "an action needs a name");
+        };
+        let Some(word) = name.word() else {
+            return self.report(name.position, "an action needs a name");
+        };
+        if semantics.actions.iter().any(|a| a.name == word) {
+            return self.report(name.position, format!("the action `{word}` is declared twice"));
+        }
+        let mut parameters = Vec::new();
+        let mut precondition = Condition::TRUE;
+        let mut effects = Vec::new();
+        // The parameters are needed to read the rest, wherever they stand.
+        for pair in fields.chunks(2) {
+            if let [key, value] = pair
+                && key.word() == Some(":parameters")
+            {
+                match value.list() {
+                    Some(list) => parameters = self.variables(list, &semantics.types),
+                    None => self.report(value.position, "expected `(?x - type ...)`"),
+                }
+            }
+        }
+        let mut scope: Scope = parameters.iter().map(|p| (p.name.clone(), p.kind)).collect();
+        for pair in fields.chunks(2) {
+            let [key, value] = pair else {
+                self.report(pair[0].position, "this has no value");
+                continue;
+            };
+            match key.word() {
+                Some(":parameters") => {}
+                Some(":precondition") => precondition = self.condition(value, &mut scope, semantics),
+                Some(":effect") => {
+                    let mut path = Vec::new();
+                    self.effect(value, &mut scope, &mut path, &Condition::TRUE, semantics, &mut effects);
+                }
+                other => {
+                    let message = format!(
+                        "`{}` is not a part of an action; known are :parameters, :precondition, :effect",
+                        other.unwrap_or("?")
+                    );
+                    self.report(key.position, message);
+                }
+            }
+        }
+        semantics.action_positions.push(name.position);
+        semantics.actions.push(ActionSchema {
+            name: word.to_owned(),
+            parameters,
+            precondition,
+            effects,
+        });
+    }
+
+    /// Reads a condition; what cannot be read is reported and counts as true.
+    pub(crate) fn condition(&mut self, item: &Expression, scope: &mut Scope, names: &Semantics) -> Condition {
+        let Some(list) = item.list() else {
+            self.report(item.position, "expected a condition in parentheses");
+            return Condition::TRUE;
+        };
+        let Some((head, rest)) = list.split_first() else {
+            return Condition::TRUE;
+        };
+        let all = |reader: &mut Self, scope: &mut Scope| -> Vec<Condition> {
+            rest.iter().map(|c| reader.condition(c, scope, names)).collect()
+        };
+        match (head.word().unwrap_or_default(), rest) {
+            ("and", _) => Condition::And(all(self, scope)),
+            ("or", _) => Condition::Or(all(self, scope)),
+            ("not", [inner]) => self.condition(inner, scope, names).negated(),
+            ("imply", [when, then]) => Condition::Or(vec![
+                self.condition(when, scope, names).negated(),
+                self.condition(then, scope, names),
+            ]),
+            ("initially", [inner]) if self.written == Written::ForUs => initially(self.condition(inner, scope, names)),
+            ("forall" | "exists", [variables, inner]) => {
+                let outer = scope.len();
+                for variable in self.variables(variables.list().unwrap_or_default(), &names.types) {
+                    scope.push((variable.name, variable.kind));
+                }
+                let quantified: Vec<TypeId> = scope[outer..].iter().map(|(_, kind)| *kind).collect();
+                let inner = self.condition(inner, scope, names);
+                scope.truncate(outer);
+                quantified
+                    .into_iter()
+                    .enumerate()
+                    .rev()
+                    .fold(inner, |inner, (index, kind)| match head.word() {
+                        Some("forall") => Condition::Forall(outer + index, kind, Box::new(inner)),
+                        _ => Condition::Exists(outer + index, kind, Box::new(inner)),
+                    })
+            }
+            ("=", [left, right]) => match (self.term(left, scope, names), self.term(right, scope, names)) {
+                (Some((left, _)), Some((right, _))) => Condition::Equal {
+                    left,
+                    right,
+                    holds: true,
+                },
+                _ => Condition::TRUE,
+            },
+            ("not" | "imply" | "forall" | "exists" | "=", _) => {
+                let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
+                self.report(item.position, message);
+                Condition::TRUE
+            }
+            _ => match self.atom(item, scope, names) {
+                Some(atom) => Condition::Atom {
+                    atom,
+                    holds: true,
+                    initially: false,
+                },
+                None => Condition::TRUE,
+            },
+        }
+    }
+
+    fn effect(
+        &mut self,
+        item: &Expression,
+        scope: &mut Scope,
+        forall: &mut Vec<(usize, TypeId)>,
+        when: &Condition,
+        names: &Semantics,
+        effects: &mut Vec<Effect>,
+    ) {
+        let Some(list) = item.list() else {
+            return self.report(item.position, "expected an effect in parentheses");
+        };
+        let Some((head, rest)) = list.split_first() else {
+            return;
+        };
+        match (head.word().unwrap_or_default(), rest) {
+            ("and", _) => {
+                for part in rest {
+                    self.effect(part, scope, forall, when, names, effects);
+                }
+            }
+            ("forall", [variables, inner]) => {
+                let (outer, quantified) = (scope.len(), forall.len());
+                for variable in self.variables(variables.list().unwrap_or_default(), &names.types) {
+                    forall.push((scope.len(), variable.kind));
+                    scope.push((variable.name, variable.kind));
+                }
+                // The variables of a `when` around it come behind those of the effect.
+                let when = when.clone().shifted(outer, scope.len() - outer);
+                self.effect(inner, scope, forall, &when, names, effects);
+                scope.truncate(outer);
+                forall.truncate(quantified);
+            }
+            ("when", [condition, inner]) => {
+                let condition = self.condition(condition, scope, names);
+                let both = match when {
+                    Condition::And(outer) if outer.is_empty() => condition,
+                    outer => Condition::And(vec![outer.clone(), condition]),
+                };
+                self.effect(inner, scope, forall, &both, names, effects);
+            }
+            ("not", [inner]) => {
+                if let Some(atom) = self.atom(inner, scope, names) {
+                    effects.push(Effect {
+                        forall: forall.clone(),
+                        condition: when.clone(),
+                        atom,
+                        adds: false,
+                    });
+                }
+            }
+            ("forall" | "when" | "not", _) => {
+                let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
+                self.report(item.position, message);
+            }
+            _ => {
+                if let Some(atom) = self.atom(item, scope, names) {
+                    effects.push(Effect {
+                        forall: forall.clone(),
+                        condition: when.clone(),
+                        atom,
+                        adds: true,
+                    });
+                }
+            }
+        }
+    }
+
+    pub(crate) fn atom(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<Atom> {
+        let Some((head, arguments)) = item.list().and_then(<[_]>::split_first) else {
+            self.report(item.position, "expected `(predicate argument ...)`");
+            return None;
+        };
+        let Some(name) = head.word() else {
+            self.report(head.position, "expected a predicate's name");
+            return None;
+        };
+        let Some(index) = names.predicates.iter().position(|p| p.name == name) else {
+            let known = names.predicates.iter().map(|p| p.name.as_str());
+            self.report_unknown(head.position, "predicate", name, known);
+            return None;
+        };
+        let predicate = &names.predicates[index];
+        if predicate.parameters.len() != arguments.len() {
+            let message = format!(
+                "`{name}` takes {} argument(s), not {}",
+                predicate.parameters.len(),
+                arguments.len()
+            );
+            self.report(item.position, message);
+            return None;
+        }
+        let mut terms = Vec::with_capacity(arguments.len());
+        for (argument, parameter) in arguments.iter().zip(&predicate.parameters) {
+            let (term, kind) = self.term(argument, scope, names)?;
+            // A supertype is fine: the atom is then simply false for the other entities.
+            let fits = names.types.is_a(kind, parameter.kind) || names.types.is_a(parameter.kind, kind);
+            if !fits && self.written == Written::ForUs {
+                let message = format!(
+                    "`{name}` takes a {} here, and this is a {}",
+                    names.types.name(parameter.kind),
+                    names.types.name(kind)
+                );
+                self.report(argument.position, message);
+                return None;
+            }
+            terms.push(term);
+        }
+        Some(Atom {
+            predicate: PredicateId::new(index),
+            terms,
+        })
+    }
+
+    fn term(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<(Term, TypeId)> {
+        let Node::Word(word) = &item.node else {
+            self.report(item.position, "expected a variable or a constant");
+            return None;
+        };
+        if let Some(variable) = word.strip_prefix('?') {
+            // The innermost of equal names counts.
+            if let Some(slot) = scope.iter().rposition(|(name, _)| name == variable) {
+                return Some((Term::Variable(slot), scope[slot].1));
+            }
+            let known = scope.iter().map(|(name, _)| name.as_str());
+            self.report_unknown(item.position, "variable", variable, known);
+            return None;
+        }
+        match names.constants.iter().position(|(name, _)| name == word) {
+            Some(index) => Some((Term::Constant(EntityId::new(index)), names.constants[index].1)),
+            None => {
+                let known = names.constants.iter().map(|(name, _)| name.as_str());
+                self.report_unknown(item.position, "constant", word, known);
+                None
+            }
+        }
+    }
+}
+
+/// Marks every atom as asked of the first state.
+fn initially(condition: Condition) -> Condition {
+    match condition {
+        Condition::And(all) => Condition::And(all.into_iter().map(initially).collect()),
+        Condition::Or(any) => Condition::Or(any.into_iter().map(initially).collect()),
+        Condition::Forall(slot, kind, inner) => Condition::Forall(slot, kind, Box::new(initially(*inner))),
+        Condition::Exists(slot, kind, inner) => Condition::Exists(slot, kind, Box::new(initially(*inner))),
+        Condition::Atom { atom, holds, .. } => Condition::Atom {
+            atom,
+            holds,
+            initially: true,
+        },
+        equal @ Condition::Equal { .. } => equal,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(text: &str, expected: &[&str]) {
+        let mut findings = Vec::new();
+        read("domain.pddl", text, Written::ForUs, &mut findings);
+        let found: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_whole_domain_reads_without_findings() {
+        check(
+            "(define (domain d) (:requirements :adl) (:types cup - thing thing)
+              (:constants home - thing) (:predicates (at ?x - thing) (full ?c - cup))
+              (:action fill :parameters (?c - cup)
+                :precondition (and (at home) (not (full ?c)) (forall (?o - cup) (imply (full ?o) (= ?o ?c))))
+                :effect (and (full ?c) (forall (?t - thing) (when (at ?t) (not (at ?t)))))))",
+            &[],
+        );
+    }
+
+    #[test]
+    fn variables_of_an_effect_come_before_those_of_the_condition_around_it() {
+        let text = "(define (domain d) (:types cup) (:predicates (full ?c - cup) (seen ?c - cup))
+            (:action spill :parameters (?p - cup) :precondition (and)
+              :effect (when (forall (?v - cup) (full ?v)) (forall (?w - cup) (when (seen ?w) (not (full ?w)))))))";
+        let mut findings = Vec::new();
+        let read = read("domain.pddl", text, Written::ForUs, &mut findings);
+        assert!(findings.is_empty(), "{findings:?}");
+        let effect = &read.actions[0].effects[0];
+        assert_eq!(effect.forall.iter().map(|(slot, _)| *slot).collect::<Vec<_>>(), [1]);
+        let Condition::And(parts) = &effect.condition else {
+            panic!("{effect:?}")
+        };
+        let Condition::Forall(slot, _, inner) = &parts[0] else {
+            panic!("{effect:?}")
+        };
+        assert_eq!(*slot, 2);
+        let asks = |condition: &Condition, slot: usize| match condition {
+            Condition::Atom { atom, .. } => atom.terms == [Term::Variable(slot)],
+            _ => false,
+        };
+        assert!(asks(inner, 2) && asks(&parts[1], 1), "{effect:?}");
+    }
+
+    #[test]
+    fn every_mistake_is_told_at_once() {
+        check(
+            "(define (domain d) (:types cup)\n (:predicates (full ?c - cup))\n (:action fill :parameters (?c - cop)\n  :precondition (ful ?c)\n  :effect (full ?d)))",
+            &[
+                "domain.pddl:3:34: unknown type `cop`\n  hint: did you mean `cup`?",
+                "domain.pddl:4:18: unknown predicate `ful`\n  hint: did you mean `full`?",
+                "domain.pddl:5:17: unknown variable `d`\n  hint: did you mean `c`?",
+            ],
+        );
+    }
+
+    #[test]
+    fn what_is_not_understood_is_refused() {
+        check(
+            "(define (domain d) (:requirements :fluents) (:functions (cost)))",
+            &[
+                "domain.pddl:1:45: `:functions` is not supported here; known sections are :requirements, :types, :constants, :predicates, :action",
+                "domain.pddl:1:35: the requirement `:fluents` is not supported",
+            ],
+        );
+    }
+
+    #[test]
+    fn wrong_counts_and_types_are_told() {
+        check(
+            "(define (domain d) (:types cup lid) (:predicates (full ?c - cup))
+(:action a :parameters (?c - cup ?l - lid) :precondition (and (full ?c ?c) (full ?l)) :effect (not)))",
+            &[
+                "domain.pddl:2:63: `full` takes 1 argument(s), not 2",
+                "domain.pddl:2:82: `full` takes a cup here, and this is a lid",
+                "domain.pddl:2:95: `not` has the wrong number of parts",
+            ],
+        );
+    }
+}

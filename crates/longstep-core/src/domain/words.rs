@@ -1,0 +1,185 @@
+//! The shape of `domain.toml` and `prompt/examples.toml`. [`super::load()`] gives them meaning.
+
+use indexmap::IndexMap;
+use serde::Deserialize;
+use toml::Spanned;
+
+type Text = Spanned<String>;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DomainFile {
+    pub name: String,
+    pub about: String,
+    pub environment: EnvironmentEntry,
+    #[serde(default)]
+    pub predicate: Vec<PredicateEntry>,
+    #[serde(default)]
+    pub action: Vec<ActionEntry>,
+    #[serde(default)]
+    pub state: Vec<StateEntry>,
+    #[serde(default)]
+    pub property: Vec<PropertyEntry>,
+    #[serde(default)]
+    pub derive: Vec<DeriveEntry>,
+    #[serde(default)]
+    pub default: Vec<DefaultEntry>,
+    #[serde(default)]
+    pub rule: Vec<RuleEntry>,
+    #[serde(default)]
+    pub goal: Vec<GoalEntry>,
+    /// Findings of lints that the author accepts.
+    #[serde(default)]
+    pub accept: Vec<AcceptEntry>,
+    #[serde(default)]
+    pub repair: RepairEntry,
+    #[serde(default)]
+    pub lexicon: IndexMap<String, Vec<String>>,
+    #[serde(default)]
+    pub implied: IndexMap<String, Vec<String>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EnvironmentEntry {
+    pub assets: Text,
+    pub objects: Text,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PredicateEntry {
+    pub name: Text,
+    pub says: Text,
+    pub denies: Text,
+    pub short: Option<Text>,
+    #[serde(default)]
+    pub event: bool,
+    #[serde(default)]
+    pub unknown: UnknownEntry,
+    #[serde(default)]
+    pub cues: Vec<String>,
+    pub past: Option<Text>,
+}
+
+#[derive(Debug, Deserialize, Default, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum UnknownEntry {
+    #[default]
+    False,
+    Assume,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ActionEntry {
+    pub name: Text,
+    pub call: Text,
+    pub object: Option<Text>,
+    pub actor: Option<Text>,
+    #[serde(default)]
+    pub senses: Vec<Text>,
+    pub says: Text,
+    pub means: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StateEntry {
+    pub word: Text,
+    pub fact: Text,
+    pub means: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PropertyEntry {
+    pub word: Text,
+    pub facts: Vec<Text>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeriveEntry {
+    pub facts: Vec<Text>,
+    #[serde(default)]
+    pub names: Vec<String>,
+    #[serde(default)]
+    pub other_names: Vec<String>,
+    pub pattern: Option<Text>,
+    pub when: Option<Text>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DefaultEntry {
+    pub fact: Text,
+    pub when: Text,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TimeEntry {
+    Start,
+    Always,
+    End,
+    Tidy,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RuleEntry {
+    pub name: Text,
+    pub holds: TimeEntry,
+    pub condition: Text,
+    pub says: Text,
+    #[serde(default)]
+    pub unless: Vec<Text>,
+}
+
+#[derive(Debug, Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub struct RepairEntry {
+    pub insert: Option<Spanned<u32>>,
+    pub replace: Option<Spanned<u32>>,
+    pub other_actor: Option<Spanned<u32>>,
+    pub postpone: Option<Spanned<u32>>,
+    pub rebind: Option<Spanned<u32>>,
+    pub drop_idle: Option<Spanned<u32>>,
+    pub drop_impossible: Option<Spanned<u32>>,
+    pub drop: Option<Spanned<u32>>,
+    pub other_relation: Option<Spanned<u32>>,
+    pub forgo: Option<Spanned<u32>>,
+    pub unsettle: Option<Spanned<u32>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GoalEntry {
+    pub form: Text,
+    pub parameters: Text,
+    pub condition: Text,
+    pub offered: Option<Text>,
+    #[serde(default)]
+    pub cues: Vec<String>,
+    #[serde(default)]
+    pub destination_verbs: Vec<String>,
+    #[serde(default)]
+    pub yields_to: Vec<String>,
+    #[serde(default)]
+    pub phrases: Vec<Text>,
+    pub subject: Option<Text>,
+    pub exclusive: Option<String>,
+    #[serde(default)]
+    pub disturbs: Vec<Text>,
+    pub says: Text,
+    pub means: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AcceptEntry {
+    pub lint: Text,
+    pub of: Vec<String>,
+    pub why: Text,
+}

@@ -1,0 +1,135 @@
+//! Budgets of work, so that every answer comes after a bounded number of elementary steps.
+//!
+//! A small input can ask for an unbounded amount of work: a condition with eight nested quantifiers over forty
+//! entities has 40^8 instances. So each operation of the library runs with a budget, counted in *units*: one unit is one
+//! fact that is looked up, one entity that is tried, one candidate that is compared, in the order of ten to a hundred
+//! nanoseconds. An operation whose budget is spent ends early with a typed answer that says so; it never returns a
+//! verdict that rests on work that was not done.
+//!
+//! Units are counted, never seconds: the answer is the same on a slow machine. `docs/limits.md` lists every budget.
+//!
+//! ```
+//! use longstep_core::effort;
+//!
+//! let spent = effort::within(1_000, || 2 + 2);
+//! assert_eq!((spent.result, spent.exhausted), (4, false));
+//! ```
+//!
+//! The count belongs to the thread for the time of one call of [`within`]: conditions are evaluated in some two hundred
+//! places, and a parameter in each of them would be on every signature of the library. An operation sets its own budget
+//! when it begins, so its result depends on its arguments alone.
+
+use std::cell::Cell;
+
+/// The units of one verification, one binding of hidden arguments, or one reading of a world.
+///
+/// At 20 to 40 ns a unit this is about half a second.
+pub const OPERATION: u64 = 15_000_000;
+
+/// The units that are charged for a value of a few dozen bytes that is kept in memory.
+pub(crate) const KEPT: usize = 8;
+
+thread_local! {
+    static LEFT: Cell<u64> = const { Cell::new(u64::MAX) };
+}
+
+/// A result with the work that it took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Spent<T> {
+    /// The result. If the budget was exhausted it is incomplete, and only good for showing how far it came.
+    pub result: T,
+    /// The units that were spent.
+    pub units: u64,
+    /// True if the budget ran out before the work was done.
+    pub exhausted: bool,
+}
+
+/// Restores the budget of the enclosing call, less what was spent, also when `work` panics.
+struct Enclosing {
+    outer: u64,
+    limit: u64,
+}
+
+impl Drop for Enclosing {
+    fn drop(&mut self) {
+        LEFT.with(|left| left.set(self.outer - (self.limit - left.get())));
+    }
+}
+
+/// Runs `work` with at most `limit` units, or with what the enclosing call of `within` has left, if that is less.
+///
+/// With `u64::MAX` it measures and does not limit.
+pub fn within<T>(limit: u64, work: impl FnOnce() -> T) -> Spent<T> {
+    let outer = left();
+    let limit = limit.min(outer);
+    let enclosing = Enclosing { outer, limit };
+    LEFT.with(|left| left.set(limit));
+    let result = work();
+    let remaining = left();
+    drop(enclosing);
+    Spent {
+        result,
+        units: limit - remaining,
+        exhausted: remaining == 0,
+    }
+}
+
+/// Spends units; returns whether work may go on.
+///
+/// A loop that gets `false` ends. What it has computed so far is not used: the operation that set the budget reports
+/// that it was exhausted.
+#[inline]
+pub fn spend(units: usize) -> bool {
+    LEFT.with(|left| {
+        let remaining = left.get().saturating_sub(units as u64);
+        left.set(remaining);
+        remaining > 0
+    })
+}
+
+/// Returns whether the budget is spent.
+#[inline]
+pub(crate) fn is_exhausted() -> bool {
+    left() == 0
+}
+
+fn left() -> u64 {
+    LEFT.with(Cell::get)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_ends_when_its_budget_is_spent() {
+        let spent = within(10, || (0..100).take_while(|_| spend(1)).count());
+        assert_eq!((spent.result, spent.units, spent.exhausted), (9, 10, true));
+        assert!(!is_exhausted(), "the budget ends with the call");
+    }
+
+    #[test]
+    fn an_inner_budget_is_part_of_the_outer_one() {
+        let outer = within(100, || {
+            let inner = within(1_000, || spend(30));
+            (inner.units, within(u64::MAX, || spend(1_000)).exhausted)
+        });
+        assert_eq!((outer.result, outer.units, outer.exhausted), ((30, true), 100, true));
+    }
+
+    #[test]
+    fn a_panic_leaves_the_outer_budget_as_it_was() {
+        let outer = within(100, || {
+            let caught = std::panic::catch_unwind(|| within(50, || assert!(!spend(50), "as wanted")));
+            assert!(caught.is_ok());
+            let panicked = std::panic::catch_unwind(|| {
+                within(20, || {
+                    spend(5);
+                    std::panic::resume_unwind(Box::new(()));
+                })
+            });
+            assert!(panicked.is_err());
+        });
+        assert_eq!(outer.units, 55);
+    }
+}

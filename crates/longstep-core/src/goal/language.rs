@@ -1,0 +1,239 @@
+//! Reading goals.
+
+use super::{Conditional, Goal, GoalFact, Written};
+use crate::call::Call;
+use crate::diagnostic::nearest;
+use crate::model::{Domain, FormPiece, GoalWord, GoalWordId, TypeId};
+use crate::model::{EntityId, Fact, World, ground};
+
+/// Beginning of a question in a model's answer.
+pub const QUESTION: &str = "question: ";
+
+/// Text between two goals. A fact ends with the first part and the next one begins with the rest: a model
+/// writes the blank and the word after it as one token, so the grammar must not be cut between them.
+pub const JOINT: &str = " &";
+
+/// Why a text is no goal.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum GoalError {
+    /// Nothing stands between two `&`.
+    #[error("the goal has an empty part")]
+    Empty,
+    /// The word is not one of the domain's.
+    #[error("`{part}` is not a goal of this domain; write {forms}")]
+    UnknownWord {
+        /// The part of the goal.
+        part: String,
+        /// The forms that there are.
+        forms: String,
+    },
+    /// A name that nothing in the environment has.
+    #[error("`{name}` in `{part}` is nothing in the environment{}", near.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
+    UnknownName {
+        /// The part of the goal.
+        part: String,
+        /// The name.
+        name: String,
+        /// A name like it.
+        near: Option<String>,
+    },
+    /// A condition that nothing can tell.
+    #[error("`{condition}` is nothing that sensing tells here, so no goal can depend on it{}", if forms.is_empty() { String::new() } else { format!("; write {forms}") })]
+    NotSensed {
+        /// The condition.
+        condition: String,
+        /// What sensing tells.
+        forms: String,
+    },
+    /// Something of the wrong type.
+    #[error("`{name}` in `{part}` is no {expected}")]
+    WrongType {
+        /// The part of the goal.
+        part: String,
+        /// The name.
+        name: String,
+        /// The type that it should have.
+        expected: String,
+    },
+}
+
+/// Reads a goal: parts joined by `&`, each a goal word or a state of the environment's with the entity in
+/// front, as in `INSIDE(<pie>, <oven>)`. Entities go by everyday name or identifier. A part may depend on what sensing
+/// tells: `if expired(milk) then put(milk, bin) and closed(fridge) else put(milk, fridge)`, where "and" joins the goals of
+/// a side and `else` may be left out.
+///
+/// # Errors
+///
+/// The first part that cannot be read.
+pub fn parse(domain: &Domain, world: &World, text: &str) -> Result<Goal, GoalError> {
+    let mut goal = Goal::default();
+    for part in text.split('&').map(str::trim) {
+        if part.is_empty() {
+            return Err(GoalError::Empty);
+        }
+        let fact = fact(domain, world, part)?;
+        if !goal.facts.contains(&fact) {
+            goal.facts.push(fact);
+        }
+    }
+    Ok(goal)
+}
+
+fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalError> {
+    match Written::read(part) {
+        Some(written) => Ok(GoalFact::If(conditional(domain, world, &written)?)),
+        None => plain(domain, world, part),
+    }
+}
+
+/// A goal with a condition; neither of its sides has one in turn.
+fn conditional(domain: &Domain, world: &World, written: &Written<'_>) -> Result<Conditional, GoalError> {
+    let condition = match state(domain, world, written.condition)? {
+        Some(fact) if domain.is_sensed(fact.predicate()) => fact,
+        _ => {
+            let sensed = domain
+                .states
+                .iter()
+                .filter(|word| domain.is_sensed(word.atom.predicate));
+            let forms: Vec<String> = sensed.map(|word| format!("`{}(...)`", word.word)).collect();
+            return Err(GoalError::NotSensed {
+                condition: written.condition.to_owned(),
+                forms: forms.join(", "),
+            });
+        }
+    };
+    let side = |parts: &[&str]| {
+        let mut facts: Vec<GoalFact> = Vec::new();
+        for text in parts {
+            if text.is_empty() {
+                return Err(GoalError::Empty);
+            }
+            let fact = plain(domain, world, text)?;
+            if !facts.contains(&fact) {
+                facts.push(fact);
+            }
+        }
+        Ok(facts)
+    };
+    let (then, otherwise) = (side(&written.then)?, side(&written.otherwise)?);
+    let others: Vec<Fact> = domain
+        .outcomes(condition)
+        .into_iter()
+        .filter(|o| *o != condition)
+        .collect();
+    Ok(match (written.negated, &others[..]) {
+        (false, _) => Conditional {
+            condition,
+            then,
+            otherwise,
+        },
+        (true, [other]) => Conditional {
+            condition: *other,
+            then,
+            otherwise,
+        },
+        (true, _) => Conditional {
+            condition,
+            then: otherwise,
+            otherwise: then,
+        },
+    })
+}
+
+/// A fact in the environment's words, with the entity in front; none if it has another form.
+fn state(domain: &Domain, world: &World, part: &str) -> Result<Option<Fact>, GoalError> {
+    let Ok(call) = Call::parse(part) else { return Ok(None) };
+    let word = domain
+        .states
+        .iter()
+        .find(|s| s.word == call.name && s.parameters.len() + 1 == call.arguments.len());
+    let Some(word) = word else { return Ok(None) };
+    let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
+    let bindings = entities(domain, world, part, &names, &vec![TypeId::OBJECT; names.len()])?;
+    Ok(Some(ground(&word.atom, &bindings)))
+}
+
+fn plain(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalError> {
+    let mut error = None;
+    for (index, word) in domain.goal_words.iter().enumerate() {
+        let Some(names) = read_form(word, part) else { continue };
+        let kinds: Vec<TypeId> = word.parameters.iter().map(|parameter| parameter.kind).collect();
+        match entities(domain, world, part, &names, &kinds) {
+            Ok(arguments) => {
+                return Ok(GoalFact::Word {
+                    word: GoalWordId::new(index),
+                    arguments,
+                });
+            }
+            // Forms of one word may both fit; the first error is the clearest.
+            Err(found) => {
+                error.get_or_insert(found);
+            }
+        }
+    }
+    if let Some(fact) = state(domain, world, part)? {
+        return Ok(GoalFact::Plain(fact));
+    }
+    Err(error.unwrap_or_else(|| {
+        let mut forms: Vec<String> = domain
+            .goal_words
+            .iter()
+            .map(|word| format!("`{}`", word.shown()))
+            .collect();
+        forms.dedup();
+        GoalError::UnknownWord {
+            part: part.chars().take(80).collect(),
+            forms: forms.join(", "),
+        }
+    }))
+}
+
+/// The names in a goal of this form, by parameter; none if the text has another form.
+pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
+    let mut names = vec![""; word.parameters.len()];
+    let mut rest = text;
+    let mut pieces = word.form.iter().peekable();
+    while let Some(piece) = pieces.next() {
+        match piece {
+            FormPiece::Text(text) => rest = rest.strip_prefix(text.as_str())?,
+            FormPiece::Parameter(index) => {
+                let end = match pieces.peek() {
+                    Some(FormPiece::Text(next)) if !next.is_empty() => rest.find(next.as_str())?,
+                    _ => rest.len(),
+                };
+                names[*index] = rest[..end].trim();
+                rest = &rest[end..];
+            }
+        }
+    }
+    rest.is_empty().then_some(names)
+}
+
+fn entities(
+    domain: &Domain,
+    world: &World,
+    part: &str,
+    names: &[&str],
+    kinds: &[TypeId],
+) -> Result<Vec<EntityId>, GoalError> {
+    let mut entities = Vec::with_capacity(names.len());
+    for (name, kind) in names.iter().zip(kinds) {
+        let Some(entity) = world.find(name).or_else(|| world.find_name(name)) else {
+            let known = world.entities().map(|(_, entity)| entity.name.as_str());
+            return Err(GoalError::UnknownName {
+                part: part.to_owned(),
+                name: (*name).to_owned(),
+                near: nearest(name, known).map(str::to_owned),
+            });
+        };
+        if !domain.types.is_a(world.entity(entity).kind, *kind) {
+            return Err(GoalError::WrongType {
+                part: part.to_owned(),
+                name: (*name).to_owned(),
+                expected: domain.types.name(*kind).to_owned(),
+            });
+        }
+        entities.push(entity);
+    }
+    Ok(entities)
+}

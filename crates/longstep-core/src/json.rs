@@ -1,0 +1,86 @@
+//! Places in a JSON text.
+
+use std::fmt;
+
+use jsonc_parser::ast::Value;
+use jsonc_parser::common::Ranged;
+use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
+
+use crate::diagnostic::Position;
+
+/// The way to a value: keys and indexes.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Path(Vec<Segment>);
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Segment {
+    Key(String),
+    Index(usize),
+}
+
+impl Path {
+    /// The way to a key of the outermost object.
+    pub fn key(key: &str) -> Self {
+        Self::default().push(key)
+    }
+
+    /// This way and one key on.
+    #[must_use]
+    pub fn push(&self, key: &str) -> Self {
+        let mut path = self.clone();
+        path.0.push(Segment::Key(key.to_owned()));
+        path
+    }
+
+    /// This way and one index on.
+    #[must_use]
+    pub fn index(&self, index: usize) -> Self {
+        let mut path = self.clone();
+        path.0.push(Segment::Index(index));
+        path
+    }
+
+    /// This way, and then the other.
+    #[must_use]
+    pub fn join(&self, other: &Self) -> Self {
+        Self(self.0.iter().chain(&other.0).cloned().collect())
+    }
+}
+
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, segment) in self.0.iter().enumerate() {
+            match segment {
+                Segment::Key(key) if index == 0 => write!(f, "{key}")?,
+                Segment::Key(key) => write!(f, ".{key}")?,
+                Segment::Index(at) => write!(f, "[{at}]")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where the value at `path` begins in `text`, or the nearest value around it that is there.
+///
+/// ```
+/// use longstep_core::json::{Path, locate};
+/// let text = "{\"objects\": [\"<cup>\",\n \"<pan>\"]}";
+/// let position = locate(text, &Path::key("objects").index(1)).unwrap();
+/// assert_eq!((position.line, position.column), (2, 2));
+/// ```
+pub fn locate(text: &str, path: &Path) -> Option<Position> {
+    let parsed = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default()).ok()?;
+    let mut value = parsed.value.as_ref()?;
+    for segment in &path.0 {
+        let next = match (segment, value) {
+            (Segment::Key(key), Value::Object(object)) => object.get(key).map(|property| &property.value),
+            (Segment::Index(index), Value::Array(array)) => array.elements.get(*index),
+            _ => None,
+        };
+        match next {
+            Some(next) => value = next,
+            None => break,
+        }
+    }
+    Some(Position::of(text, value.start()))
+}

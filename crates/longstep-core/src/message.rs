@@ -1,0 +1,262 @@
+//! What violations and assumptions say to a person, or to a model.
+
+use crate::effort;
+use crate::goal::Goal;
+use crate::model::Domain;
+use crate::model::Missing;
+use crate::model::{Ground, Voice, World, fact_text};
+use crate::plan::{Assumption, Violation};
+use crate::plan::{Step, tree};
+
+impl Violation {
+    /// The facts that were missing, as sentences.
+    pub fn missing(&self, domain: &Domain, world: &World) -> Vec<String> {
+        self.missing_in(Voice::Person, domain, world)
+    }
+
+    fn missing_in(&self, voice: Voice, domain: &Domain, world: &World) -> Vec<String> {
+        let text = |m: &Missing| m.fact.map(|fact| voice.fact(domain, world, fact, m.holds));
+        match self {
+            Self::Precondition { missing, .. } => missing.iter().filter_map(text).collect(),
+            Self::Claim { fact } | Self::Unsensed { fact, .. } => vec![voice.fact(domain, world, *fact, true)],
+            Self::When { violation, .. } => violation.missing_in(voice, domain, world),
+            _ => Vec::new(),
+        }
+    }
+
+    /// One sentence for a person; steps are counted from 1 in it.
+    pub fn message(&self, domain: &Domain, world: &World, steps: &[Step], goal: Option<&Goal>) -> String {
+        self.message_in(Voice::Person, domain, world, steps, goal)
+    }
+
+    /// The same in either voice.
+    pub fn message_in(
+        &self,
+        voice: Voice,
+        domain: &Domain,
+        world: &World,
+        steps: &[Step],
+        goal: Option<&Goal>,
+    ) -> String {
+        let near = |near: &Option<String>| {
+            near.as_ref()
+                .map_or(String::new(), |n| format!("; did you mean `{n}`?"))
+        };
+        match self {
+            Self::UnknownAction { step, name, near: n } => {
+                format!(
+                    "step {}: `{name}` is no action of the domain `{}`{}",
+                    step + 1,
+                    domain.name,
+                    near(n)
+                )
+            }
+            Self::UnknownEntity { step, name, near: n } => {
+                let place = step.map_or("`object_name`".to_owned(), |step| format!("step {}", step + 1));
+                format!("{place}: the environment lists no `{name}`{}", near(n))
+            }
+            Self::NotSensing { step, call, senses } => {
+                let mut message = format!("step {}: `{call}` tells nothing, so no condition can ask it", step + 1);
+                if !senses.is_empty() {
+                    message.push_str(&format!("; what can be asked is {}", senses.join(", ")));
+                }
+                message
+            }
+            Self::UnknownCondition { step, name, near: n } => {
+                let near = near(n);
+                format!(
+                    "step {}: `{name}` is neither a sensing action nor a state{near}",
+                    step + 1
+                )
+            }
+            Self::UnknownParameter { step, name, near: n } => {
+                let near = near(n);
+                format!("step {}: the call hides no parameter `{name}`{near}", step + 1)
+            }
+            Self::UnknownActor { name, near: n } => {
+                format!("a lane: the environment lists no `{name}`{}", near(n))
+            }
+            Self::StepClaim { step, fact } => {
+                let text = voice.fact(domain, world, *fact, true);
+                format!("step {} claims that {text}, which is not so after it", step + 1)
+            }
+            Self::WrongArguments { step, call, expected } => {
+                format!("step {}: `{call}` should have {expected} argument(s)", step + 1)
+            }
+            Self::WrongType { step, name, expected } => {
+                format!("step {}: `{name}` is no {expected}", step + 1)
+            }
+            Self::LengthMismatch { calls, explanations } => {
+                format!("`task_sequence` has {calls} entries and `step_instructions` has {explanations}")
+            }
+            Self::Precondition { step, missing } => {
+                let texts = self.missing_in(voice, domain, world);
+                let call = steps[*step].call(domain, world);
+                let mut message = if texts.is_empty() {
+                    format!("step {}: {call} can never be done like this", step + 1)
+                } else {
+                    format!("step {}: {call} needs that {}", step + 1, texts.join(", and that "))
+                };
+                for missing in missing {
+                    if let (Some(fact), Some(culprit)) = (missing.fact, missing.undone_by) {
+                        let now = voice.fact(domain, world, fact, !missing.holds);
+                        let call = steps[culprit].call(domain, world);
+                        message.push_str(&format!("; since step {} ({call}), {now}", culprit + 1));
+                    }
+                }
+                message
+            }
+            Self::Rule { step, rule, bindings } => {
+                let says = domain.rules[*rule].says.fill(|slot| voice.name(world, bindings[slot]));
+                match step {
+                    Some(step) => format!("after step {}: {says}", step + 1),
+                    None => format!("at the end: {says}"),
+                }
+            }
+            Self::Goal { index } => match goal.and_then(|goal| goal.facts.get(*index)) {
+                Some(fact) => format!(
+                    "at the end, this is not reached: {}",
+                    fact.sentence_in(voice, domain, world)
+                ),
+                None => "at the end, the goal is not reached".to_owned(),
+            },
+            Self::Claim { fact } => {
+                let text = voice.fact(domain, world, *fact, true);
+                format!("at the end, this is claimed and not so: {text}")
+            }
+            Self::NoEffect { step } => {
+                let call = steps[*step].call(domain, world);
+                format!("step {}: {call} changes nothing", step + 1)
+            }
+            Self::Unasked { entity } => {
+                let name = voice.name(world, *entity);
+                format!("{name} ends elsewhere, and nobody asked for that")
+            }
+            Self::Unsensed { step, fact } => {
+                let text = voice.fact(domain, world, *fact, true);
+                format!(
+                    "{}a condition asks whether {text}, and nothing has sensed that",
+                    at(*step)
+                )
+            }
+            Self::Unreached { step } => {
+                let call = steps[*step].call(domain, world);
+                format!("step {}: {call} is never reached", step + 1)
+            }
+            Self::EndlessLoop { step } => {
+                format!(
+                    "{}the loop can come to where nothing in it changes what it asks, and never ends",
+                    at(*step)
+                )
+            }
+            Self::TooManyStates { step, states } => {
+                format!(
+                    "{}too many states: the plan can be in {states} of them and more",
+                    at(*step)
+                )
+            }
+            Self::TooMuchWork => format!(
+                "checking the plan takes more than {} units of work; shorten it, or ask for fewer things at once",
+                effort::OPERATION
+            ),
+            Self::TooDeep => format!(
+                "branches and loops stand more than {} deep in each other",
+                tree::DEEPEST
+            ),
+            Self::NothingFits { step, parameter } => {
+                format!(
+                    "step {}: nothing in the environment fits the hidden argument `{parameter}`",
+                    step + 1
+                )
+            }
+            Self::SharedObject { step, other, entity } => {
+                let name = voice.name(world, *entity);
+                format!(
+                    "{}, and both handle {name}",
+                    together(domain, world, steps, *step, *other)
+                )
+            }
+            Self::Race { step, other, fact } => {
+                let text = voice.fact(domain, world, *fact, true);
+                let pair = together(domain, world, steps, *step, *other);
+                format!("{pair}, and which comes first decides whether {text}")
+            }
+            Self::WrongActor { step, actor } => {
+                let call = steps[*step].call(domain, world);
+                let whose = &world.entity(*actor).identifier;
+                format!(
+                    "step {}: {call} stands in the lane of `{whose}`, and is not its step alone",
+                    step + 1
+                )
+            }
+            Self::LaneTwice { actor } => {
+                format!(
+                    "there are two lanes of `{}` side by side",
+                    world.entity(*actor).identifier
+                )
+            }
+            Self::SensesInLane { step } => {
+                let call = steps[*step].call(domain, world);
+                format!(
+                    "step {}: {call} senses while another lane goes on; sense before or after",
+                    step + 1
+                )
+            }
+            Self::Deadlock { sync } => {
+                format!("the lanes wait for each other at `{sync}` for ever")
+            }
+            Self::When { facts, violation } => {
+                let told: Vec<String> = facts
+                    .iter()
+                    .map(|fact| voice.fact(domain, world, *fact, true))
+                    .collect();
+                let message = violation.message_in(voice, domain, world, steps, goal);
+                format!("{message} (when {})", told.join(" and "))
+            }
+        }
+    }
+}
+
+/// The beginning of a sentence about a part of a plan.
+fn at(step: Option<usize>) -> String {
+    step.map_or(String::new(), |step| format!("step {}: ", step + 1))
+}
+
+fn together(domain: &Domain, world: &World, steps: &[Step], first: usize, second: usize) -> String {
+    let call = |step: usize| steps[step].call(domain, world);
+    format!(
+        "step {}: {} may happen at the same time as step {} ({})",
+        first + 1,
+        call(first),
+        second + 1,
+        call(second)
+    )
+}
+
+impl Assumption {
+    /// One sentence for a person.
+    pub fn message(&self, domain: &Domain, world: &World) -> String {
+        match self {
+            Self::Fact { fact, ground } => {
+                let text = fact_text(domain, world, *fact, true);
+                match ground {
+                    Ground::Derived => format!("{text} (its name says so)"),
+                    Ground::Default => format!("{text} (usual, the environment does not say)"),
+                    Ground::Unknown => format!("{text} (the environment does not say)"),
+                }
+            }
+            Self::Argument {
+                step,
+                parameter,
+                entity,
+            } => {
+                let name = world.entity(*entity).with_article();
+                format!("step {}: the {parameter} is {name} (the plan leaves it open)", step + 1)
+            }
+            Self::Reading { step, written, meant } => {
+                let place = step.map_or("`object_name`".to_owned(), |step| format!("step {}", step + 1));
+                format!("{place}: `{written}` was taken for `{meant}`")
+            }
+        }
+    }
+}

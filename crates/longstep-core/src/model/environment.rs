@@ -1,0 +1,139 @@
+//! The paper's JSON for one state of the world.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
+
+/// An environment as it is written: which entities there are and what is said of each.
+///
+/// Reading and writing keep the order of everything and whether a state stood alone or in a list.
+///
+/// ```
+/// use longstep_core::world::Environment;
+/// let text = r#"{"assets":["<table>"],"asset_states":{},"objects":["<cup>"],"object_states":{"<cup>":"on_something(<table>)"}}"#;
+/// let environment = Environment::from_json(text).unwrap();
+/// assert_eq!(serde_json::to_string(&environment).unwrap(), text);
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Environment {
+    /// What cannot be manipulated: shelves, tables.
+    #[serde(default)]
+    pub assets: Vec<String>,
+    /// What is said of the assets.
+    #[serde(default)]
+    pub asset_states: IndexMap<String, Words>,
+    /// What can be manipulated: cans, handles.
+    #[serde(default)]
+    pub objects: Vec<String>,
+    /// What is said of the objects.
+    #[serde(default)]
+    pub object_states: IndexMap<String, Words>,
+    /// What never changes about the assets.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub asset_properties: Option<IndexMap<String, Words>>,
+    /// What never changes about the objects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object_properties: Option<IndexMap<String, Words>>,
+    /// Everyday names: how a person and a model call an entity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub names: Option<IndexMap<String, String>>,
+}
+
+/// One word, or a list of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Words {
+    /// A word that stands alone.
+    One(String),
+    /// A list.
+    Many(Vec<String>),
+}
+
+impl Words {
+    /// The words, however they were written.
+    pub fn as_slice(&self) -> &[String] {
+        match self {
+            Self::One(word) => std::slice::from_ref(word),
+            Self::Many(words) => words,
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Words {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Value::deserialize(deserializer)?;
+        match value {
+            Value::String(word) => Some(Self::One(word)),
+            Value::Array(items) => items
+                .into_iter()
+                .map(|item| match item {
+                    Value::String(word) => Some(word),
+                    _ => None,
+                })
+                .collect::<Option<Vec<String>>>()
+                .map(Self::Many),
+            _ => None,
+        }
+        .ok_or_else(|| serde::de::Error::custom("expected a string or a list of strings"))
+    }
+}
+
+impl Environment {
+    /// Reads an environment, bare or wrapped in `{"environment": ...}`.
+    ///
+    /// # Errors
+    ///
+    /// What serde_json says, with line and column.
+    pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
+        #[derive(Deserialize)]
+        struct Wrapped {
+            environment: Environment,
+        }
+        // The shape is told from the keys, so that errors speak of the shape that was meant. Reading
+        // the text again, rather than the value, keeps line and column in the errors.
+        let value: Value = serde_json::from_str(text)?;
+        if value.get("environment").is_some() {
+            Ok(serde_json::from_str::<Wrapped>(text)?.environment)
+        } else {
+            serde_json::from_str(text)
+        }
+    }
+
+    /// Whether states are written as lists here, even single ones.
+    pub(crate) fn prefers_lists(&self) -> bool {
+        let mut all = self.asset_states.values().chain(self.object_states.values());
+        all.any(|words| matches!(words, Words::Many(_)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check_error(text: &str, expected: &str) {
+        assert_eq!(Environment::from_json(text).unwrap_err().to_string(), expected);
+    }
+
+    #[test]
+    fn wrapped_and_bare_are_the_same() {
+        let bare = Environment::from_json(r#"{"assets": ["<a>"], "names": {"<a>": "shelf"}}"#).unwrap();
+        let wrapped =
+            Environment::from_json(r#"{"environment": {"assets": ["<a>"], "names": {"<a>": "shelf"}}}"#).unwrap();
+        assert_eq!(bare, wrapped);
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_place() {
+        check_error("", "EOF while parsing a value at line 1 column 0");
+        check_error(
+            "{\"assets\": [],\n \"object_states\": {\"<a>\": 3}}",
+            "expected a string or a list of strings at line 2 column 28",
+        );
+        check_error(
+            r#"{"asset": []}"#,
+            "unknown field `asset`, expected one of `assets`, `asset_states`, `objects`, `object_states`, `asset_properties`, `object_properties`, `names` at line 1 column 8",
+        );
+    }
+}

@@ -1,0 +1,251 @@
+//! Whether a condition holds, and for which entities it can.
+
+use std::ops::ControlFlow;
+
+use super::{Atom, Condition, EntityId, Fact, Slot, State, Term, TypeId, World};
+use crate::effort;
+
+/// The entities that the slots of a condition are bound to.
+pub type Bindings = Vec<EntityId>;
+
+/// The state that a condition is asked of, and the one in which the instruction was given.
+#[derive(Debug, Clone, Copy)]
+pub struct Moment<'a> {
+    /// The entities and their types.
+    pub world: &'a World,
+    /// The state at hand.
+    pub state: &'a State,
+}
+
+/// Returns whether `condition` holds under `bindings`, which are the same again afterwards.
+///
+/// Spends a unit of the budget for each part and for each entity that a quantifier tries; false when it is spent.
+pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings) -> bool {
+    match condition {
+        Condition::And(all) => effort::spend(all.len()) && all.iter().all(|c| holds(moment, c, bindings)),
+        Condition::Or(any) => effort::spend(any.len()) && any.iter().any(|c| holds(moment, c, bindings)),
+        Condition::Forall(slot, kind, inner) => !some(moment, *slot, *kind, inner, false, bindings),
+        Condition::Exists(slot, kind, inner) => some(moment, *slot, *kind, inner, true, bindings),
+        Condition::Atom { atom, holds, initially } => {
+            moment.state_of(*initially).holds(ground(atom, bindings)) == *holds
+        }
+        Condition::Equal { left, right, holds } => {
+            (grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds
+        }
+    }
+}
+
+/// Whether `inner` has the value for some entity in the slot.
+fn some(moment: Moment<'_>, slot: Slot, kind: TypeId, inner: &Condition, value: bool, bindings: &mut Bindings) -> bool {
+    for_candidates(moment, (slot, kind), inner, value, bindings, &mut |bindings| {
+        if holds(moment, inner, bindings) == value {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })
+    .is_break()
+}
+
+/// Calls `visit` with every entity of the type in the slot for which `condition` may have the value.
+///
+/// Mostly a condition can have a value only where some fact holds: "nothing is in hand" fails only for what is in
+/// hand. Then only the entities of such facts are visited, not everything that there is; some perhaps twice.
+pub(crate) fn for_candidates(
+    moment: Moment<'_>,
+    (slot, kind): (Slot, TypeId),
+    condition: &Condition,
+    value: bool,
+    bindings: &mut Bindings,
+    visit: &mut dyn FnMut(&mut Bindings) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    debug_assert_eq!(slot, bindings.len());
+    let mut bind = |entity: EntityId, bindings: &mut Bindings| {
+        if !effort::spend(1) {
+            return ControlFlow::Break(());
+        }
+        bindings.push(entity);
+        let flow = visit(bindings);
+        bindings.pop();
+        flow
+    };
+    if guarded(condition, value, slot, &any) {
+        return for_guards(
+            moment,
+            slot,
+            condition,
+            value,
+            &any,
+            bindings,
+            &mut |entity, bindings| {
+                if moment.world.is_of_kind(entity, kind) {
+                    bind(entity, bindings)
+                } else {
+                    ControlFlow::Continue(())
+                }
+            },
+        );
+    }
+    moment
+        .world
+        .of_kind(kind)
+        .iter()
+        .try_for_each(|entity| bind(*entity, bindings))
+}
+
+/// Tells of an atom, and whether it is asked of the start, whether what holds of it now may be relied on.
+type Reliable<'a> = &'a dyn Fn(&Atom, bool) -> bool;
+
+/// Of the state at hand, everything may be.
+fn any(_: &Atom, _: bool) -> bool {
+    true
+}
+
+/// The entities of the type for which the condition can ever have the value, in order, as far as facts tell that may
+/// be relied on whatever is done; none if they do not tell.
+pub(crate) fn ever_candidates(
+    moment: Moment<'_>,
+    (slot, kind): (Slot, TypeId),
+    condition: &Condition,
+    value: bool,
+    bindings: &mut Bindings,
+    reliable: Reliable<'_>,
+) -> Option<Vec<EntityId>> {
+    if !guarded(condition, value, slot, reliable) {
+        return None;
+    }
+    let mut found = Vec::new();
+    let _ = for_guards(moment, slot, condition, value, reliable, bindings, &mut |entity, _| {
+        if moment.world.is_of_kind(entity, kind) {
+            found.push(entity);
+        }
+        ControlFlow::Continue(())
+    });
+    found.sort_unstable();
+    found.dedup();
+    Some(found)
+}
+
+/// Whether the condition can have the value only for entities of certain facts.
+fn guarded(condition: &Condition, value: bool, slot: Slot, reliable: Reliable<'_>) -> bool {
+    let part_guarded = |part: &Condition| guarded(part, value, slot, reliable);
+    match condition {
+        Condition::And(parts) if value => parts.iter().any(part_guarded),
+        Condition::Or(parts) if !value => parts.iter().any(part_guarded),
+        Condition::And(parts) | Condition::Or(parts) => parts.iter().all(part_guarded),
+        Condition::Exists(_, _, inner) if value => part_guarded(inner),
+        Condition::Forall(_, _, inner) if !value => part_guarded(inner),
+        Condition::Forall(..) | Condition::Exists(..) => false,
+        Condition::Atom { atom, holds, initially } => {
+            *holds == value && atom.terms.contains(&Term::Variable(slot)) && reliable(atom, *initially)
+        }
+        Condition::Equal { left, right, holds } => *holds == value && other_side(*left, *right, slot).is_some(),
+    }
+}
+
+/// What the slot is equal to, if the other side is bound before it.
+fn other_side(left: Term, right: Term, slot: Slot) -> Option<Term> {
+    let bound = |term: Term| match term {
+        Term::Variable(other) => other < slot,
+        Term::Constant(_) => true,
+    };
+    match (left, right) {
+        (Term::Variable(variable), other) | (other, Term::Variable(variable)) if variable == slot && bound(other) => {
+            Some(other)
+        }
+        _ => None,
+    }
+}
+
+/// Visits the entities of the facts that guard the condition.
+fn for_guards(
+    moment: Moment<'_>,
+    slot: Slot,
+    condition: &Condition,
+    value: bool,
+    reliable: Reliable<'_>,
+    bindings: &mut Bindings,
+    visit: &mut dyn FnMut(EntityId, &mut Bindings) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    match condition {
+        Condition::And(parts) | Condition::Or(parts) => {
+            let one_is_enough = matches!(condition, Condition::And(_)) == value;
+            let counts = |part: &&Condition| !one_is_enough || guarded(part, value, slot, reliable);
+            for part in parts.iter().filter(counts) {
+                for_guards(moment, slot, part, value, reliable, bindings, visit)?;
+                if one_is_enough {
+                    break;
+                }
+            }
+            ControlFlow::Continue(())
+        }
+        Condition::Forall(_, _, inner) | Condition::Exists(_, _, inner) => {
+            for_guards(moment, slot, inner, value, reliable, bindings, visit)
+        }
+        Condition::Equal { left, right, .. } => match other_side(*left, *right, slot) {
+            Some(other) => visit(grounded_term(other, bindings), bindings),
+            None => ControlFlow::Continue(()),
+        },
+        Condition::Atom { atom, initially, .. } => {
+            for_matching(moment.state_of(*initially), atom, slot, bindings, visit)
+        }
+    }
+}
+
+/// Visits the entities that stand in the slot in facts that hold, the slots before it being bound; none when the budget
+/// is spent.
+pub(crate) fn for_matching(
+    state: &State,
+    atom: &Atom,
+    slot: Slot,
+    bindings: &mut Bindings,
+    visit: &mut dyn FnMut(EntityId, &mut Bindings) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let known = |term: Term, bindings: &Bindings| match term {
+        Term::Variable(variable) if variable >= slot => None,
+        term => Some(grounded_term(term, bindings)),
+    };
+    let facts = match atom.terms.first().and_then(|term| known(*term, bindings)) {
+        Some(first) => state.of_first(atom.predicate, first),
+        None => state.of_predicate(atom.predicate),
+    };
+    if !effort::spend(1 + facts.len()) {
+        return ControlFlow::Break(());
+    }
+    for fact in facts {
+        let mut entity = None;
+        let fits = atom.terms.iter().enumerate().all(|(place, term)| {
+            let argument = fact.argument(place);
+            match *term {
+                Term::Variable(variable) if variable == slot => *entity.get_or_insert(argument) == argument,
+                term => known(term, bindings).is_none_or(|known| known == argument),
+            }
+        });
+        if let Some(entity) = entity.filter(|_| fits) {
+            visit(entity, bindings)?;
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+impl<'a> Moment<'a> {
+    fn state_of(self, initially: bool) -> &'a State {
+        if initially { &self.world.state } else { self.state }
+    }
+}
+
+/// The fact that an atom is under `bindings`.
+pub(crate) fn ground(atom: &Atom, bindings: &[EntityId]) -> Fact {
+    Fact::new(
+        atom.predicate,
+        atom.terms.iter().map(|term| grounded_term(*term, bindings)),
+    )
+}
+
+/// The entity that a term is under `bindings`.
+pub(crate) fn grounded_term(term: Term, bindings: &[EntityId]) -> EntityId {
+    match term {
+        Term::Variable(slot) => bindings[slot],
+        Term::Constant(entity) => entity,
+    }
+}

@@ -1,0 +1,158 @@
+//! Everyday names for identifiers, and the few rules of English that matching them needs.
+
+use indexmap::IndexMap;
+
+/// Everyday names by identifier (without angle brackets and number): the one that is shown first,
+/// then a longer one to tell it from another thing of the same name, then synonyms.
+#[derive(Debug, Clone, Default)]
+pub struct Lexicon {
+    entries: IndexMap<String, Vec<String>>,
+}
+
+impl Lexicon {
+    pub(crate) fn new(entries: IndexMap<String, Vec<String>>) -> Self {
+        Self { entries }
+    }
+
+    /// The names of the identifier, shown one first; the identifier itself, cleaned, is always the last.
+    ///
+    /// ```
+    /// let domain = longstep_core::domain::shipped("household").unwrap().unwrap();
+    /// assert_eq!(domain.lexicon.names("<shelf_top>").last().unwrap(), "shelf top");
+    /// ```
+    pub fn names(&self, identifier: &str) -> Vec<String> {
+        let base = base_name(identifier);
+        let mut names = self.entries.get(&base).cloned().unwrap_or_default();
+        let cleaned = cleaned(identifier);
+        if !names.contains(&cleaned) {
+            names.push(cleaned);
+        }
+        names
+    }
+}
+
+/// An identifier without angle brackets, case and trailing number: `<Plate_274>` is `plate`.
+pub fn base_name(identifier: &str) -> String {
+    let bare = identifier.trim_start_matches('<').trim_end_matches('>').to_lowercase();
+    let base = bare
+        .trim_end_matches(|c: char| c.is_ascii_digit())
+        .trim_end_matches('_');
+    if base.is_empty() { bare } else { base.to_owned() }
+}
+
+/// Whether an identifier's last word is `name`. Identifiers are often run together (`coffeetable`), so a
+/// name of four letters or more may also be the end of a longer word.
+pub fn ends_with(base: &str, name: &str) -> bool {
+    base.strip_suffix(name)
+        .is_some_and(|rest| rest.is_empty() || rest.ends_with('_') || name.len() >= 4)
+}
+
+/// An identifier as words: `<shelf_top>` is "shelf top", `<table2>` is "table 2". A number behind an
+/// underscore is an id and goes; a number right behind the letters is part of the name and stays.
+fn cleaned(identifier: &str) -> String {
+    let bare = identifier.trim_start_matches('<').trim_end_matches('>').to_lowercase();
+    let without_id = match bare.rsplit_once('_') {
+        Some((name, id)) if !name.is_empty() && id.chars().all(|c| c.is_ascii_digit()) => name,
+        _ => &bare,
+    };
+    let words = plain_words(without_id);
+    // What has neither letters nor digits has to be called something.
+    if words.is_empty() {
+        "thing".to_owned()
+    } else {
+        words.join(" ")
+    }
+}
+
+/// The words of a text in lower case, letters and digits apart: `Put it on table2!` is put, it, on, table, 2.
+pub fn plain_words(text: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut last = ' ';
+    for character in text.chars().flat_map(char::to_lowercase) {
+        let joins = character.is_alphanumeric()
+            && last.is_alphanumeric()
+            && character.is_ascii_digit() == last.is_ascii_digit();
+        match words.last_mut() {
+            Some(word) if joins => word.push(character),
+            _ if character.is_alphanumeric() => words.push(character.to_string()),
+            _ => {}
+        }
+        // An apostrophe belongs to its word: "let's" is one.
+        last = if character == '\'' || character == '\u{2019}' {
+            last
+        } else {
+            character
+        };
+    }
+    words
+}
+
+/// The word of a name that says what it is: "glass" of "water glass 2", "bunch" of "bunch of bananas".
+pub fn head(name: &str) -> String {
+    let words = plain_words(name);
+    let end = words.iter().position(|word| word == "of").unwrap_or(words.len());
+    let digit = |word: &&String| word.starts_with(|c: char| c.is_ascii_digit());
+    let head = words[..end].iter().rev().find(|word| !digit(word)).or(words.last());
+    head.map(|word| singular(word)).unwrap_or_default()
+}
+
+/// The singular of an English noun, as far as simple rules go; other words come back as they are.
+///
+/// ```
+/// use longstep_core::domain::singular;
+/// assert_eq!(singular("glasses"), "glass");
+/// assert_eq!(singular("shelves"), "shelf");
+/// assert_eq!(singular("knives"), "knife");
+/// assert_eq!(singular("plates"), "plate");
+/// assert_eq!(singular("glass"), "glass");
+/// ```
+pub fn singular(word: &str) -> String {
+    for (plural, single) in [
+        ("knives", "knife"),
+        ("lives", "life"),
+        ("leaves", "leaf"),
+        ("ves", "f"),
+        ("ies", "y"),
+        ("sses", "ss"),
+        ("shes", "sh"),
+        ("ches", "ch"),
+        ("xes", "x"),
+        ("toes", "to"),
+        ("ss", "ss"),
+        ("us", "us"),
+        ("s", ""),
+    ] {
+        if let Some(stem) = word.strip_suffix(plural)
+            && (stem.len() + single.len() >= 2 && !word.is_empty())
+        {
+            return format!("{stem}{single}");
+        }
+    }
+    word.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identifiers_become_words() {
+        for (identifier, words, base) in [
+            ("<shelf_top>", "shelf top", "shelf_top"),
+            ("<plate_274>", "plate", "plate"),
+            ("<table2>", "table 2", "table"),
+            ("<Trash_Bin>", "trash bin", "trash_bin"),
+            ("cup", "cup", "cup"),
+            ("<7>", "7", "7"),
+        ] {
+            assert_eq!(cleaned(identifier), words);
+            assert_eq!(base_name(identifier), base);
+        }
+    }
+
+    #[test]
+    fn words_are_split_at_digits_and_signs() {
+        let words = plain_words("Let's put it on table2!");
+        assert_eq!(words, ["lets", "put", "it", "on", "table", "2"]);
+    }
+}

@@ -1,0 +1,48 @@
+//! Data below everything else: domains, facts, states, worlds, conditions, and what they evaluate to.
+//!
+//! Nothing here reads a file, searches or verifies. A [`Domain`] says what a robot can do, a [`World`] what is there and
+//! what holds, [`holds`] evaluates a [`Condition`] in a [`Moment`], and [`apply`] changes a [`State`] as an action does.
+
+mod condition;
+mod diff;
+mod domain;
+mod environment;
+mod evaluate;
+mod fact;
+mod id;
+mod lexicon;
+mod naming;
+mod rules;
+mod simulate;
+mod template;
+mod trace;
+mod wanted;
+mod wording;
+mod world;
+
+pub use condition::{Atom, Condition, Effect, Slot, Term};
+pub use diff::{Difference, differences};
+pub(crate) use domain::ActionSchema;
+pub use domain::{
+    Action, ActionId, DefaultFact, Derivation, Domain, EnvironmentTypes, FormPiece, GoalWord, GoalWordId, Literal,
+    Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, TypeId,
+    Types, Unknown,
+};
+pub use environment::{Environment, Words};
+pub use evaluate::{Bindings, Moment, holds};
+pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term};
+pub(crate) use fact::ChangedLists;
+pub use fact::{EntityId, Fact, FactSet, State};
+pub(crate) use id::id;
+pub use lexicon::{Lexicon, base_name, ends_with, head, plain_words, singular};
+pub(crate) use naming::name_entities;
+pub use naming::{Voice, fact_text};
+pub use rules::broken_bindings;
+pub use simulate::{Missing, apply, unmet};
+pub(crate) use simulate::{apply_onto, rests_on};
+pub use template::{Template, with_article};
+pub use trace::{Change, Ending, StepId, Trace};
+pub use wanted::Wanted;
+pub use wording::{state_word, subject_of, written_fact};
+pub(crate) use world::ENTITY_LIMIT;
+pub use world::{Entity, Ground, World};

@@ -1,0 +1,213 @@
+//! One step: what it needs, and what it changes.
+
+use std::ops::ControlFlow;
+
+use rustc_hash::FxHashSet;
+
+use super::{
+    Action, Bindings, Change, Condition, Effect, EntityId, Fact, Moment, State, Term, World, for_candidates,
+    for_matching, ground, holds,
+};
+use crate::effort;
+
+/// A fact that a step needed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Missing {
+    /// The fact; none when no fact could have helped.
+    pub fact: Option<Fact>,
+    /// Whether it had to hold, or not to hold.
+    pub holds: bool,
+    /// The step that took it away, counted from 0; none if it never was.
+    pub undone_by: Option<usize>,
+}
+
+/// Applies an action, whether or not it is applicable; returns what changed, sorted by fact.
+pub fn apply(world: &World, state: &mut State, action: &Action, arguments: &[EntityId]) -> Vec<Change> {
+    let mut changes = Vec::new();
+    apply_onto(
+        world,
+        state,
+        action,
+        &mut arguments.to_vec(),
+        &mut Vec::new(),
+        &mut changes,
+    );
+    changes
+}
+
+/// The same, with `bindings` that begin with the arguments and room to work in; what changed is added to `changes`.
+pub(crate) fn apply_onto(
+    world: &World,
+    state: &mut State,
+    action: &Action,
+    bindings: &mut Bindings,
+    fired: &mut Vec<(Fact, bool)>,
+    changes: &mut Vec<Change>,
+) {
+    fired.clear();
+    for effect in &action.effects {
+        fire(world, state, effect, 0, bindings, fired);
+    }
+    // All conditions were asked of the state before; what is both taken away and given stays.
+    fired.sort_unstable_by_key(|(fact, adds)| (*fact, !*adds));
+    fired.dedup_by_key(|(fact, _)| *fact);
+    for (fact, holds) in fired.drain(..) {
+        if state.set(fact, holds) {
+            effort::spend(effort::KEPT);
+            changes.push(Change { fact, holds });
+        }
+    }
+}
+
+fn fire(
+    world: &World,
+    state: &State,
+    effect: &Effect,
+    depth: usize,
+    bindings: &mut Bindings,
+    fired: &mut Vec<(Fact, bool)>,
+) {
+    let Some((slot, kind)) = effect.forall.get(depth).copied() else {
+        if holds(Moment { world, state }, &effect.condition, bindings) {
+            effort::spend(1);
+            fired.push((ground(&effect.atom, bindings), effect.adds));
+        }
+        return;
+    };
+    if !effect.adds && effect.atom.terms.contains(&Term::Variable(slot)) {
+        // Only what holds can be taken away.
+        let _ = for_matching(state, &effect.atom, slot, bindings, &mut |entity, bindings| {
+            if world.is_of_kind(entity, kind) {
+                bindings.push(entity);
+                fire(world, state, effect, depth + 1, bindings, fired);
+                bindings.pop();
+            }
+            ControlFlow::Continue(())
+        });
+        return;
+    }
+    let moment = Moment { world, state };
+    let _ = for_candidates(
+        moment,
+        (slot, kind),
+        &effect.condition,
+        true,
+        bindings,
+        &mut |bindings| {
+            fire(world, state, effect, depth + 1, bindings, fired);
+            ControlFlow::Continue(())
+        },
+    );
+}
+
+/// What is missing for a condition to hold: the shortest list of facts that would make it hold, the last
+/// written one of equally short ones. Empty if it holds.
+pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut Bindings) -> Vec<Missing> {
+    if holds(Moment { world, state }, condition, bindings) {
+        return Vec::new();
+    }
+    let instances = |kind, inner: &Condition, bindings: &mut Bindings| -> Vec<Vec<Missing>> {
+        let mut all = Vec::new();
+        for entity in world.of_kind(kind) {
+            // A list for each entity, which is copied into the list of each quantifier around it.
+            if !effort::spend(8 * effort::KEPT) {
+                break;
+            }
+            bindings.push(*entity);
+            all.push(unmet(world, state, inner, bindings));
+            bindings.pop();
+        }
+        all
+    };
+    let mut missing: Vec<Missing> = match condition {
+        Condition::And(all) => all
+            .iter()
+            .flat_map(|part| unmet(world, state, part, bindings))
+            .collect(),
+        Condition::Forall(_, kind, inner) => instances(*kind, inner, bindings).concat(),
+        Condition::Or(any) => {
+            let alternatives: Vec<_> = any.iter().map(|part| unmet(world, state, part, bindings)).collect();
+            shortest(alternatives.into_iter().rev())
+        }
+        Condition::Exists(_, kind, inner) => shortest(instances(*kind, inner, bindings).into_iter()),
+        Condition::Atom { atom, holds, .. } => vec![Missing {
+            fact: Some(ground(atom, bindings)),
+            holds: *holds,
+            undone_by: None,
+        }],
+        // Nothing that a step does makes two things one.
+        Condition::Equal { .. } => Vec::new(),
+    };
+    if missing.is_empty() {
+        missing.push(Missing {
+            fact: None,
+            holds: false,
+            undone_by: None,
+        });
+    }
+    missing
+}
+
+/// The alternative with the fewest facts missing; one that no fact can bring about comes last.
+fn shortest(alternatives: impl Iterator<Item = Vec<Missing>>) -> Vec<Missing> {
+    let length = |missing: &Vec<Missing>| {
+        let impossible = missing.iter().filter(|m| m.fact.is_none()).count();
+        (impossible, missing.len())
+    };
+    alternatives.min_by_key(length).unwrap_or_default()
+}
+
+/// Adds to `rested` the facts assumed at the start, and not `touched` since, that make the condition hold.
+pub(crate) fn rests_on(
+    moment: Moment<'_>,
+    condition: &Condition,
+    bindings: &mut Bindings,
+    touched: &dyn Fn(Fact) -> bool,
+    rested: &mut FxHashSet<Fact>,
+) {
+    match condition {
+        Condition::And(parts) => parts
+            .iter()
+            .for_each(|part| rests_on(moment, part, bindings, touched, rested)),
+        // Only what makes an alternative hold counts.
+        Condition::Or(parts) => {
+            let holding = parts.iter().find(|part| holds(moment, part, bindings));
+            holding
+                .into_iter()
+                .for_each(|part| rests_on(moment, part, bindings, touched, rested));
+        }
+        // What holds of everything rests on nothing that is assumed to hold, unless an alternative within does.
+        Condition::Forall(_, _, inner) if !asks_for_facts(inner) => {}
+        Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
+            let all = matches!(condition, Condition::Forall(..));
+            for entity in moment.world.of_kind(*kind) {
+                if !effort::spend(1) {
+                    break;
+                }
+                bindings.push(*entity);
+                let counts = all || holds(moment, inner, bindings);
+                if counts {
+                    rests_on(moment, inner, bindings, touched, rested);
+                }
+                bindings.pop();
+                if counts && !all {
+                    break;
+                }
+            }
+        }
+        Condition::Atom { atom, holds: true, .. } => {
+            let fact = ground(atom, bindings);
+            if moment.world.assumed(fact).is_some() && !rested.contains(&fact) && !touched(fact) {
+                rested.insert(fact);
+            }
+        }
+        Condition::Atom { .. } | Condition::Equal { .. } => {}
+    }
+}
+
+/// Whether the condition can hold because some fact does.
+fn asks_for_facts(condition: &Condition) -> bool {
+    let mut asks = false;
+    condition.for_each_atom(&mut |_, holds| asks |= holds);
+    asks
+}

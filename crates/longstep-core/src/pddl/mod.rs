@@ -1,0 +1,33 @@
+//! Planning tasks as other planners read and write them.
+//!
+//! [`read_problem`] reads a problem file for a domain, [`write_problem`] writes a world and what is wanted in it
+//! as one that any planner reads together with the domain's own, unchanged `domain.pddl`, and [`read_plan`]
+//! and [`write_plan`] know a planner's plan, one `(action argument ...)` to a line.
+//!
+//! ```
+//! use longstep_core::search::{Limits, Outcome, solve};
+//! use longstep_core::{domain, pddl};
+//!
+//! let lamps = "(define (domain lamps) (:predicates (lit ?lamp))
+//!     (:action light :parameters (?lamp) :precondition (not (lit ?lamp)) :effect (lit ?lamp)))";
+//! let evening = "(define (problem evening) (:domain lamps) (:objects hall porch)
+//!     (:init (lit hall)) (:goal (forall (?lamp) (lit ?lamp))))";
+//! let domain = domain::from_pddl("lamps.pddl", lamps)?;
+//! let problem = pddl::read_problem(&domain, "evening.pddl", evening)?;
+//! let outcome = solve(&domain, &problem.world, &problem.wanted, &Limits::default());
+//! let Outcome::Solved { steps, .. } = outcome else { panic!("{outcome:?}") };
+//! assert_eq!(pddl::write_plan(&domain, &problem.world, &steps), "(light porch)\n");
+//! # Ok::<(), longstep_core::diagnostic::Diagnostics>(())
+//! ```
+
+mod names;
+mod plan;
+mod problem;
+#[cfg(test)]
+mod tests;
+mod write;
+
+pub use names::object_names;
+pub use plan::{read_plan, write_plan};
+pub use problem::{Problem, read_problem};
+pub use write::{WriteError, write_goal, write_problem};

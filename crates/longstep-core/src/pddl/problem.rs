@@ -1,0 +1,227 @@
+//! Reads a problem file: objects, what holds at first, and what is wanted.
+
+use indexmap::IndexMap;
+use rustc_hash::FxHashMap;
+
+use crate::call::Call;
+use crate::diagnostic::{Diagnostic, Diagnostics, Position};
+use crate::domain::pddl::{Reader, Semantics, Written};
+use crate::domain::sexpr::{self, Expression};
+use crate::model::ENTITY_LIMIT;
+use crate::model::{Condition, Domain, PredicateId};
+use crate::model::{Entity, EntityId, Environment, Fact, State, Words, World};
+use crate::search::Wanted;
+
+/// A planning task: a world, and what is wanted in it.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// Its name.
+    pub name: String,
+    /// The objects and what holds at first. An identifier is the object's name.
+    pub world: World,
+    /// The parts of the goal, which all must hold at the end.
+    pub wanted: Vec<Wanted>,
+}
+
+/// Reads a problem for the domain.
+///
+/// `file` is what findings call the text. Facts may be given twice and may be about objects of any type, as
+/// planners commonly allow.
+///
+/// # Errors
+///
+/// Everything that cannot be read, at once, with its place: names that are declared nowhere or twice, wrong
+/// numbers of arguments, sections that are not understood, a problem that is for another domain.
+pub fn read_problem(domain: &Domain, file: &str, text: &str) -> Result<Problem, Diagnostics> {
+    let mut findings = Vec::new();
+    let problem = match sexpr::read(file, text) {
+        Ok(expressions) => read(domain, file, &expressions, &mut findings),
+        Err(finding) => {
+            findings.push(finding);
+            None
+        }
+    };
+    match problem {
+        Some(problem) if findings.is_empty() => Ok(problem),
+        _ => Err(Diagnostics::sorted(findings)),
+    }
+}
+
+const SECTIONS: [&str; 5] = [":domain", ":requirements", ":objects", ":init", ":goal"];
+
+fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut Vec<Diagnostic>) -> Option<Problem> {
+    let top = Position { line: 1, column: 1 };
+    let mut reader = Reader {
+        file,
+        base: top,
+        written: Written::ForPlanners,
+        findings,
+    };
+    let Some((define, sections)) = expressions
+        .first()
+        .and_then(|first| Some((first, first.tail_of("define")?)))
+    else {
+        reader.report(top, "no `(define (problem NAME) ...)`");
+        return None;
+    };
+    for extra in &expressions[1..] {
+        reader.report(extra.position, "something follows the problem's end");
+    }
+    let name = match sections.first().and_then(|section| section.tail_of("problem")) {
+        Some([name]) if name.word().is_some() => name.word().unwrap_or_default().to_owned(),
+        _ => {
+            reader.report(define.position, "the problem has no name: expected `(problem NAME)`");
+            String::new()
+        }
+    };
+    for section in sections.iter().skip(1) {
+        let head = section.list().and_then(|items| items.first()?.word()).unwrap_or("?");
+        if !SECTIONS.contains(&head) {
+            let known = SECTIONS.join(", ");
+            reader.report(
+                section.position,
+                format!("`{head}` is not supported here; known sections are {known}"),
+            );
+        }
+    }
+    let of = |head: &'static str| sections.iter().filter_map(move |s| Some((s, s.tail_of(head)?)));
+    for (section, items) in of(":domain") {
+        let word = items.first().and_then(Expression::word).unwrap_or("?");
+        if word != domain.pddl_name {
+            let message = format!(
+                "this problem is for the domain `{word}`, not for `{}`",
+                domain.pddl_name
+            );
+            reader.report(section.position, message);
+            // Hardly a name in it would be known.
+            return None;
+        }
+    }
+    let mut names = Semantics {
+        types: domain.types.clone(),
+        constants: domain.constants.clone(),
+        predicates: domain.predicates.clone(),
+        ..Semantics::default()
+    };
+    // The words are looked up here rather than in the lists: there are many more facts than names.
+    let mut numbers: FxHashMap<String, EntityId> = FxHashMap::default();
+    for (index, (name, _)) in names.constants.iter().enumerate() {
+        numbers.insert(name.clone(), EntityId::new(index));
+    }
+    for (section, items) in of(":objects") {
+        if names.constants.len() + items.len() > ENTITY_LIMIT {
+            reader.report(section.position, format!("more than {ENTITY_LIMIT} objects"));
+            return None;
+        }
+        for (name, kind, position) in reader.typed_list(items, &names.types) {
+            if numbers
+                .insert(name.clone(), EntityId::new(names.constants.len()))
+                .is_some()
+            {
+                reader.report(position, format!("the object `{name}` is declared twice"));
+            }
+            names.constants.push((name, kind));
+        }
+    }
+    let mut state = State::default();
+    let predicates: FxHashMap<&str, (PredicateId, usize)> = domain
+        .predicates
+        .iter()
+        .enumerate()
+        .map(|(index, p)| (p.name.as_str(), (PredicateId::new(index), p.parameters.len())))
+        .collect();
+    for (_, items) in of(":init") {
+        for item in items {
+            if let Some(fact) = known_fact(item, &predicates, &numbers) {
+                state.set(fact, true);
+                continue;
+            }
+            // What is said not to hold does not hold anyway, but its names must be right.
+            let atom = match item.tail_of("not") {
+                Some([inner]) => inner,
+                _ => item,
+            };
+            reader.atom(atom, &Vec::new(), &names);
+        }
+    }
+    let mut wanted = Vec::new();
+    let mut goals = 0;
+    for (section, items) in of(":goal") {
+        goals += 1;
+        if let [goal] = items {
+            conjuncts(reader.condition(goal, &mut Vec::new(), &names), &mut wanted);
+        } else {
+            reader.report(section.position, "expected one condition");
+        }
+    }
+    if goals != 1 {
+        reader.report(define.position, format!("a problem has one goal, not {goals}"));
+    }
+    let entity = |(name, kind): &(String, _)| Entity {
+        identifier: name.clone(),
+        kind: *kind,
+        name: name.clone(),
+        names: vec![name.clone()],
+    };
+    let entities: Vec<Entity> = names.constants.iter().map(entity).collect();
+    let environment = environment(domain, &entities, &state);
+    let mut world = World::new(&domain.types, entities, environment);
+    world.state = state;
+    Some(Problem { name, world, wanted })
+}
+
+/// The fact, if all its words are known and it has as many arguments as it should.
+fn known_fact(
+    item: &Expression,
+    predicates: &FxHashMap<&str, (PredicateId, usize)>,
+    numbers: &FxHashMap<String, EntityId>,
+) -> Option<Fact> {
+    let (head, arguments) = item.list()?.split_first()?;
+    let (predicate, arity) = *predicates.get(head.word()?)?;
+    if arguments.len() != arity {
+        return None;
+    }
+    let mut bound = Vec::with_capacity(arity);
+    for argument in arguments {
+        bound.push(*numbers.get(argument.word()?)?);
+    }
+    Some(Fact::new(predicate, bound))
+}
+
+/// The parts of a condition, each a thing that is wanted.
+fn conjuncts(condition: Condition, wanted: &mut Vec<Wanted>) {
+    match condition {
+        Condition::And(parts) => parts.into_iter().for_each(|part| conjuncts(part, wanted)),
+        condition => wanted.push(Wanted {
+            condition,
+            bindings: Vec::new(),
+        }),
+    }
+}
+
+/// What holds, as an environment says it: facts about nothing have no place there.
+fn environment(domain: &Domain, entities: &[Entity], state: &State) -> Environment {
+    let mut states: IndexMap<String, Vec<String>> = IndexMap::new();
+    let name = |entity: EntityId| entities[entity.index()].identifier.clone();
+    for fact in state.iter() {
+        let predicate = domain.predicate(fact.predicate());
+        if predicate.parameters.is_empty() {
+            continue;
+        }
+        let call = Call {
+            name: predicate.name.clone(),
+            arguments: (1..predicate.parameters.len())
+                .map(|place| name(fact.argument(place)))
+                .collect(),
+        };
+        states.entry(name(fact.argument(0))).or_default().push(call.to_string());
+    }
+    Environment {
+        objects: entities.iter().map(|entity| entity.identifier.clone()).collect(),
+        object_states: states
+            .into_iter()
+            .map(|(name, words)| (name, Words::Many(words)))
+            .collect(),
+        ..Environment::default()
+    }
+}

@@ -1,0 +1,230 @@
+use super::*;
+use crate::domain::{self};
+use crate::goal;
+use crate::json::Path;
+use crate::model::Domain;
+use crate::model::Environment;
+use crate::plan::{Plan, Step};
+use crate::search::{Limits, Outcome, solve};
+use crate::verify::{Purpose, check};
+use crate::world::{self};
+
+const SHELVES: &str = "(define (domain shelves) (:requirements :adl) (:types object thing place - object)
+  (:constants hand - place) (:predicates (at ?x - thing ?p - place) (heavy ?x - thing) (dark))
+  (:action carry :parameters (?x - thing ?from ?to - place)
+    :precondition (and (at ?x ?from) (not (heavy ?x)) (not (at ?to ?x)))
+    :effect (and (at ?x ?to) (not (at ?x ?from))))
+  (:action rest :parameters () :precondition () :effect ()))";
+
+fn shelves() -> Domain {
+    domain::from_pddl("domain.pddl", SHELVES).unwrap()
+}
+
+/// The plan for a problem of the shelves, after the verifier found it good; or what is wrong with the problem.
+fn plan(problem: &str) -> String {
+    let domain = shelves();
+    let problem = match read_problem(&domain, "p.pddl", problem) {
+        Ok(problem) => problem,
+        Err(findings) => return findings.to_string(),
+    };
+    match solve(&domain, &problem.world, &problem.wanted, &Limits::default()) {
+        Outcome::Solved { steps, .. } => {
+            let written = write_plan(&domain, &problem.world, &steps);
+            let read = read_plan(&domain, &problem.world, "plan", &written).unwrap();
+            assert_eq!(read, steps);
+            let explained =
+                |s: crate::search::GroundAction| Step::explained(&domain, &problem.world, s.action, s.arguments);
+            let purpose = Purpose {
+                wanted: problem.wanted.clone(),
+                ..Purpose::default()
+            };
+            let plan: Plan = read.into_iter().map(explained).collect();
+            assert_eq!(check(&domain, &problem.world, plan, &purpose).violations, vec![]);
+            written
+        }
+        other => format!("{other:?}"),
+    }
+}
+
+#[track_caller]
+fn check_plan(parts: &str, expected: &str) {
+    let problem =
+        format!("(define (problem p) (:domain shelves) (:objects cup vase - thing low high - place)\n{parts})");
+    assert_eq!(plan(&problem), expected);
+}
+
+#[test]
+fn problems_are_read_as_planners_read_them() {
+    // A fact twice, a fact that does not hold, and facts about something of another type.
+    check_plan(
+        "(:init (at cup low) (at cup low) (not (at cup high)) (at low low) (heavy high)) (:goal (at cup high))",
+        "(carry cup low high)\n",
+    );
+    check_plan(
+        "(:init (at cup low) (at vase hand) (dark)) (:goal (and (dark) (forall (?x - thing) (at ?x high))))",
+        "(carry cup low high)\n(carry vase hand high)\n",
+    );
+    check_plan("(:init (at cup low)) (:goal (and))", "");
+    check_plan(
+        "(:init (at cup low) (heavy cup)) (:goal (at cup high))",
+        "ProvenUnsolvable { expanded: 0 }",
+    );
+    check_plan("(:init) (:goal (or))", "ProvenUnsolvable { expanded: 0 }");
+}
+
+#[test]
+fn mistakes_in_problems_are_told_with_their_place() {
+    check_plan(
+        "(:init (at cop low) (at cup)\n (bright)) (:goal (at cup hihg))",
+        "p.pddl:2:12: unknown constant `cop`\n  hint: did you mean `cup`?\n\
+         p.pddl:2:21: `at` takes 2 argument(s), not 1\n\
+         p.pddl:3:3: unknown predicate `bright`\n\
+         p.pddl:3:27: unknown constant `hihg`\n  hint: did you mean `high`?",
+    );
+    check_plan(
+        "(:init) (:metric minimize (total-time))",
+        "p.pddl:1:1: a problem has one goal, not 0\n\
+         p.pddl:2:9: `:metric` is not supported here; known sections are :domain, :requirements, :objects, :init, :goal",
+    );
+    assert_eq!(
+        plan(
+            "(define (problem p) (:domain shelves) (:objects cup cup - thang hand) (:init) (:goal (initially (dark))))"
+        ),
+        "p.pddl:1:53: the object `cup` is declared twice\n\
+         p.pddl:1:59: unknown type `thang`\n  hint: did you mean `thing`?\n\
+         p.pddl:1:65: the object `hand` is declared twice\n\
+         p.pddl:1:87: unknown predicate `initially`"
+    );
+    assert_eq!(
+        plan("(define (problem p) (:domain shelfs) (:objects a - b) (:init) (:goal (c)))"),
+        "p.pddl:1:21: this problem is for the domain `shelfs`, not for `shelves`"
+    );
+    assert_eq!(plan("(problem p)"), "p.pddl:1:1: no `(define (problem NAME) ...)`");
+    assert_eq!(
+        plan("(define (problem p)"),
+        "p.pddl:1:1: this `(` is never closed\n  hint: add the missing `)`"
+    );
+}
+
+#[test]
+fn what_planners_let_pass_is_still_told_to_our_own_authors() {
+    let files = domain::Files {
+        pddl: SHELVES.to_owned(),
+        ..domain::Files::default()
+    };
+    let findings = domain::load(&files).unwrap_err().to_string();
+    let told = [
+        "domain.pddl:1:74: the type `object` would be its own ancestor",
+        "domain.pddl:4:64: `at` takes a thing here, and this is a place",
+    ];
+    for finding in told {
+        assert!(findings.contains(finding), "{findings}");
+    }
+}
+
+#[test]
+fn mistakes_in_plans_are_told_with_their_place() {
+    let domain = shelves();
+    let text = "(define (problem p) (:domain shelves) (:objects cup - thing low - place) (:init) (:goal (and)))";
+    let problem = read_problem(&domain, "p.pddl", text).unwrap();
+    let plan = "(carry cup low hand)\n(carry cop low hand)\n(carry low cup hand)\n(carry cup)\n(bury cup) ; cost\nrest\n(rest)";
+    assert_eq!(
+        read_plan(&domain, &problem.world, "plan", plan)
+            .unwrap_err()
+            .to_string(),
+        "plan:2:8: unknown object `cop`\n  hint: did you mean `cup`?\n\
+         plan:3:8: `low` is no thing\n\
+         plan:3:12: `cup` is no place\n\
+         plan:4:1: `carry` takes 3 argument(s), not 1\n\
+         plan:5:2: unknown action `bury`\n\
+         plan:6:1: expected `(action argument ...)`"
+    );
+}
+
+#[test]
+fn names_are_legal_and_tell_entities_apart() {
+    let household = domain::shipped("household").unwrap().unwrap();
+    let environment = r#"{"assets": ["<Shelf Top>", "<shelf_top>", "shelf_top", "<7up>", "<café>", "<shelf_top-2>"]}"#;
+    let environment = Environment::from_json(environment).unwrap();
+    let world = world::read(&household, &environment, "", "", &Path::default()).unwrap();
+    assert_eq!(
+        object_names(&household, &world),
+        [
+            "shelf_top",
+            "shelf_top-2",
+            "shelf_top-3",
+            "o_7up",
+            "caf_",
+            "shelf_top-2-2"
+        ]
+    );
+}
+
+/// Goals written as a problem and read back have plans of the same length.
+#[track_caller]
+fn check_round_trip(domain: &str, environment: &str, goals: &[&str]) {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../");
+    let read = |path: &str| std::fs::read_to_string(format!("{root}{path}")).unwrap();
+    let pddl = read(&format!("domains/{domain}/domain.pddl"));
+    let domain = domain::shipped(domain).unwrap().unwrap();
+    let text = read(&format!("examples/environments/{environment}.json"));
+    let environment = Environment::from_json(&text).unwrap();
+    let world = world::read(&domain, &environment, "", &text, &Path::default()).unwrap();
+    let bare = domain::from_pddl("domain.pddl", &pddl).unwrap();
+    let length = |outcome| match outcome {
+        Outcome::Solved { steps, .. } => Some(steps.len()),
+        _ => None,
+    };
+    for goal in goals {
+        let goal = goal::parse(&domain, &world, goal).unwrap();
+        let wanted = goal.wanted(&domain);
+        let problem = write_problem(&domain, &world, &wanted, "7 things").unwrap();
+        let again = read_problem(&bare, "problem.pddl", &problem).unwrap();
+        assert_eq!(again.name, "o_7_things");
+        assert_eq!(
+            write_problem(&bare, &again.world, &again.wanted, "7 things"),
+            Ok(without_comments(&problem))
+        );
+        let expected = length(solve(&domain, &world, &wanted, &Limits::default()));
+        let found = length(solve(&bare, &again.world, &again.wanted, &Limits::default()));
+        assert!(expected.is_some());
+        assert_eq!(found, expected, "{problem}");
+    }
+}
+
+fn without_comments(text: &str) -> String {
+    let line = |line: &str| format!("{}\n", line.split(" ;").next().unwrap());
+    text.lines().map(line).collect()
+}
+
+#[test]
+fn problems_that_are_written_mean_the_same_when_read_back() {
+    check_round_trip(
+        "household",
+        "pantry",
+        &[
+            "put(butter, shelf top)",
+            "opened(fridge) & wiped(counter, cloth)",
+            "inside_something(<juice>, <fridge>)",
+        ],
+    );
+    check_round_trip(
+        "virtualhome",
+        "flat",
+        &["heated(cupcake, oven)", "put(mug, sofa) & on(lamp)", "held(magazine)"],
+    );
+}
+
+#[test]
+fn a_rule_for_every_state_cannot_be_said() {
+    let mut domain = domain::shipped("household").unwrap().unwrap();
+    let environment = Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>", "<jug>"]}"#).unwrap();
+    let world = world::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let rule = domain.rules.iter_mut().find(|rule| rule.name == "one-hand").unwrap();
+    rule.time = crate::domain::RuleTime::Always;
+    let error = write_problem(&domain, &world, &[], "p").unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the rule `one-hand` must hold in every state on the way, which a PDDL problem cannot say"
+    );
+}

@@ -1,0 +1,136 @@
+//! Writes a world and what is wanted in it as a problem file.
+
+use std::fmt::Write;
+
+use indexmap::IndexSet;
+
+use super::names::plain;
+use super::object_names;
+use crate::effort;
+use crate::model::{Domain, RuleTime};
+use crate::model::{Fact, World};
+use crate::search::{Formula, GroundCondition, Literal, Wanted, ground_condition};
+
+/// Why a task cannot be written as a PDDL problem.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum WriteError {
+    /// A problem file speaks of the first and the last state only.
+    #[error("the rule `{rule}` must hold in every state on the way, which a PDDL problem cannot say")]
+    Always {
+        /// The rule's name.
+        rule: String,
+    },
+    /// The goal or a rule has too many instances in the world.
+    #[error("the goal has too many instances in this world to be written without quantifiers")]
+    TooLarge,
+}
+
+/// The units of work of writing a problem or a goal.
+const EFFORT: u64 = 25_000_000;
+
+/// Writes a problem that any planner reads together with the domain's own `domain.pddl`.
+///
+/// The goal is written ground, since conditions may ask of the first state, which PDDL has no words for: what is
+/// known from the start is left out, and what stays are facts with `and`, `or` and `not`. Whatever the world
+/// takes to hold is given as holding, assumptions included. Objects are named by [`object_names`]; where a name
+/// is not the identifier, a comment tells it. Everything is sorted, so the same task is always the same text.
+///
+/// # Errors
+///
+/// When a rule of the domain must hold in every state: a problem cannot say that. When the goal is too large.
+pub fn write_problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
+    affordable(|| problem(domain, world, wanted, name))?
+}
+
+fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
+    let spent = effort::within(EFFORT, write);
+    match spent.exhausted {
+        true => Err(WriteError::TooLarge),
+        false => Ok(spent.result),
+    }
+}
+
+fn problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
+    for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+        let GroundCondition { formula, .. } = ground_condition(domain, world, &rule.everywhere(), &[]);
+        if !formula.is_true() {
+            return Err(WriteError::Always {
+                rule: rule.name.clone(),
+            });
+        }
+    }
+    let names = object_names(domain, world);
+    let mut text = format!("(define (problem {})\n  (:domain {})\n", plain(name), domain.pddl_name);
+    text.push_str("  (:objects");
+    for (id, entity) in world.entities().skip(domain.constants.len()) {
+        let object = &names[id.index()];
+        let kind = domain.types.name(entity.kind);
+        // Writing to a text cannot fail.
+        let _ = write!(text, "\n    {object} - {kind}");
+        if *object != entity.identifier {
+            let _ = write!(text, " ; {}", entity.identifier.escape_debug());
+        }
+    }
+    text.push_str("\n  )\n  (:init");
+    for fact in world.state.iter() {
+        let _ = write!(text, "\n    {}", atom(domain, &names, fact));
+    }
+    text.push_str("\n  )\n  (:goal (and");
+    for part in ground_goal(domain, world, &names, wanted) {
+        let _ = write!(text, "\n    {part}");
+    }
+    text.push_str("\n  ))\n)\n");
+    Ok(text)
+}
+
+/// The parts of the goal as [`write_problem`] writes them.
+///
+/// # Errors
+///
+/// When the goal is too large.
+pub fn write_goal(domain: &Domain, world: &World, wanted: &[Wanted]) -> Result<Vec<String>, WriteError> {
+    affordable(|| ground_goal(domain, world, &object_names(domain, world), wanted))
+}
+
+fn ground_goal(domain: &Domain, world: &World, names: &[String], wanted: &[Wanted]) -> Vec<String> {
+    let mut written: IndexSet<String> = IndexSet::new();
+    for wanted in wanted {
+        let ground = ground_condition(domain, world, &wanted.condition, &wanted.bindings);
+        let parts = match &ground.formula {
+            Formula::And(parts) => parts.as_slice(),
+            other => std::slice::from_ref(other),
+        };
+        for part in parts {
+            if effort::spend(part.size()) {
+                written.insert(condition(domain, names, &ground.facts, part));
+            }
+        }
+    }
+    written.into_iter().collect()
+}
+
+fn atom(domain: &Domain, names: &[String], fact: Fact) -> String {
+    let predicate = domain.predicate(fact.predicate());
+    let mut text = format!("({}", predicate.name);
+    for place in 0..predicate.parameters.len() {
+        text.push(' ');
+        text.push_str(&names[fact.argument(place).index()]);
+    }
+    text.push(')');
+    text
+}
+
+fn condition(domain: &Domain, names: &[String], facts: &[Fact], formula: &Formula) -> String {
+    let list = |word: &str, parts: &[Formula]| {
+        let parts: Vec<String> = parts.iter().map(|part| condition(domain, names, facts, part)).collect();
+        format!("({word} {})", parts.join(" "))
+    };
+    match formula {
+        Formula::And(parts) => list("and", parts),
+        Formula::Or(parts) => list("or", parts),
+        Formula::Literal(Literal { fact, holds }) => {
+            let atom = atom(domain, names, facts[*fact as usize]);
+            if *holds { atom } else { format!("(not {atom})") }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! What a condition asks: a sensing action, or a state that is known.
+
+use super::Violation;
+use super::resolve::Resolver;
+use super::written::{WrittenStep, predicate_word};
+use super::{StepId, Test, near};
+use crate::diagnostic::nearest;
+use crate::model::{Action, ActionId, Atom, Domain, PredicateId, StateWord, Term};
+use crate::model::{EntityId, Fact, ground};
+
+/// What the word of a call in a condition means.
+enum Meaning {
+    Senses,
+    /// A fact about so many entities.
+    Holds(Atom, usize),
+    /// An action that tells nothing.
+    Acts,
+}
+
+impl Resolver<'_> {
+    /// The condition, with its sensing steps numbered in reading order.
+    pub(super) fn test(&mut self, test: &Test<WrittenStep>) -> Test {
+        match test {
+            Test::Holds(asked) => self.asked(asked),
+            Test::Sense(step) => Test::Sense(*step),
+            Test::Not(inner) => Test::Not(Box::new(self.test(inner))),
+            Test::All(parts) => Test::All(parts.iter().map(|part| self.test(part)).collect()),
+            Test::Any(parts) => Test::Any(parts.iter().map(|part| self.test(part)).collect()),
+        }
+    }
+
+    /// One call of a condition. A call that means nothing takes a step's place, so that findings can name it.
+    fn asked(&mut self, asked: &WrittenStep) -> Test {
+        let index = self.steps.len();
+        let call = &asked.call;
+        match self.meaning(asked) {
+            Some(Meaning::Senses) => return Test::Sense(self.add(asked, None)),
+            Some(Meaning::Holds(atom, arity)) => {
+                if let Some(fact) = self.fact(index, asked, &atom, arity) {
+                    return Test::Holds(fact);
+                }
+            }
+            Some(Meaning::Acts) => {
+                let senses = self.domain.actions.iter().filter(|action| !action.senses.is_empty());
+                let senses = senses.map(|action| format!("`{}`", shown(action))).collect();
+                self.issues.push(Violation::NotSensing {
+                    step: index,
+                    call: call.to_string(),
+                    senses,
+                });
+            }
+            None => {
+                let actions = self.domain.actions.iter().filter(|action| !action.senses.is_empty());
+                let states = self.domain.states.iter().map(|state| state.word.as_str());
+                let known = actions.map(|action| action.call.as_str()).chain(states);
+                self.issues.push(Violation::UnknownCondition {
+                    step: index,
+                    name: call.name.clone(),
+                    near: nearest(&call.name, known).map(str::to_owned),
+                });
+            }
+        }
+        self.written.push(call.to_string());
+        self.steps.push(None);
+        Test::Sense(StepId::new(index))
+    }
+
+    fn meaning(&self, asked: &WrittenStep) -> Option<Meaning> {
+        let (name, count) = (&asked.call.name, asked.call.arguments.len());
+        let domain: &Domain = self.domain;
+        let named = |(_, action): &(ActionId, &Action)| action.call == *name;
+        let exact = domain.action_ids().find(named);
+        if exact.is_some_and(|(_, action)| !action.senses.is_empty()) {
+            return Some(Meaning::Senses);
+        }
+        let arity = |state: &StateWord| state.parameters.len() + 1;
+        let words = || domain.states.iter().filter(|state| state.word == *name);
+        let word = words().find(|state| arity(state) == count).or_else(|| words().next());
+        if let Some(word) = word {
+            return Some(Meaning::Holds(word.atom.clone(), arity(word)));
+        }
+        if exact.is_some() {
+            return Some(Meaning::Acts);
+        }
+        let predicate = domain
+            .predicates
+            .iter()
+            .position(|predicate| predicate_word(&predicate.name) == *name);
+        if let Some(index) = predicate {
+            let arity = domain.predicates[index].parameters.len();
+            let atom = Atom {
+                predicate: PredicateId::new(index),
+                terms: (0..arity).map(Term::Variable).collect(),
+            };
+            return Some(Meaning::Holds(atom, arity));
+        }
+        let near = near::action(domain, name, count)?;
+        Some(match domain.action(near).senses.is_empty() {
+            true => Meaning::Acts,
+            false => Meaning::Senses,
+        })
+    }
+
+    /// The fact that a call asks for, the entity in whose entry it stands first. Where only that one is open, it may be
+    /// left out if the plan handles one thing alone.
+    fn fact(&mut self, step: usize, asked: &WrittenStep, atom: &Atom, arity: usize) -> Option<Fact> {
+        let names = &asked.call.arguments;
+        if let Some((name, _)) = asked.implicit.first() {
+            let (name, near) = (name.clone(), None);
+            self.issues.push(Violation::UnknownParameter { step, name, near });
+            return None;
+        }
+        let bindings: Vec<EntityId> = match (names.as_slice(), self.objects.as_slice()) {
+            ([], [only]) if arity == 1 => vec![*only],
+            _ if names.len() != arity => {
+                let (call, expected) = (asked.call.to_string(), arity);
+                self.issues.push(Violation::WrongArguments { step, call, expected });
+                return None;
+            }
+            _ => {
+                let found: Vec<_> = names.iter().map(|name| self.entity(Some(step), name)).collect();
+                found.into_iter().collect::<Option<_>>()?
+            }
+        };
+        let kinds = &self.domain.predicate(atom.predicate).parameters;
+        for (term, parameter) in atom.terms.iter().zip(kinds) {
+            let Term::Variable(slot) = term else { continue };
+            if !self.world.is_of_kind(bindings[*slot], parameter.kind) {
+                self.issues.push(Violation::WrongType {
+                    step,
+                    name: self.world.entity(bindings[*slot]).identifier.clone(),
+                    expected: self.domain.types.name(parameter.kind).to_owned(),
+                });
+                return None;
+            }
+        }
+        Some(ground(atom, &bindings))
+    }
+}
+
+/// How an action is called, for a person.
+fn shown(action: &Action) -> String {
+    let names: Vec<&str> = action
+        .explicit
+        .iter()
+        .map(|at| action.parameters[*at].name.as_str())
+        .collect();
+    format!("{}({})", action.call, names.join(", "))
+}

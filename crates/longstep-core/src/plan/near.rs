@@ -1,0 +1,81 @@
+//! Names that are nearly right.
+//!
+//! A name is taken for another only when there is one candidate and no doubt: the same letters in other case or with
+//! other signs, a beginning that only one name has, a slip of a letter or two. Numbers are never guessed: `<plate_3>`
+//! is not `<plate_4>`.
+
+use crate::model::{ActionId, Domain, base_name};
+use crate::model::{EntityId, World};
+
+/// Letters and digits in lower case.
+fn bare(name: &str) -> String {
+    name.chars()
+        .filter(|c| c.is_alphanumeric())
+        .flat_map(char::to_lowercase)
+        .collect()
+}
+
+/// The one thing that there is, if there is just one.
+fn only<T: PartialEq>(mut all: impl Iterator<Item = T>) -> Option<T> {
+    let first = all.next()?;
+    all.all(|other| other == first).then_some(first)
+}
+
+/// Whether `left` is `right` with a slip of the pen: one letter, or two in a long word.
+fn slip(left: &str, right: &str) -> bool {
+    let length = left.chars().count().min(right.chars().count());
+    let allowed = match length {
+        0..=3 => 0,
+        4..=7 => 1,
+        _ => 2,
+    };
+    strsim::damerau_levenshtein(left, right) <= allowed
+}
+
+/// The action that a call with that many arguments must mean, if its name is not one already.
+pub(super) fn action(domain: &Domain, written: &str, arguments: usize) -> Option<ActionId> {
+    let written = bare(written);
+    let named = |count: Option<usize>, fits: &dyn Fn(&str) -> bool| {
+        let fitting = domain.action_ids().filter(|(_, action)| {
+            count.is_none_or(|count| action.explicit.len() == count) && fits(&bare(&action.call))
+        });
+        only(fitting.map(|(id, _)| id))
+    };
+    let begins =
+        |call: &str| call.len().min(written.len()) >= 3 && (call.starts_with(&written) || written.starts_with(call));
+    named(None, &|call| call == written)
+        .or_else(|| named(Some(arguments), &begins))
+        .or_else(|| named(Some(arguments), &|call| slip(call, &written)))
+}
+
+/// The entity that a name must mean, if it is not one already.
+pub(super) fn entity(world: &World, written: &str) -> Option<EntityId> {
+    let written_bare = bare(written);
+    let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
+    let letters = |text: &str| text.chars().filter(|c| !c.is_ascii_digit()).collect::<String>();
+    let named = |fits: &dyn Fn(&str) -> bool| {
+        let fitting = world.entities().filter(|(_, entity)| fits(&entity.identifier));
+        only(fitting.map(|(id, _)| id))
+    };
+    let same = named(&|identifier| bare(identifier) == written_bare);
+    let slipped = || {
+        named(&|identifier| {
+            let known = bare(identifier);
+            digits(&known) == digits(&written_bare) && slip(&letters(&known), &letters(&written_bare))
+        })
+    };
+    if written_bare.is_empty() || same.is_some() {
+        return same;
+    }
+    if !digits(&written_bare).is_empty() {
+        return slipped();
+    }
+    named(&|identifier| bare(&base_name(identifier)) == written_bare)
+        .or_else(|| {
+            let called = world
+                .entities()
+                .filter(|(_, entity)| entity.names.iter().any(|name| bare(name) == written_bare));
+            only(called.map(|(id, _)| id))
+        })
+        .or_else(slipped)
+}

@@ -1,0 +1,261 @@
+//! The paper's JSON for a plan.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
+
+use super::{Node, Plan, StepId, Written, WrittenStep, read_tree, write_tree};
+use crate::call::{Call, NotACall};
+use crate::json::Path;
+use crate::model::Domain;
+use crate::model::{Ending, Environment, Fact, World, written_fact};
+
+/// A plan file: what the paper's model answers, and what `longstep plan --save` writes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlanFile {
+    /// The steps.
+    pub task_cohesion: TaskCohesion,
+    /// The world before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment_before: Option<Environment>,
+    /// The world after: a claim until it has been simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment_after: Option<Environment>,
+    /// The worlds after, where sensing decides which it is: then there is no single one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub endings: Vec<EndingFile>,
+    /// What was asked for, in short.
+    #[serde(default)]
+    pub instruction_summary: String,
+    /// What the planner asks back; empty when it understood.
+    #[serde(default)]
+    pub question: String,
+}
+
+impl From<TaskCohesion> for PlanFile {
+    /// A plan that says nothing but its steps.
+    fn from(task_cohesion: TaskCohesion) -> Self {
+        Self {
+            task_cohesion,
+            environment_before: None,
+            environment_after: None,
+            endings: Vec::new(),
+            instruction_summary: String::new(),
+            question: String::new(),
+        }
+    }
+}
+
+/// A way in which a branching plan can end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EndingFile {
+    /// What sensing told on the way, for example `expired(<spam>)`.
+    pub when: Vec<String>,
+    /// The world after.
+    pub environment_after: Environment,
+}
+
+/// The environments that a plan leads to: the one after it, or each with what sensing tells on the way there.
+pub fn endings(
+    domain: &Domain,
+    world: &World,
+    endings: &[Ending],
+    environment: impl Fn(&Ending) -> Environment,
+) -> (Option<Environment>, Vec<EndingFile>) {
+    if let [only] = endings {
+        return (Some(environment(only)), Vec::new());
+    }
+    let when = |fact: &Fact| written_fact(domain, *fact, &|entity| world.entity(entity).identifier.clone());
+    let file = |ending: &Ending| EndingFile {
+        when: ending.when.iter().map(when).collect(),
+        environment_after: environment(ending),
+    };
+    (None, endings.iter().map(file).collect())
+}
+
+/// The steps of a plan file: a list of calls, or a tree of them where a plan branches, repeats or runs side by side.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TaskCohesion {
+    /// Calls such as `grasp_object()`; empty where there is a tree.
+    pub task_sequence: Vec<String>,
+    /// What each step does, in the same order; empty where there is a tree.
+    pub step_instructions: Vec<String>,
+    /// The one thing that is manipulated, where calls do not say.
+    pub object_name: Option<String>,
+    /// The things that are manipulated, where there are several.
+    pub object_names: Vec<String>,
+    /// The plan as a tree; its own list of objects counts as [`TaskCohesion::object_names`].
+    pub task_tree: Option<Written>,
+}
+
+/// A list of steps as JSON.
+#[derive(Serialize, Deserialize)]
+struct FlatJson {
+    #[serde(default)]
+    task_sequence: Vec<String>,
+    #[serde(default)]
+    step_instructions: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    object_name: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    object_names: Vec<String>,
+}
+
+/// A tree of steps as JSON.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TreeJson {
+    task_tree: Value,
+    #[serde(default, skip_serializing)]
+    object_name: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    object_names: Vec<String>,
+}
+
+impl Serialize for TaskCohesion {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.task_tree {
+            None => FlatJson {
+                task_sequence: self.task_sequence.clone(),
+                step_instructions: self.step_instructions.clone(),
+                object_name: self.object_name.clone(),
+                object_names: self.object_names.clone(),
+            }
+            .serialize(serializer),
+            Some(tree) => TreeJson {
+                task_tree: write_tree(tree),
+                object_name: None,
+                object_names: self.objects().map(str::to_owned).collect(),
+            }
+            .serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for TaskCohesion {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Value::deserialize(deserializer)?;
+        if value.get("task_tree").is_none() {
+            let flat: FlatJson = serde_json::from_value(value).map_err(D::Error::custom)?;
+            return Ok(Self {
+                task_sequence: flat.task_sequence,
+                step_instructions: flat.step_instructions,
+                object_name: flat.object_name,
+                object_names: flat.object_names,
+                task_tree: None,
+            });
+        }
+        let tree: TreeJson = serde_json::from_value(value).map_err(D::Error::custom)?;
+        let objects = tree.object_name.into_iter().chain(tree.object_names).collect();
+        let path = Path::key("task_cohesion").push("task_tree");
+        read_tree(&tree.task_tree, objects, &path)
+            .map(Self::tree)
+            .map_err(D::Error::custom)
+    }
+}
+
+impl TaskCohesion {
+    /// Writes a plan the paper's way, or as a tree where it is more than a list of steps.
+    pub fn new(domain: &Domain, world: &World, plan: &Plan) -> Self {
+        if !plan.is_sequence() {
+            return Self::tree(Written::of_plan(domain, world, plan));
+        }
+        let steps = plan.steps();
+        let mut objects: Vec<String> = Vec::new();
+        for object in steps.iter().filter_map(|step| step.object(domain)) {
+            let identifier = &world.entity(object).identifier;
+            if !objects.contains(identifier) {
+                objects.push(identifier.clone());
+            }
+        }
+        Self {
+            task_sequence: steps.iter().map(|step| step.call(domain, world).to_string()).collect(),
+            step_instructions: steps.iter().map(|step| step.explanation.clone()).collect(),
+            ..Self::handling(objects)
+        }
+    }
+
+    /// What was written: a list of steps stays one, without the remarks between them, unless it names hidden
+    /// parameters, which a list has no place for.
+    pub fn from_written(mut written: Written) -> Self {
+        if !written.is_sequence() || written.steps.iter().any(|step| !step.implicit.is_empty()) {
+            return Self::tree(written);
+        }
+        let explained = written.steps.iter().any(|step| !step.explanation.is_empty());
+        let objects = std::mem::take(&mut written.objects);
+        Self {
+            task_sequence: written.steps.iter().map(|step| step.call.to_string()).collect(),
+            step_instructions: match explained {
+                true => written.steps.into_iter().map(|step| step.explanation).collect(),
+                false => Vec::new(),
+            },
+            ..Self::handling(objects)
+        }
+    }
+
+    /// The same as a tree, for the other notations.
+    ///
+    /// # Errors
+    ///
+    /// When a step of a list is no call.
+    pub fn written(&self) -> Result<Written, NotACall> {
+        if let Some(tree) = &self.task_tree {
+            return Ok(tree.clone());
+        }
+        let explained = self.step_instructions.len() == self.task_sequence.len();
+        let step = |(index, text): (usize, &String)| {
+            Ok(WrittenStep {
+                call: Call::parse(text)?,
+                implicit: Vec::new(),
+                explanation: match explained {
+                    true => self.step_instructions[index].clone(),
+                    false => String::new(),
+                },
+            })
+        };
+        let steps: Vec<WrittenStep> = self
+            .task_sequence
+            .iter()
+            .enumerate()
+            .map(step)
+            .collect::<Result<_, _>>()?;
+        let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
+        let objects = self.objects().map(str::to_owned).collect();
+        Ok(Written { steps, body, objects })
+    }
+
+    /// Whether there are no steps.
+    pub fn is_empty(&self) -> bool {
+        self.task_sequence.is_empty() && self.task_tree.is_none()
+    }
+
+    fn tree(written: Written) -> Self {
+        Self {
+            task_tree: Some(written),
+            ..Self::default()
+        }
+    }
+
+    fn handling(mut objects: Vec<String>) -> Self {
+        let (object_name, object_names) = match objects.len() {
+            0 => (None, Vec::new()),
+            1 => (objects.pop(), Vec::new()),
+            _ => (None, objects),
+        };
+        Self {
+            object_name,
+            object_names,
+            ..Self::default()
+        }
+    }
+
+    /// The names under `object_name` and `object_names`.
+    pub fn objects(&self) -> impl Iterator<Item = &str> {
+        let of_tree = self.task_tree.iter().flat_map(|tree| &tree.objects);
+        self.object_name
+            .iter()
+            .chain(&self.object_names)
+            .chain(of_tree)
+            .map(String::as_str)
+    }
+}

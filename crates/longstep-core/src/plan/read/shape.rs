@@ -1,0 +1,447 @@
+//! From an object to a plan file: the keys and types that a plan has.
+
+use indexmap::IndexMap;
+use indexmap::map::Entry as Slot;
+use serde_json::{Map, Value};
+
+use super::leniency::{LeniencyKind as Kind, Notes};
+use super::literal::{Entry, Node, Value as Literal, shorten};
+use super::unreadable::Unreadable;
+use crate::diagnostic::Position;
+use crate::json::Path;
+use crate::model::{Environment, Words};
+use crate::plan::{EndingFile, PlanFile, TaskCohesion, TreeError, read_tree, script};
+
+type Shaped<T> = Result<T, Unreadable>;
+
+/// How much of a plan an object is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Likeness {
+    /// It has `task_cohesion`.
+    Whole,
+    /// It has what belongs into `task_cohesion`, or asks a question: a plan, unless it is a part of one.
+    Part,
+}
+
+/// Whether the object is a plan, or has a single key and a plan under it.
+pub(super) fn likeness(node: &Node) -> Option<Likeness> {
+    own_likeness(node).or_else(|| wrapped(node).and_then(|(_, inner)| own_likeness(inner)))
+}
+
+fn own_likeness(node: &Node) -> Option<Likeness> {
+    let Literal::Object(entries) = &node.value else {
+        return None;
+    };
+    let asks = |value: &Literal| matches!(value, Literal::Text(text) if !text.trim().is_empty());
+    if entries
+        .iter()
+        .any(|entry| entry.key == "task_cohesion" || entry.key == "python_script")
+    {
+        Some(Likeness::Whole)
+    } else if entries
+        .iter()
+        .any(|entry| is_steps(&entry.key) || (entry.key == "question" && asks(&entry.node.value)))
+    {
+        Some(Likeness::Part)
+    } else {
+        None
+    }
+}
+
+/// Whether the steps of a plan stand under this key.
+fn is_steps(key: &str) -> bool {
+    matches!(key, "task_sequence" | "task_tree")
+}
+
+/// The key and the value of an object that has only one.
+fn wrapped(node: &Node) -> Option<(&str, &Node)> {
+    match &node.value {
+        Literal::Object(entries) => match entries.as_slice() {
+            [only] => Some((&only.key, &only.node)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Reads a plan from an object that is like one.
+pub(super) fn plan(text: &str, node: &Node, notes: &mut Notes) -> Shaped<PlanFile> {
+    let mut shape = Shape { text, notes };
+    match (own_likeness(node), wrapped(node)) {
+        (None, Some((key, inner))) => {
+            let path = Path::key(&shorten(key));
+            shape.notes.add_about(Kind::Wrapped, node.at, path.clone());
+            shape.plan(inner, &path)
+        }
+        _ => shape.plan(node, &Path::default()),
+    }
+}
+
+const PLAN_KEYS: [&str; 7] = [
+    "task_cohesion",
+    "python_script",
+    "environment_before",
+    "environment_after",
+    "endings",
+    "instruction_summary",
+    "question",
+];
+const COHESION_KEYS: [&str; 5] = [
+    "task_sequence",
+    "step_instructions",
+    "task_tree",
+    "object_name",
+    "object_names",
+];
+const ENVIRONMENT_KEYS: [&str; 7] = [
+    "assets",
+    "asset_states",
+    "objects",
+    "object_states",
+    "asset_properties",
+    "object_properties",
+    "names",
+];
+
+struct Shape<'t, 'n> {
+    text: &'t str,
+    notes: &'n mut Notes,
+}
+
+/// The entries of an object that have a meaning, each once.
+struct Fields<'v> {
+    at: usize,
+    path: Path,
+    known: Vec<(&'static str, &'v Node)>,
+}
+
+impl<'v> Fields<'v> {
+    fn get(&self, key: &str) -> Option<&'v Node> {
+        self.known
+            .iter()
+            .find(|(known, _)| *known == key)
+            .map(|(_, node)| *node)
+    }
+}
+
+impl Shape<'_, '_> {
+    fn plan(&mut self, node: &Node, path: &Path) -> Shaped<PlanFile> {
+        let whole = own_likeness(node) == Some(Likeness::Whole);
+        let fields = if whole {
+            self.fields(node, path, &PLAN_KEYS)?
+        } else {
+            self.fields(node, path, &[&PLAN_KEYS[..], &COHESION_KEYS].concat())?
+        };
+        let question = self.field(&fields, "question", Self::text)?.unwrap_or_default();
+        let asks = !question.trim().is_empty();
+        let script = self.field(&fields, "python_script", Self::script)?;
+        let cohesion = if let Some(script) = script {
+            self.alone(&fields, "python_script", &["task_cohesion"])?;
+            Some(script)
+        } else if whole {
+            self.field(&fields, "task_cohesion", |shape, node, path| {
+                let fields = shape.fields(node, path, &COHESION_KEYS)?;
+                shape.cohesion(&fields, asks)
+            })?
+        } else if fields.known.iter().any(|(key, _)| is_steps(key)) {
+            self.notes.add(Kind::Flattened, node.at);
+            Some(self.cohesion(&fields, asks)?)
+        } else {
+            None
+        };
+        Ok(PlanFile {
+            task_cohesion: self.required(cohesion, &fields, "task_cohesion", "an object with the steps", asks)?,
+            environment_before: self.field(&fields, "environment_before", Self::environment)?,
+            environment_after: self.field(&fields, "environment_after", Self::environment)?,
+            endings: self.field(&fields, "endings", Self::endings)?.unwrap_or_default(),
+            instruction_summary: self
+                .field(&fields, "instruction_summary", Self::text)?
+                .unwrap_or_default(),
+            question,
+        })
+    }
+
+    fn endings(&mut self, node: &Node, path: &Path) -> Shaped<Vec<EndingFile>> {
+        let Literal::List(items) = &node.value else {
+            return Err(self.wrong(node, path, "a list of endings"));
+        };
+        let ending = |(index, item): (usize, &Node)| {
+            let fields = self.fields(item, &path.index(index), &["when", "environment_after"])?;
+            let when = self.field(&fields, "when", Self::texts)?;
+            let after = self.field(&fields, "environment_after", Self::environment)?;
+            Ok(EndingFile {
+                when: self.required(when, &fields, "when", "a list of facts", false)?,
+                environment_after: self.required(after, &fields, "environment_after", "an environment", false)?,
+            })
+        };
+        items.iter().enumerate().map(ending).collect()
+    }
+
+    fn cohesion(&mut self, fields: &Fields, asks: bool) -> Shaped<TaskCohesion> {
+        if let Some(tree) = fields.get("task_tree") {
+            return self.tree(tree, fields);
+        }
+        let steps = self.field(fields, "task_sequence", Self::texts)?;
+        let explanations = self.field(fields, "step_instructions", Self::texts)?;
+        Ok(TaskCohesion {
+            task_sequence: self.required(steps, fields, "task_sequence", "a list of steps", asks)?,
+            step_instructions: self.required(explanations, fields, "step_instructions", "a list of texts", true)?,
+            object_name: self.field(fields, "object_name", Self::text)?,
+            object_names: self.field(fields, "object_names", Self::texts)?.unwrap_or_default(),
+            task_tree: None,
+        })
+    }
+
+    /// Reads steps that are a tree: strictly, in whatever style its values are written.
+    fn tree(&mut self, tree: &Node, fields: &Fields) -> Shaped<TaskCohesion> {
+        self.alone(fields, "task_tree", &["task_sequence", "step_instructions"])?;
+        let object = self.field(fields, "object_name", Self::text)?;
+        let objects = self.field(fields, "object_names", Self::texts)?.unwrap_or_default();
+        let path = fields.path.push("task_tree");
+        let read = |value: Value| read_tree(&value, object.into_iter().chain(objects).collect(), &path);
+        let written = json(tree, &path).and_then(read).map_err(|error| Unreadable::Tree {
+            position: Position::of(self.text, tree.at),
+            error,
+        })?;
+        Ok(TaskCohesion::from_written(written))
+    }
+
+    fn script(&mut self, node: &Node, path: &Path) -> Shaped<TaskCohesion> {
+        let written = script::read(&self.text(node, path)?).map_err(|error| Unreadable::Script {
+            inside: Some(Position::of(self.text, node.at)),
+            error,
+        })?;
+        Ok(TaskCohesion::from_written(written))
+    }
+
+    /// What says the same as `key` must not stand beside it.
+    fn alone(&self, fields: &Fields, key: &str, others: &[&str]) -> Shaped<()> {
+        let other = others.iter().find_map(|other| Some((other, fields.get(other)?)));
+        let Some((other, node)) = other.filter(|(_, node)| node.value != Literal::Null) else {
+            return Ok(());
+        };
+        let expected = match key {
+            "task_tree" => "left out beside `task_tree`",
+            _ => "left out beside `python_script`",
+        };
+        Err(self.wrong(node, &fields.path.push(other), expected))
+    }
+
+    /// Reads an environment, bare or wrapped in `{"environment": ...}`.
+    fn environment(&mut self, node: &Node, path: &Path) -> Shaped<Environment> {
+        let wraps = |entry: &Entry| entry.key == "environment";
+        if matches!(&node.value, Literal::Object(entries) if entries.iter().any(wraps)) {
+            let fields = self.fields(node, path, &["environment"])?;
+            self.notes.add_about(Kind::Wrapped, node.at, path.push("environment"));
+            let inner = self.field(&fields, "environment", Self::bare_environment)?;
+            return self.required(inner, &fields, "environment", "an environment", false);
+        }
+        self.bare_environment(node, path)
+    }
+
+    fn bare_environment(&mut self, node: &Node, path: &Path) -> Shaped<Environment> {
+        let fields = self.fields(node, path, &ENVIRONMENT_KEYS)?;
+        Ok(Environment {
+            assets: self.field(&fields, "assets", Self::texts)?.unwrap_or_default(),
+            asset_states: self
+                .field(&fields, "asset_states", Self::all_words)?
+                .unwrap_or_default(),
+            objects: self.field(&fields, "objects", Self::texts)?.unwrap_or_default(),
+            object_states: self
+                .field(&fields, "object_states", Self::all_words)?
+                .unwrap_or_default(),
+            asset_properties: self.field(&fields, "asset_properties", Self::all_words)?,
+            object_properties: self.field(&fields, "object_properties", Self::all_words)?,
+            names: self.field(&fields, "names", |shape, node, path| shape.map(node, path, Self::text))?,
+        })
+    }
+
+    /// The entries under the keys that are known; the others are listed.
+    fn fields<'v>(&mut self, node: &'v Node, path: &Path, known: &[&'static str]) -> Shaped<Fields<'v>> {
+        let Literal::Object(entries) = &node.value else {
+            return Err(self.wrong(node, path, "an object"));
+        };
+        let mut fields = Fields {
+            at: node.at,
+            path: path.clone(),
+            known: Vec::new(),
+        };
+        let mut places = Vec::new();
+        for entry in entries {
+            let Some(key) = known.iter().find(|key| **key == entry.key) else {
+                self.notes
+                    .add_about(Kind::ExtraKey, entry.at, path.push(&shorten(&entry.key)));
+                continue;
+            };
+            let before = fields.known.iter().position(|(before, _)| before == key);
+            match before {
+                Some(index) => {
+                    let same = fields.known[index].1 == &entry.node;
+                    self.repeated(same, places[index], entry, path)?;
+                }
+                None => {
+                    fields.known.push((key, &entry.node));
+                    places.push(entry.at);
+                }
+            }
+        }
+        Ok(fields)
+    }
+
+    /// Reads the value under `key`; one that is null is none.
+    fn field<T>(
+        &mut self,
+        fields: &Fields,
+        key: &str,
+        read: impl FnOnce(&mut Self, &Node, &Path) -> Shaped<T>,
+    ) -> Shaped<Option<T>> {
+        let Some(node) = fields.get(key) else {
+            return Ok(None);
+        };
+        let path = fields.path.push(key);
+        if node.value == Literal::Null {
+            self.notes.add_about(Kind::Null, node.at, path);
+            return Ok(None);
+        }
+        read(self, node, &path).map(Some)
+    }
+
+    /// What was read, or an empty one where that is allowed; it is listed then.
+    fn required<T: Default>(
+        &mut self,
+        read: Option<T>,
+        fields: &Fields,
+        key: &str,
+        expected: &'static str,
+        may_be_empty: bool,
+    ) -> Shaped<T> {
+        let path = fields.path.push(key);
+        match (read, fields.get(key)) {
+            (Some(read), _) => Ok(read),
+            (None, Some(null)) if !may_be_empty => Err(self.wrong(null, &path, expected)),
+            // That it is null is listed already.
+            (None, Some(_)) => Ok(T::default()),
+            (None, None) if may_be_empty => {
+                self.notes.add_about(Kind::MissingKey, fields.at, path);
+                Ok(T::default())
+            }
+            (None, None) => Err(Unreadable::WrongShape {
+                path,
+                position: Position::of(self.text, fields.at),
+                expected,
+                found: "missing",
+            }),
+        }
+    }
+
+    fn text(&mut self, node: &Node, path: &Path) -> Shaped<String> {
+        match &node.value {
+            Literal::Text(text) => Ok(text.clone()),
+            _ => Err(self.wrong(node, path, "a text in quotes")),
+        }
+    }
+
+    fn texts(&mut self, node: &Node, path: &Path) -> Shaped<Vec<String>> {
+        let Literal::List(items) = &node.value else {
+            return Err(self.wrong(node, path, "a list of texts"));
+        };
+        let item = |(index, item)| self.text(item, &path.index(index));
+        items.iter().enumerate().map(item).collect()
+    }
+
+    fn words(&mut self, node: &Node, path: &Path) -> Shaped<Words> {
+        match &node.value {
+            Literal::Text(word) => Ok(Words::One(word.clone())),
+            Literal::List(_) => self.texts(node, path).map(Words::Many),
+            _ => Err(self.wrong(node, path, "a text or a list of texts")),
+        }
+    }
+
+    fn all_words(&mut self, node: &Node, path: &Path) -> Shaped<IndexMap<String, Words>> {
+        self.map(node, path, Self::words)
+    }
+
+    /// An object with any keys.
+    fn map<T: PartialEq>(
+        &mut self,
+        node: &Node,
+        path: &Path,
+        read: impl Fn(&mut Self, &Node, &Path) -> Shaped<T>,
+    ) -> Shaped<IndexMap<String, T>> {
+        let Literal::Object(entries) = &node.value else {
+            return Err(self.wrong(node, path, "an object"));
+        };
+        let mut map: IndexMap<String, T> = IndexMap::with_capacity(entries.len());
+        let mut places = Vec::with_capacity(entries.len());
+        for entry in entries {
+            let value = read(self, &entry.node, &path.push(&shorten(&entry.key)))?;
+            match map.entry(entry.key.clone()) {
+                Slot::Occupied(before) => self.repeated(before.get() == &value, places[before.index()], entry, path)?,
+                Slot::Vacant(slot) => {
+                    slot.insert(value);
+                    places.push(entry.at);
+                }
+            }
+        }
+        Ok(map)
+    }
+
+    /// A key that stands there again: no harm when it says the same.
+    fn repeated(&mut self, same: bool, first: usize, entry: &Entry, path: &Path) -> Shaped<()> {
+        let path = path.push(&shorten(&entry.key));
+        if !same {
+            return Err(Unreadable::Contradiction {
+                path,
+                first: Position::of(self.text, first),
+                position: Position::of(self.text, entry.at),
+            });
+        }
+        self.notes.add_about(Kind::RepeatedKey, entry.at, path);
+        Ok(())
+    }
+
+    fn wrong(&self, node: &Node, path: &Path, expected: &'static str) -> Unreadable {
+        Unreadable::WrongShape {
+            path: path.clone(),
+            position: Position::of(self.text, node.at),
+            expected,
+            found: match node.value {
+                Literal::Null => "null",
+                Literal::Bool(_) => "true or false",
+                Literal::Number(_) => "a number",
+                Literal::Text(_) => "a text",
+                Literal::List(_) => "a list",
+                Literal::Object(_) => "an object",
+            },
+        }
+    }
+}
+
+/// A value in whatever style it was written, as JSON. A key may stand in an object once.
+fn json(node: &Node, path: &Path) -> Result<Value, TreeError> {
+    Ok(match &node.value {
+        Literal::Null => Value::Null,
+        Literal::Bool(value) => Value::Bool(*value),
+        Literal::Number(digits) => serde_json::from_str(digits).unwrap_or(Value::Null),
+        Literal::Text(text) => Value::String(text.clone()),
+        Literal::List(items) => {
+            let items = items.iter().enumerate();
+            Value::Array(
+                items
+                    .map(|(index, item)| json(item, &path.index(index)))
+                    .collect::<Result<_, _>>()?,
+            )
+        }
+        Literal::Object(entries) => {
+            let mut object = Map::new();
+            for Entry { key, node, .. } in entries {
+                let path = path.push(&shorten(key));
+                if object.insert(key.clone(), json(node, &path)?).is_some() {
+                    let message = "stands there twice".to_owned();
+                    return Err(TreeError { path, message });
+                }
+            }
+            Value::Object(object)
+        }
+    })
+}

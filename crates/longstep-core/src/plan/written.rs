@@ -1,0 +1,226 @@
+//! A plan as it was written, whichever notation it came in: the JSON tree and the script say the same.
+
+use super::tree::{self, Lane, LaneItem, Node, Test};
+use super::{Plan, StepId};
+use crate::call::Call;
+use crate::model::{Domain, Term};
+use crate::model::{EntityId, Fact, World};
+
+/// A plan as it was written: its steps in reading order, and the tree over them.
+///
+/// What stands in conditions is not among the steps: whether a call there senses something or asks what is known
+/// already is only said by a domain. See [`super::resolve`].
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Written {
+    /// The steps, without those in conditions.
+    pub steps: Vec<WrittenStep>,
+    /// The tree over them. All calls of a condition stand under [`super::Test::Holds`].
+    pub body: Vec<WrittenNode>,
+    /// What the plan says is handled, where calls do not say.
+    pub objects: Vec<String>,
+}
+
+/// A part of a plan as it was written.
+pub type WrittenNode = Node<WrittenStep, String>;
+
+/// A call as it was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WrittenStep {
+    /// The call, with the arguments that it shows.
+    pub call: Call,
+    /// Hidden parameters that are given all the same, by name.
+    pub implicit: Vec<(String, String)>,
+    /// What the step does; empty if the plan does not say.
+    pub explanation: String,
+}
+
+impl Written {
+    /// Whether it is a list of steps, with nothing but remarks between them.
+    pub fn is_sequence(&self) -> bool {
+        let flat = |node: &WrittenNode| matches!(node, Node::Step(_) | Node::Remark(_));
+        self.body.iter().all(flat)
+    }
+
+    /// Whether every step stands in the tree once, in reading order, and nothing stands too deep.
+    pub fn is_sound(&self) -> bool {
+        tree::is_sound(&self.body, self.steps.len())
+    }
+}
+
+impl Written {
+    /// A plan in words, with what its calls hide given by name.
+    pub fn of_plan(domain: &Domain, world: &World, plan: &Plan) -> Self {
+        let mut writer = Writer {
+            domain,
+            world,
+            plan,
+            steps: Vec::new(),
+        };
+        let body = writer.nodes(plan.body());
+        Self {
+            steps: writer.steps,
+            body,
+            objects: Vec::new(),
+        }
+    }
+}
+
+struct Writer<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    plan: &'a Plan,
+    steps: Vec<WrittenStep>,
+}
+
+impl Writer<'_> {
+    fn identifier(&self, entity: EntityId) -> String {
+        self.world.entity(entity).identifier.clone()
+    }
+
+    /// A step in words; what its call hides is given by name, but for the actor of a lane.
+    fn words(&self, id: StepId, actor: Option<EntityId>) -> WrittenStep {
+        let step = self.plan.step(id);
+        let action = self.domain.action(step.action);
+        let hidden = action
+            .implicit()
+            .filter(|parameter| actor.is_none() || action.actor != Some(*parameter));
+        let named = hidden.map(|parameter| {
+            let name = action.parameters[parameter].name.clone();
+            (name, self.identifier(step.arguments[parameter]))
+        });
+        WrittenStep {
+            call: step.call(self.domain, self.world),
+            implicit: named.collect(),
+            explanation: step.explanation.clone(),
+        }
+    }
+
+    fn step(&mut self, id: StepId, actor: Option<EntityId>) -> StepId {
+        let words = self.words(id, actor);
+        self.steps.push(words);
+        StepId::new(self.steps.len() - 1)
+    }
+
+    fn nodes(&mut self, nodes: &[Node]) -> Vec<WrittenNode> {
+        nodes.iter().map(|node| self.node(node)).collect()
+    }
+
+    fn node(&mut self, node: &Node) -> WrittenNode {
+        match node {
+            Node::Step(id) => Node::Step(self.step(*id, None)),
+            Node::If {
+                condition,
+                then,
+                otherwise,
+            } => Node::If {
+                condition: self.test(condition),
+                then: self.nodes(then),
+                otherwise: self.nodes(otherwise),
+            },
+            Node::While { condition, body } => Node::While {
+                condition: self.test(condition),
+                body: self.nodes(body),
+            },
+            Node::Repeat { times, body } => Node::Repeat {
+                times: *times,
+                body: self.nodes(body),
+            },
+            Node::Parallel { lanes } => Node::Parallel {
+                lanes: lanes.iter().map(|lane| self.lane(lane)).collect(),
+            },
+            Node::Remark(words) => Node::Remark(words.clone()),
+        }
+    }
+
+    fn lane(&mut self, lane: &Lane) -> Lane<String> {
+        let item = |item: &LaneItem| match item {
+            LaneItem::Step(id) => LaneItem::Step(self.step(*id, Some(lane.actor))),
+            other => other.clone(),
+        };
+        let items = lane.items.iter().map(item).collect();
+        Lane {
+            actor: self.identifier(lane.actor),
+            items,
+        }
+    }
+
+    fn test(&self, test: &Test) -> Test<WrittenStep> {
+        let parts = |parts: &[Test]| parts.iter().map(|part| self.test(part)).collect();
+        match test {
+            Test::Sense(id) => Test::Holds(self.words(*id, None)),
+            Test::Holds(fact) => Test::Holds(WrittenStep {
+                call: self.asked(*fact),
+                implicit: Vec::new(),
+                explanation: String::new(),
+            }),
+            Test::Not(inner) => Test::Not(Box::new(self.test(inner))),
+            Test::All(all) => Test::All(parts(all)),
+            Test::Any(any) => Test::Any(parts(any)),
+        }
+    }
+
+    /// The call that asks for a fact: the word of an environment with the entity in whose entry it stands first, or
+    /// the predicate's own name where no environment says it.
+    fn asked(&self, fact: Fact) -> Call {
+        let mut words = self.domain.states.iter();
+        let word = words.find(|word| word.atom.predicate == fact.predicate());
+        let Some(word) = word else {
+            return Call {
+                name: predicate_word(&self.domain.predicate(fact.predicate()).name),
+                arguments: self
+                    .domain
+                    .arguments(fact)
+                    .map(|entity| self.identifier(entity))
+                    .collect(),
+            };
+        };
+        let mut slots = vec![None; word.parameters.len() + 1];
+        for (place, term) in word.atom.terms.iter().enumerate() {
+            if let Term::Variable(slot) = term {
+                slots[*slot] = Some(fact.argument(place));
+            }
+        }
+        Call {
+            name: word.word.clone(),
+            arguments: slots
+                .into_iter()
+                .flatten()
+                .map(|entity| self.identifier(entity))
+                .collect(),
+        }
+    }
+}
+
+/// How a plan asks for a predicate that no word of an environment stands for.
+pub(super) fn predicate_word(name: &str) -> String {
+    name.replace('-', "_")
+}
+
+/// Words that mean something by themselves in the script, so that no action is called so.
+const RESERVED: [&str; 43] = [
+    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "case", "class", "continue", "def",
+    "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "lane",
+    "match", "nonlocal", "not", "or", "parallel", "pass", "print", "raise", "range", "return", "sync", "try", "type",
+    "while", "with", "yield",
+];
+
+/// Whether the script keeps this word for itself.
+pub(super) fn is_reserved(word: &str) -> bool {
+    RESERVED.contains(&word)
+}
+
+/// Whether a character can stand in the name of a call or a parameter.
+pub(super) fn in_name(character: char) -> bool {
+    character.is_alphanumeric() || matches!(character, '_' | '-')
+}
+
+/// Whether both notations can write this as the name of a call or a parameter.
+pub(super) fn is_name(text: &str) -> bool {
+    text.chars().all(in_name) && text.starts_with(|first: char| first.is_alphabetic() || first == '_')
+}
+
+/// Whether both notations can write this as an argument.
+pub(super) fn is_argument(text: &str) -> bool {
+    let odd = |character: char| matches!(character, ',' | '(' | ')') || character.is_control();
+    !text.is_empty() && text.trim() == text && !text.contains(odd)
+}

@@ -1,0 +1,288 @@
+//! The plan while it is changed: parts in blocks, both by number.
+
+use super::super::EditKind;
+use crate::model::Domain;
+use crate::model::{EntityId, World};
+use crate::plan::{DraftStep, LaneItem, Node, Plan, Resolved, Step, StepId, Test};
+
+/// Steps, and blocks, that a plan may have once what follows a branch is written into both sides. Blocks count for
+/// themselves: branches with nothing in them double as well.
+const MOST: usize = 2_000;
+
+/// A step on its way to the repaired plan.
+#[derive(Debug, Clone)]
+pub(super) struct Item {
+    pub(super) step: DraftStep,
+    /// What its open arguments were taken to be.
+    pub(super) bound: Vec<EntityId>,
+    pub(super) written: String,
+    /// Its number in the draft; for a step that is new, that of the one before which it was put in.
+    pub(super) from: usize,
+    /// How it came here; none for a step as the draft has it.
+    pub(super) edit: Option<(EditKind, String)>,
+    /// Whether a way that was repaired already goes through it.
+    pub(super) settled: bool,
+}
+
+impl Item {
+    /// The step's arguments; an open one is what it was taken to be. A step that no way goes through keeps its own.
+    pub(super) fn arguments(&self) -> Vec<EntityId> {
+        let written = self.step.arguments.iter().zip(&self.bound);
+        written.map(|(written, bound)| written.unwrap_or(*bound)).collect()
+    }
+
+    /// Its number in the draft, if it stood there.
+    pub(super) fn drafted(&self) -> Option<usize> {
+        let inserted = matches!(self.edit, Some((EditKind::Insert, _)));
+        (!inserted).then_some(self.from)
+    }
+}
+
+/// The plan while it is changed: its steps by number, whatever the order, and its tree.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Draft {
+    pub(super) items: Vec<Item>,
+    pub(super) blocks: Vec<Vec<Part>>,
+    /// Steps that were left out: which, why, and the step before which they stood.
+    pub(super) dropped: Vec<(usize, String, String, Option<usize>)>,
+}
+
+/// A part of a block; blocks go by number.
+#[derive(Debug, Clone)]
+pub(super) enum Part {
+    Step(usize),
+    If(Test, usize, usize),
+    While(Test, usize),
+    Repeat(u32, usize),
+    Remark(String),
+}
+
+impl Draft {
+    pub(super) fn of(domain: &Domain, world: &World, resolved: &Resolved, plan: &Plan) -> Self {
+        let item = |(from, step): (usize, &Step)| Item {
+            // What the plan leaves open may be something else once it is repaired, but not what it asks about.
+            step: match &resolved.steps[from] {
+                Some(draft) if domain.action(step.action).senses.is_empty() => draft.clone(),
+                _ => draft_step(step),
+            },
+            bound: step.arguments.clone(),
+            written: step.call(domain, world).to_string(),
+            from,
+            edit: None,
+            settled: false,
+        };
+        let mut draft = Self {
+            items: plan.steps().iter().enumerate().map(item).collect(),
+            blocks: vec![Vec::new()],
+            dropped: Vec::new(),
+        };
+        draft.blocks[0] = draft.parts(plan.body());
+        draft
+    }
+
+    fn parts(&mut self, nodes: &[Node]) -> Vec<Part> {
+        let mut parts = Vec::new();
+        for node in nodes {
+            match node {
+                Node::Step(id) => parts.push(Part::Step(id.index())),
+                Node::If {
+                    condition,
+                    then,
+                    otherwise,
+                } => {
+                    let (then, otherwise) = (self.block(then), self.block(otherwise));
+                    parts.push(Part::If(condition.clone(), then, otherwise));
+                }
+                Node::While { condition, body } => {
+                    let body = self.block(body);
+                    parts.push(Part::While(condition.clone(), body));
+                }
+                Node::Repeat { times, body } => {
+                    let body = self.block(body);
+                    parts.push(Part::Repeat(*times, body));
+                }
+                Node::Parallel { lanes } => {
+                    let lanes: Vec<&[LaneItem]> = lanes.iter().map(|lane| lane.items.as_slice()).collect();
+                    parts.extend(in_turn(&lanes).into_iter().map(Part::Step));
+                }
+                Node::Remark(text) => parts.push(Part::Remark(text.clone())),
+            }
+        }
+        parts
+    }
+
+    fn block(&mut self, nodes: &[Node]) -> usize {
+        let parts = self.parts(nodes);
+        self.blocks.push(parts);
+        self.blocks.len() - 1
+    }
+
+    /// Writes what follows a branch into both of its sides; false if that is too much.
+    pub(super) fn unfold(&mut self, block: usize) -> bool {
+        let Some(place) = self.blocks[block].iter().position(|part| matches!(part, Part::If(..))) else {
+            return self.blocks[block].clone().iter().all(|part| match part {
+                Part::While(_, body) | Part::Repeat(_, body) => self.unfold(*body),
+                _ => true,
+            });
+        };
+        let tail = self.blocks[block].split_off(place + 1);
+        let Part::If(_, then, otherwise) = self.blocks[block][place].clone() else {
+            return true;
+        };
+        let copy = self.copied(&tail);
+        self.blocks[then].extend(tail);
+        self.blocks[otherwise].extend(copy);
+        self.items.len().max(self.blocks.len()) <= MOST && self.unfold(then) && self.unfold(otherwise)
+    }
+
+    /// The same parts with steps of their own.
+    fn copied(&mut self, parts: &[Part]) -> Vec<Part> {
+        parts
+            .iter()
+            .map(|part| match part {
+                Part::Step(number) => Part::Step(self.another(*number)),
+                Part::If(test, then, otherwise) => {
+                    let test = self.test(test);
+                    let (then, otherwise) = (self.copied_block(*then), self.copied_block(*otherwise));
+                    Part::If(test, then, otherwise)
+                }
+                Part::While(test, body) => {
+                    let test = self.test(test);
+                    Part::While(test, self.copied_block(*body))
+                }
+                Part::Repeat(times, body) => Part::Repeat(*times, self.copied_block(*body)),
+                Part::Remark(text) => Part::Remark(text.clone()),
+            })
+            .collect()
+    }
+
+    fn copied_block(&mut self, block: usize) -> usize {
+        let parts = self.blocks[block].clone();
+        let copy = self.copied(&parts);
+        self.blocks.push(copy);
+        self.blocks.len() - 1
+    }
+
+    fn another(&mut self, number: usize) -> usize {
+        self.items.push(self.items[number].clone());
+        self.items.len() - 1
+    }
+
+    fn test(&mut self, test: &Test) -> Test {
+        match test {
+            Test::Sense(step) => Test::Sense(StepId::new(self.another(step.index()))),
+            Test::Holds(fact) => Test::Holds(*fact),
+            Test::Not(inner) => Test::Not(Box::new(self.test(inner))),
+            Test::All(parts) => Test::All(parts.iter().map(|part| self.test(part)).collect()),
+            Test::Any(parts) => Test::Any(parts.iter().map(|part| self.test(part)).collect()),
+        }
+    }
+
+    /// Puts what both sides of a branch end with behind it.
+    pub(super) fn fold(&mut self, block: usize) {
+        let mut parts = std::mem::take(&mut self.blocks[block]);
+        if let Some(Part::If(_, then, otherwise)) = parts.last().cloned() {
+            self.fold(then);
+            self.fold(otherwise);
+            let mut tail = Vec::new();
+            while let (Some(one), Some(other)) = (self.blocks[then].last(), self.blocks[otherwise].last()) {
+                if !self.same(one, other) {
+                    break;
+                }
+                self.blocks[otherwise].pop();
+                tail.extend(self.blocks[then].pop());
+            }
+            parts.extend(tail.into_iter().rev());
+        }
+        self.blocks[block] = parts;
+    }
+
+    fn same(&self, one: &Part, other: &Part) -> bool {
+        match (one, other) {
+            (Part::Step(one), Part::Step(other)) => {
+                let (one, other) = (&self.items[*one], &self.items[*other]);
+                one.step == other.step
+            }
+            (Part::Remark(one), Part::Remark(other)) => one == other,
+            _ => false,
+        }
+    }
+
+    /// The tree of a block; its steps are added to `order`, and numbered so.
+    pub(super) fn nodes(&self, block: usize, order: &mut Vec<usize>) -> Vec<Node> {
+        let mut nodes = Vec::new();
+        for part in &self.blocks[block] {
+            nodes.push(match part {
+                Part::Step(number) => {
+                    order.push(*number);
+                    Node::Step(StepId::new(order.len() - 1))
+                }
+                Part::If(test, then, otherwise) => Node::If {
+                    condition: numbered(test, order),
+                    then: self.nodes(*then, order),
+                    otherwise: self.nodes(*otherwise, order),
+                },
+                Part::While(test, body) => Node::While {
+                    condition: numbered(test, order),
+                    body: self.nodes(*body, order),
+                },
+                Part::Repeat(times, body) => Node::Repeat {
+                    times: *times,
+                    body: self.nodes(*body, order),
+                },
+                Part::Remark(text) => Node::Remark(text.clone()),
+            });
+        }
+        nodes
+    }
+}
+
+fn numbered(test: &Test, order: &mut Vec<usize>) -> Test {
+    match test {
+        Test::Sense(step) => {
+            order.push(step.index());
+            Test::Sense(StepId::new(order.len() - 1))
+        }
+        Test::Holds(fact) => Test::Holds(*fact),
+        Test::Not(inner) => Test::Not(Box::new(numbered(inner, order))),
+        Test::All(parts) => Test::All(parts.iter().map(|part| numbered(part, order)).collect()),
+        Test::Any(parts) => Test::Any(parts.iter().map(|part| numbered(part, order)).collect()),
+    }
+}
+
+pub(super) fn draft_step(step: &Step) -> DraftStep {
+    DraftStep {
+        action: step.action,
+        arguments: step.arguments.iter().copied().map(Some).collect(),
+        explanation: step.explanation.clone(),
+    }
+}
+
+/// The steps of lanes one after the other, as their sync points allow.
+fn in_turn(lanes: &[&[LaneItem]]) -> Vec<usize> {
+    let mut places = vec![0; lanes.len()];
+    let mut order = Vec::new();
+    loop {
+        let mut moved = false;
+        for (lane, items) in lanes.iter().enumerate() {
+            while let Some(item) = items.get(places[lane]) {
+                match item {
+                    LaneItem::Step(step) => order.push(step.index()),
+                    LaneItem::Remark(_) => {}
+                    LaneItem::Sync(_) => break,
+                }
+                places[lane] += 1;
+                moved = true;
+            }
+        }
+        // Every lane waits or is done: what they wait at is passed, whether or not it can be.
+        for (lane, items) in lanes.iter().enumerate() {
+            if !moved && places[lane] < items.len() {
+                places[lane] += 1;
+            }
+        }
+        if places.iter().zip(lanes).all(|(place, items)| *place >= items.len()) {
+            return order;
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Repair of a plan that branches.
+//!
+//! The steps behind a branch are first written into both of its sides. Then every way through the plan is a plain list
+//! of steps that begins like the ones before it: each is repaired like any other draft, and what earlier ways settled
+//! is kept. What both sides of a branch end with stands behind it again afterwards, and the whole is verified as one
+//! plan. So every way is mended at the least cost, but not all of them together.
+
+mod draft;
+mod sensing;
+mod settle;
+#[cfg(test)]
+mod tests;
+mod way;
+
+use draft::Draft;
+use sensing::{behind_sensing, with_outcomes};
+use way::Order;
+
+use super::{Edit, EditKind, Outcome, Pins, Repaired, repair_within};
+use crate::model::Domain;
+use crate::model::{Fact, World};
+use crate::plan::{Plan, Resolved, Step, StepId};
+use crate::verify::{Purpose, VerifiedPlan, bind_tree, binding_claims, check};
+
+/// Ways through a plan that are repaired; a plan with more is given up.
+const WAYS: usize = 64;
+
+pub(super) fn repair_branches(
+    limit: usize,
+    domain: &Domain,
+    world: &World,
+    resolved: &Resolved,
+    purpose: &Purpose,
+    pins: &Pins,
+) -> Outcome {
+    let gave_up = |why: &str| Outcome::GaveUp {
+        why: why.to_owned(),
+        expanded: 0,
+    };
+    let plan = match bind_tree(domain, world, resolved, purpose.claim.as_ref()) {
+        Ok((plan, _)) => plan,
+        Err(issues) => {
+            let told: Vec<String> = issues
+                .iter()
+                .map(|issue| issue.message(domain, world, &[], None))
+                .collect();
+            return Outcome::Unclear { why: told.join("; ") };
+        }
+    };
+    let report = match check(domain, world, plan, purpose).into_verified() {
+        Ok(plan) => return Outcome::Valid(plan),
+        Err(report) => report,
+    };
+    let mut draft = Draft::of(domain, world, resolved, &report.plan);
+    draft.sense(domain, world, &report.violations, pins);
+    if !draft.unfold(0) {
+        return gave_up("the plan has too many branches one after the other");
+    }
+    let task = Task {
+        limit,
+        domain,
+        world,
+        resolved,
+        purpose,
+        pins,
+    };
+    // What the first way settles, the others have to live with: if they cannot, another one goes first.
+    let first = task.way_by_way(draft.clone(), Order::FirstOutcome);
+    match first {
+        Outcome::Repaired(_) => first,
+        _ => match task.way_by_way(draft, Order::LastOutcome) {
+            other @ Outcome::Repaired(_) => other,
+            _ => first,
+        },
+    }
+}
+
+/// A branching draft and what its repair has to keep to.
+struct Task<'a> {
+    limit: usize,
+    domain: &'a Domain,
+    world: &'a World,
+    resolved: &'a Resolved,
+    purpose: &'a Purpose,
+    pins: &'a Pins,
+}
+
+impl Task<'_> {
+    /// Repairs one way after the other.
+    fn way_by_way(&self, mut draft: Draft, order: Order) -> Outcome {
+        let (domain, world) = (self.domain, self.world);
+        // What the draft claims is the world of one ending; each way has its own.
+        let each = Purpose {
+            claim: None,
+            step_claims: Vec::new(),
+            ..self.purpose.clone()
+        };
+        let (mut decisions, mut expanded, mut cost) = (Vec::new(), 0, 0);
+        for _ in 0..WAYS {
+            let way = draft.way(domain, world, &decisions, order);
+            let told = with_outcomes(domain, &way.told.iter().map(|(_, fact)| *fact).collect::<Vec<_>>());
+            let (linear, pins) = draft.linear(self.resolved, &way, self.pins);
+            match repair_within(self.limit, &told, world, &linear, &each, &pins) {
+                Outcome::Valid(plan) => draft.settle(&way, plan.steps(), &[]),
+                Outcome::Repaired(repaired) => {
+                    expanded += repaired.expanded;
+                    cost += repaired.cost;
+                    let (steps, edits) = behind_sensing(domain, &told, world, *repaired, &each, &way.looped, &pins);
+                    draft.settle(&way, &steps, &edits);
+                }
+                other => return other,
+            }
+            decisions = way.decisions;
+            while decisions.last().is_some_and(|(taken, of)| taken + 1 == *of) {
+                decisions.pop();
+            }
+            match decisions.last_mut() {
+                Some((taken, _)) => *taken += 1,
+                None => {
+                    draft.fold(0);
+                    return self.whole(&draft, cost, expanded);
+                }
+            }
+        }
+        Outcome::GaveUp {
+            why: "the plan has too many ways through it".to_owned(),
+            expanded,
+        }
+    }
+
+    /// The repaired plan, if it is valid as a whole.
+    fn whole(&self, draft: &Draft, cost: u32, expanded: usize) -> Outcome {
+        let (domain, world) = (self.domain, self.world);
+        let mut order = Vec::new();
+        let body = draft.nodes(0, &mut order);
+        let step = |number: &usize| {
+            let item = &draft.items[*number];
+            let mut step = Step::explained(domain, world, item.step.action, item.arguments());
+            if !item.step.explanation.is_empty() {
+                step.explanation.clone_from(&item.step.explanation);
+            }
+            step
+        };
+        let plan = Plan::tree(order.iter().map(step).collect(), body);
+        let Some((plan, given_up)) = plan.and_then(|plan| self.verified(plan)) else {
+            return Outcome::GaveUp {
+                why: "each way through the plan could be repaired, and together they are no valid plan".to_owned(),
+                expanded,
+            };
+        };
+        Outcome::Repaired(Box::new(Repaired {
+            edits: draft.edits(domain, world, self.resolved, &order, &plan),
+            plan,
+            cost,
+            cheapest: false,
+            given_up,
+            expanded,
+        }))
+    }
+
+    /// The plan if it is valid, with what it claims and no ending keeps: of the ending that comes nearest, that is given
+    /// up.
+    fn verified(&self, plan: Plan) -> Option<(VerifiedPlan, Vec<Fact>)> {
+        let (domain, world) = (self.domain, self.world);
+        let report = match check(domain, world, plan, self.purpose).into_verified() {
+            Ok(plan) => return Some((plan, Vec::new())),
+            Err(report) => report,
+        };
+        let claim = self.purpose.claim.as_ref()?;
+        let binding = binding_claims(domain, world, &report.plan, claim);
+        let broken = report.endings.iter().map(|ending| {
+            let broken = binding.iter().filter(|fact| !ending.after.holds(**fact));
+            broken.copied().collect::<Vec<Fact>>()
+        });
+        let given_up = broken.min_by_key(Vec::len)?;
+        let purpose = Purpose {
+            claim: Some(claim.clone().without(&given_up)),
+            ..self.purpose.clone()
+        };
+        let plan = check(domain, world, report.plan, &purpose).into_verified().ok()?;
+        Some((plan, given_up))
+    }
+}
+
+impl Draft {
+    /// What was changed, in the order of the plan.
+    fn edits(
+        &self,
+        domain: &Domain,
+        world: &World,
+        resolved: &Resolved,
+        order: &[usize],
+        plan: &VerifiedPlan,
+    ) -> Vec<Edit> {
+        let mut edits: Vec<Edit> = Vec::new();
+        for (at, number) in order.iter().enumerate() {
+            let item = &self.items[*number];
+            let Some((kind, why)) = &item.edit else { continue };
+            let step = plan.plan().step(StepId::new(at));
+            edits.push(Edit {
+                kind: *kind,
+                at,
+                step: item.from,
+                before: (*kind != EditKind::Insert).then(|| resolved.written[item.from].clone()),
+                after: Some(step.call(domain, world).to_string()),
+                about: domain
+                    .action(step.action)
+                    .implicit()
+                    .next()
+                    .map(|_| step.explanation.clone()),
+                why: why.clone(),
+            });
+        }
+        for (from, written, why, next) in &self.dropped {
+            let at = next.and_then(|next| order.iter().position(|number| *number == next));
+            let edit = Edit {
+                kind: EditKind::Drop,
+                at: at.unwrap_or(order.len()),
+                step: *from,
+                before: Some(written.clone()),
+                after: None,
+                about: None,
+                why: why.clone(),
+            };
+            // A step behind a branch was left out of both of its sides.
+            if !edits
+                .iter()
+                .any(|known| known.kind == EditKind::Drop && known.step == *from)
+            {
+                edits.push(edit);
+            }
+        }
+        edits.sort_by_key(|edit| (edit.at, edit.kind != EditKind::Drop));
+        edits
+    }
+}

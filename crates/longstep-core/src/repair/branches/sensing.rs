@@ -1,0 +1,180 @@
+//! Sensing: what it tells on one way, and where it has to be put in.
+
+use super::super::{Edit, EditKind, Pins, Repaired, Unwanted};
+use super::draft::{Draft, Item, Part, draft_step};
+use crate::model::{Atom, Condition, Domain, Effect, Term};
+use crate::model::{EntityId, Fact, Voice, World};
+use crate::plan::{Plan, Step, Test};
+use crate::verify::{Purpose, Violation, check};
+
+/// The domain in which sensing tells just this: on one way through a plan, it is an action like any other.
+pub(super) fn with_outcomes(domain: &Domain, told: &[Fact]) -> Domain {
+    let mut known = domain.clone();
+    for action in &mut known.actions {
+        for atom in std::mem::take(&mut action.senses) {
+            for fact in told.iter().filter(|fact| fact.predicate() == atom.predicate) {
+                let same = |(place, term): (usize, &Term)| Condition::Equal {
+                    left: *term,
+                    right: Term::Constant(fact.argument(place)),
+                    holds: true,
+                };
+                action.effects.push(Effect {
+                    forall: Vec::new(),
+                    condition: Condition::And(atom.terms.iter().enumerate().map(same).collect()),
+                    atom: atom.clone(),
+                    adds: true,
+                });
+            }
+        }
+    }
+    known
+}
+
+/// The steps and edits of a repaired way, with what was put in before sensing put behind it where that will do: there it
+/// concerns this way alone.
+pub(super) fn behind_sensing(
+    domain: &Domain,
+    told: &Domain,
+    world: &World,
+    repaired: Repaired,
+    purpose: &Purpose,
+    looped: &[Fact],
+    pins: &Pins,
+) -> (Vec<Step>, Vec<Edit>) {
+    let mut steps = repaired.plan.steps().to_vec();
+    let mut edits = repaired.edits;
+    // Behind sensing may be where a person took a step out.
+    if !pins.unwanted.is_empty() {
+        return (steps, edits);
+    }
+    // Behind the head of a loop it would be done again and again.
+    let senses = |step: &Step| {
+        let mut outcomes = domain
+            .action(step.action)
+            .senses
+            .iter()
+            .map(|atom| crate::model::ground(atom, &step.arguments));
+        !domain.action(step.action).senses.is_empty() && !outcomes.any(|fact| looped.contains(&fact))
+    };
+    for at in (0..steps.len().saturating_sub(1)).rev() {
+        let mut place = at;
+        while place + 1 < steps.len() {
+            let inserted = edits
+                .iter()
+                .position(|edit| edit.at == place && edit.kind == EditKind::Insert);
+            let Some(edit) = inserted.filter(|_| senses(&steps[place + 1])) else {
+                break;
+            };
+            let mut swapped = steps.clone();
+            swapped.swap(place, place + 1);
+            if !check(told, world, Plan::sequence(swapped.clone()), purpose)
+                .violations
+                .is_empty()
+            {
+                break;
+            }
+            steps = swapped;
+            edits[edit].at = place + 1;
+            place += 1;
+        }
+    }
+    edits.sort_by_key(|edit| edit.at);
+    (steps, edits)
+}
+
+impl Draft {
+    /// Puts sensing before the conditions that ask what nothing has sensed, unless a person does not want it there.
+    pub(super) fn sense(&mut self, domain: &Domain, world: &World, violations: &[Violation], pins: &Pins) {
+        for violation in violations {
+            let plain = match violation {
+                Violation::When { violation, .. } => violation,
+                plain => plain,
+            };
+            let Violation::Unsensed { fact, .. } = plain else {
+                continue;
+            };
+            let tells = |atom: &Atom| atom.predicate == fact.predicate();
+            let sensing = domain.action_ids().find(|(_, action)| action.senses.iter().any(tells));
+            let Some((action, declared)) = sensing else { continue };
+            let Some(atom) = declared.senses.first() else { continue };
+            let mut arguments: Vec<Option<EntityId>> = vec![None; declared.parameters.len()];
+            for (place, term) in atom.terms.iter().enumerate() {
+                if let Term::Variable(slot) = term {
+                    arguments[*slot] = Some(fact.argument(place));
+                }
+            }
+            let complete: Option<Vec<EntityId>> = arguments.iter().copied().collect();
+            let Some(complete) = complete else { continue };
+            let step = Step::explained(domain, world, action, complete);
+            let asked = Voice::Person.fact(domain, world, *fact, true);
+            for block in 0..self.blocks.len() {
+                let asks =
+                    |part: &Part| matches!(part, Part::If(test, ..) | Part::While(test, _) if holds_in(test, *fact));
+                let Some(place) = self.blocks[block].iter().position(asks) else {
+                    continue;
+                };
+                let from = self.number_from(block, place);
+                let forbids = |out: &Unwanted| {
+                    let same = (out.action, &out.arguments) == (step.action, &step.arguments);
+                    out.forbids(step.action, &step.arguments) || (same && out.before == from)
+                };
+                if pins.unwanted.iter().any(forbids) {
+                    break;
+                }
+                self.items.push(Item {
+                    step: draft_step(&step),
+                    bound: step.arguments.clone(),
+                    written: step.call(domain, world).to_string(),
+                    from,
+                    edit: Some((
+                        EditKind::Insert,
+                        format!("a condition asks whether {asked}, and nothing had sensed that"),
+                    )),
+                    settled: false,
+                });
+                let new = self.items.len() - 1;
+                self.blocks[block].insert(place, Part::Step(new));
+                break;
+            }
+        }
+    }
+
+    /// The number in the draft of the first step from a place on.
+    fn number_from(&self, block: usize, place: usize) -> usize {
+        let mut numbers = Vec::new();
+        for part in &self.blocks[block][place..] {
+            self.collect(part, &mut numbers);
+        }
+        let next = numbers.first().map(|number| self.items[*number].from);
+        next.unwrap_or_else(|| self.items.iter().map(|item| item.from + 1).max().unwrap_or(0))
+    }
+
+    fn collect(&self, part: &Part, numbers: &mut Vec<usize>) {
+        let block = |block: usize, numbers: &mut Vec<usize>| {
+            self.blocks[block].iter().for_each(|part| self.collect(part, numbers));
+        };
+        match part {
+            Part::Step(number) => numbers.push(*number),
+            Part::If(test, then, otherwise) => {
+                numbers.extend(test.steps().iter().map(|step| step.index()));
+                block(*then, numbers);
+                block(*otherwise, numbers);
+            }
+            Part::While(test, body) => {
+                numbers.extend(test.steps().iter().map(|step| step.index()));
+                block(*body, numbers);
+            }
+            Part::Repeat(_, body) => block(*body, numbers),
+            Part::Remark(_) => {}
+        }
+    }
+}
+
+fn holds_in(test: &Test, fact: Fact) -> bool {
+    match test {
+        Test::Sense(_) => false,
+        Test::Holds(other) => *other == fact,
+        Test::Not(inner) => holds_in(inner, fact),
+        Test::All(parts) | Test::Any(parts) => parts.iter().any(|part| holds_in(part, fact)),
+    }
+}

@@ -1,0 +1,454 @@
+//! A draft as a task for search: how far it has been read is a fact like any other.
+
+use std::cmp::Ordering;
+
+use rustc_hash::FxHashSet;
+
+use super::pins::{Pins, Reach, Unwanted};
+use super::target::Meant;
+use crate::effort;
+use crate::model::Wanted;
+use crate::model::{ActionId, Domain, plain_words, singular};
+use crate::model::{EntityId, Fact, World, subject_of};
+use crate::plan::{DraftStep, Resolved};
+use crate::search::{Always, Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
+use crate::verify::{Candidate, Purpose, can_apply, candidates, claimed_places};
+
+/// What an operator does with the draft. Steps of the draft count from 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Move {
+    /// Does a step as the draft has it.
+    Keep(usize, GroundAction),
+    /// Does something between the steps.
+    Insert(GroundAction),
+    /// Does the same things with another verb, or by another actor.
+    Replace(usize, GroundAction),
+    /// Leaves a step out.
+    Drop(usize, Reason),
+    /// Lays a step aside.
+    Postpone(usize),
+    /// Does the step that was laid aside.
+    Resume(usize, GroundAction),
+    /// At the end, does without something that the draft says.
+    Forgo(Fact),
+}
+
+/// Why a step is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reason {
+    /// Its words mean nothing here.
+    Unknown,
+    /// It can never be done in this world.
+    Impossible,
+    /// It would change nothing.
+    Idle,
+    /// It cannot be had together with the rest.
+    Unwanted,
+}
+
+/// The task, but for what it is to reach.
+pub(super) struct Compiled<'a> {
+    scope: &'a Scope,
+    grounder: Grounder<'a>,
+    operators: Vec<Operator>,
+    moves: Vec<Move>,
+    always: Always,
+    /// The whole draft has been read, and nothing is laid aside.
+    arrived: Formula,
+}
+
+impl Compiled<'_> {
+    /// The task of going through the draft and ending as is meant.
+    pub(super) fn task(mut self, domain: &Domain, meant: &Meant) -> (Task, Vec<Move>) {
+        let costs = domain.repair;
+        let mut goals = vec![self.arrived.clone(), self.grounder.goal(&meant.required)];
+        for promise in &meant.promises {
+            let fulfilled = self.fact(domain, promise.fact);
+            let nearly: Vec<Formula> = promise.related.iter().map(|fact| self.fact(domain, *fact)).collect();
+            let other = self.forgone(promise.fact, costs.other_relation);
+            let forgone = self.forgone(promise.fact, costs.forgo);
+            goals.push(Formula::or([
+                fulfilled,
+                Formula::and([Formula::or(nearly), other]),
+                forgone,
+            ]));
+        }
+        let in_scope = |fact: &&Fact| self.scope.contains(subject_of(domain, **fact));
+        for fact in meant.kept.iter().filter(in_scope) {
+            let kept = self.fact(domain, *fact);
+            let forgone = self.forgone(*fact, costs.unsettle);
+            goals.push(Formula::or([kept, forgone]));
+        }
+        let task = Task {
+            initial: self.grounder.initial,
+            operators: self.operators,
+            goal: Formula::and(goals),
+            always: self.always,
+        };
+        (task, self.moves)
+    }
+
+    fn fact(&mut self, domain: &Domain, fact: Fact) -> Formula {
+        let wanted = Wanted::of_fact(domain, fact);
+        self.grounder.formula(&wanted.condition, &mut wanted.bindings.clone())
+    }
+
+    /// That something has been done without, which can be decided only at the end.
+    fn forgone(&mut self, fact: Fact, cost: u32) -> Formula {
+        let forgone = self.grounder.extra(false);
+        self.operators.push(Operator {
+            step: nothing(),
+            cost,
+            tag: self.moves.len() as u32,
+            told: None,
+            precondition: self.arrived.clone(),
+            effects: vec![effect(forgone, true)],
+        });
+        self.moves.push(Move::Forgo(fact));
+        literal(forgone, true)
+    }
+}
+
+/// What a repair of the draft can need, and the things that it is about.
+pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked, Vec<EntityId>) {
+    let mut asked = Asked::of(domain, &meant.required);
+    let mut about = draft.objects.clone();
+    about.extend(meant.required.iter().flat_map(|wanted| &wanted.bindings));
+    for fact in meant.kept.iter().chain(meant.promised()) {
+        asked.literal(fact.predicate(), true);
+    }
+    about.extend(meant.promised().flat_map(|fact| domain.arguments(*fact)));
+    for step in draft.steps.iter().flatten() {
+        let action = domain.action(step.action);
+        action
+            .precondition
+            .for_each_atom(&mut |atom, holds| asked.literal(atom.predicate, holds));
+        // Another verb for the same things changes some of the same facts.
+        for effect in &action.effects {
+            asked.literal(effect.atom.predicate, effect.adds);
+            effect.condition.for_each_atom(&mut |atom, _| {
+                asked.literal(atom.predicate, true);
+                asked.literal(atom.predicate, false);
+            });
+        }
+        about.extend(step.arguments.iter().flatten());
+    }
+    (asked, about)
+}
+
+/// Units that are charged for an operator: its step, its condition and its effects are lists of their own.
+const OPERATOR: usize = 12 * effort::KEPT;
+
+/// Writes the draft as a task over what is in scope.
+pub(super) fn compile<'a>(
+    domain: &'a Domain,
+    world: &'a World,
+    scope: &'a Scope,
+    draft: &Resolved,
+    purpose: &Purpose,
+    pins: &Pins,
+) -> Compiled<'a> {
+    let mut grounder = Grounder::new(domain, world, scope);
+    let always = grounder.always();
+    let in_draft = draft
+        .steps
+        .iter()
+        .flatten()
+        .flat_map(|step| step.arguments.iter().flatten());
+    let places = claimed_places(domain, world, purpose.claim.as_ref(), &draft.objects);
+    let spoken_of: FxHashSet<EntityId> = in_draft.chain(&draft.objects).chain(&places).copied().collect();
+    let mut inserted = grounder.operators(&spoken_of);
+    inserted.retain(|operator| {
+        let step = &operator.step;
+        let forbids = |unwanted: &Unwanted| unwanted.forbids(step.action, &step.arguments);
+        !pins.unwanted.iter().any(forbids)
+    });
+    let taken_out: Vec<TakenOut> = pins
+        .unwanted
+        .iter()
+        .filter(|unwanted| unwanted.arguments.iter().all(|thing| scope.contains(*thing)))
+        .map(|unwanted| {
+            let mut effects = grounder.operator(unwanted.step()).effects;
+            effects.sort();
+            TakenOut {
+                before: unwanted.before,
+                anywhere: unwanted.reach != Reach::Here,
+                effects,
+            }
+        })
+        .collect();
+    inserted.retain(|operator| !taken_out.iter().any(|out| out.anywhere && out.is_like(operator)));
+    let length = draft.steps.len();
+    let reached: Vec<u32> = (0..=length).map(|index| grounder.extra(index == 0)).collect();
+    let free_handed = grounder.extra(true);
+    let mut writer = Writer {
+        domain,
+        world,
+        grounder,
+        inserted: &inserted,
+        taken_out: &taken_out,
+        pins,
+        reached,
+        free_handed,
+        operators: Vec::new(),
+        moves: Vec::new(),
+    };
+    for (index, step) in draft.steps.iter().enumerate() {
+        if effort::is_exhausted() {
+            break;
+        }
+        match step {
+            Some(step) => {
+                let mut choices = candidates(domain, world, step, &draft.objects, &places);
+                choices.retain(|choice| choice.arguments.iter().all(|thing| scope.contains(*thing)));
+                writer.step(index, step, &choices);
+            }
+            None => writer.drop(index, Reason::Unknown, Formula::TRUE, domain.repair.drop_impossible),
+        }
+    }
+    for operator in &inserted {
+        let step = operator.step.clone();
+        let elsewhere = writer.elsewhere(operator);
+        writer.push(elsewhere, domain.repair.insert, Move::Insert(step));
+    }
+    let Writer {
+        grounder,
+        operators,
+        moves,
+        reached,
+        ..
+    } = writer;
+    let arrived = [reached[length], free_handed].map(|fact| literal(fact, true));
+    Compiled {
+        scope,
+        grounder,
+        operators,
+        moves,
+        always,
+        arrived: Formula::and(arrived),
+    }
+}
+
+/// Which of two entities a step's explanation rather speaks of: greater if it is `one`.
+pub(super) fn spoken_of(world: &World, explanation: &str, one: EntityId, other: EntityId) -> Ordering {
+    let words: Vec<String> = plain_words(explanation).iter().map(|word| singular(word)).collect();
+    let named = |entity: EntityId| world.entity(entity).words_in(&words);
+    named(one).cmp(&named(other))
+}
+
+fn literal(fact: u32, holds: bool) -> Formula {
+    Formula::Literal(Literal { fact, holds })
+}
+
+/// What an operator does that does nothing in the world.
+fn nothing() -> GroundAction {
+    GroundAction {
+        action: ActionId::new(0),
+        arguments: Vec::new(),
+    }
+}
+
+fn effect(fact: u32, holds: bool) -> GroundEffect {
+    GroundEffect {
+        condition: Formula::TRUE,
+        literal: Literal { fact, holds },
+    }
+}
+
+/// A step that is not to come back where it stood, nor anything that does the same.
+struct TakenOut {
+    before: usize,
+    anywhere: bool,
+    effects: Vec<GroundEffect>,
+}
+
+impl TakenOut {
+    fn is_like(&self, operator: &Operator) -> bool {
+        let mut effects = operator.effects.clone();
+        effects.sort();
+        self.effects == effects
+    }
+}
+
+struct Writer<'a, 'b> {
+    domain: &'a Domain,
+    world: &'a World,
+    grounder: Grounder<'a>,
+    inserted: &'b [Operator],
+    taken_out: &'b [TakenOut],
+    pins: &'b Pins,
+    /// For each step, that the draft has been read up to it.
+    reached: Vec<u32>,
+    /// Nothing is laid aside.
+    free_handed: u32,
+    operators: Vec<Operator>,
+    moves: Vec<Move>,
+}
+
+impl Writer<'_, '_> {
+    fn push(&mut self, mut operator: Operator, cost: u32, meaning: Move) {
+        effort::spend(OPERATOR);
+        operator.cost = cost;
+        operator.tag = self.moves.len() as u32;
+        operator.effects.sort();
+        self.moves.push(meaning);
+        self.operators.push(operator);
+    }
+
+    /// The operator, done at a step of the draft and going on to the next.
+    fn reading(&self, index: usize, mut operator: Operator) -> Operator {
+        operator.precondition = Formula::and([literal(self.reached[index], true), operator.precondition]);
+        operator.effects.push(effect(self.reached[index], false));
+        operator.effects.push(effect(self.reached[index + 1], true));
+        operator
+    }
+
+    /// The operator, done anywhere but where the same was taken out.
+    fn elsewhere(&self, operator: &Operator) -> Operator {
+        let mut operator = operator.clone();
+        let alike = self.taken_out.iter().filter(|taken_out| taken_out.is_like(&operator));
+        let mut conditions: Vec<Formula> = alike
+            .map(|taken_out| literal(self.reached[taken_out.before], false))
+            .collect();
+        if !conditions.is_empty() {
+            conditions.push(operator.precondition);
+            operator.precondition = Formula::and(conditions);
+        }
+        operator
+    }
+
+    /// An operator that does nothing in the world.
+    fn pass(&self, index: usize, condition: Formula) -> Operator {
+        let nothing = Operator {
+            step: nothing(),
+            cost: 0,
+            tag: 0,
+            told: None,
+            precondition: condition,
+            effects: Vec::new(),
+        };
+        self.reading(index, nothing)
+    }
+
+    fn drop(&mut self, index: usize, reason: Reason, condition: Formula, cost: u32) {
+        let operator = self.pass(index, condition);
+        self.push(operator, cost, Move::Drop(index, reason));
+    }
+
+    fn step(&mut self, index: usize, step: &DraftStep, choices: &[Candidate]) {
+        let costs = self.domain.repair;
+        let mut kept: Vec<(Operator, u32)> = Vec::new();
+        let mut brings: FxHashSet<Literal> = FxHashSet::default();
+        let mut handles: FxHashSet<EntityId> = FxHashSet::default();
+        let mut idle: Vec<Formula> = Vec::new();
+        for choice in choices {
+            let ground = GroundAction {
+                action: step.action,
+                arguments: choice.arguments.clone(),
+            };
+            let operator = self.grounder.operator(ground);
+            let always: Vec<Literal> = operator
+                .effects
+                .iter()
+                .filter(|effect| effect.condition.is_true())
+                .map(|effect| effect.literal)
+                .collect();
+            if !choice.unspoken {
+                brings.extend(&always);
+                handles.extend(&choice.arguments);
+                if !always.is_empty() {
+                    idle.push(Formula::and(always.into_iter().map(Formula::Literal)));
+                }
+            }
+            if can_apply(self.domain, self.world, step.action, &choice.arguments) {
+                let cost = if choice.unspoken { costs.rebind } else { 0 };
+                kept.push((operator, cost));
+            }
+        }
+        let possible = !kept.is_empty();
+        let before = self.operators.len();
+        for (operator, cost) in &kept {
+            let meaning = Move::Keep(index, operator.step.clone());
+            self.push(self.reading(index, operator.clone()), *cost, meaning);
+        }
+        if self.pins.kept.contains(&index) {
+            return;
+        }
+        let beside = |taken_out: &&TakenOut| taken_out.before == index || taken_out.before == index + 1;
+        let taken_out: Vec<&TakenOut> = self.taken_out.iter().filter(beside).collect();
+        for operator in self.inserted {
+            if taken_out.iter().any(|taken_out| taken_out.is_like(operator)) {
+                continue;
+            }
+            let same_things = operator.step.arguments.iter().all(|entity| handles.contains(entity));
+            let alike = |effect: &GroundEffect| effect.condition.is_true() && brings.contains(&effect.literal);
+            if operator.step.action != step.action && same_things && operator.effects.iter().any(alike) {
+                let meaning = Move::Replace(index, operator.step.clone());
+                self.push(self.reading(index, operator.clone()), costs.replace, meaning);
+            }
+        }
+        self.by_others(index, step, choices, &taken_out);
+        if self.operators.len() == before {
+            self.drop(index, Reason::Impossible, Formula::TRUE, costs.drop_impossible);
+            return;
+        }
+        // What comes behind a step that was taken out stays there, or the step could come back behind it.
+        if self.taken_out.iter().any(|out| out.before == index) {
+            return;
+        }
+        self.drop(index, Reason::Idle, Formula::or(idle), costs.drop_idle);
+        self.drop(index, Reason::Unwanted, Formula::TRUE, costs.drop);
+        if possible && self.reached.len() > 2 {
+            self.postpone(index, kept);
+        }
+    }
+
+    /// The step done by another actor.
+    fn by_others(&mut self, index: usize, step: &DraftStep, choices: &[Candidate], taken_out: &[&TakenOut]) {
+        let Some(actor) = self.domain.action(step.action).actor else {
+            return;
+        };
+        for operator in self
+            .inserted
+            .iter()
+            .filter(|operator| operator.step.action == step.action)
+        {
+            let same_but_actor = |choice: &&Candidate| {
+                let pairs = choice.arguments.iter().zip(&operator.step.arguments).enumerate();
+                pairs
+                    .into_iter()
+                    .all(|(place, (one, other))| (one == other) == (place != actor))
+            };
+            let Some(choice) = choices.iter().find(same_but_actor) else {
+                continue;
+            };
+            if taken_out.iter().any(|taken_out| taken_out.is_like(operator)) {
+                continue;
+            }
+            let costs = self.domain.repair;
+            let (written, other) = (choice.arguments[actor], operator.step.arguments[actor]);
+            let changed = match spoken_of(self.world, &step.explanation, other, written) {
+                Ordering::Greater => costs.rebind,
+                Ordering::Equal => costs.other_actor,
+                Ordering::Less => costs.other_actor + costs.rebind,
+            };
+            let unspoken = if choice.unspoken { costs.rebind } else { 0 };
+            let meaning = Move::Replace(index, operator.step.clone());
+            self.push(self.reading(index, operator.clone()), changed + unspoken, meaning);
+        }
+    }
+
+    fn postpone(&mut self, index: usize, kept: Vec<(Operator, u32)>) {
+        let laid_aside = self.grounder.extra(false);
+        let free = self.free_handed;
+        let mut operator = self.pass(index, literal(free, true));
+        operator.effects.extend([effect(free, false), effect(laid_aside, true)]);
+        self.push(operator, self.domain.repair.postpone, Move::Postpone(index));
+        for (mut operator, cost) in kept {
+            operator.precondition = Formula::and([literal(laid_aside, true), operator.precondition]);
+            operator.effects.extend([effect(free, true), effect(laid_aside, false)]);
+            let meaning = Move::Resume(index, operator.step.clone());
+            self.push(operator, cost, meaning);
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! The cheapest change that makes a plan valid.
+//!
+//! A draft that fails mostly fails by a word: the wrong verb, a door that nobody opened. Its picture of the world
+//! afterwards is usually right, so [`repair`] looks for the cheapest way through the draft that ends there: a
+//! shortest path over how far the draft has been read and what the world is (`compile`), found by the same search
+//! that plans from goals. Keeping a step that can be done is free; what else is allowed, and at what cost, is in the
+//! domain ([`crate::domain::RepairCosts`]). The result is verified like any other plan, and every edit says why.
+
+mod branches;
+mod compile;
+mod edit;
+mod pins;
+mod target;
+#[cfg(test)]
+mod tests;
+
+pub use edit::{Edit, EditKind};
+pub use pins::{Pins, Reach, Unwanted};
+
+use compile::Move;
+use edit::Script;
+use target::Meant;
+
+use crate::effort;
+use crate::model::Domain;
+use crate::model::{EntityId, Fact, World};
+use crate::plan::{Plan, Resolved};
+use crate::search::{Asked, Found, Scope, cheapest, greedy, reduce};
+use crate::verify::{Purpose, VerifiedPlan, Violation, bind_as_far, check};
+
+/// How far repair looks for the cheapest change, and as far again for any, in states looked at, so that the answer
+/// never depends on the speed of the machine.
+pub const LIMIT: usize = 6_000;
+
+/// Drafts with more steps than this are not repaired: no instruction needs as many, and each state would take long.
+const LONGEST: usize = 500;
+
+/// The units of work of one repair: binding, checking and searching, on all ways of a plan that branches.
+const EFFORT: u64 = 50_000_000;
+
+/// The units of work of one part of the search: writing the draft as a task, and looking for the cheapest way.
+const SEARCH_EFFORT: u64 = 24_000_000;
+
+/// How far it looks for something cheaper in the rest of the world, once it knows a way.
+const PROOF: usize = 200;
+
+/// What came of a repair.
+#[derive(Debug, Clone)]
+pub enum Outcome {
+    /// The draft is a good plan as it is.
+    Valid(VerifiedPlan),
+    /// A good plan, and how it was made.
+    Repaired(Box<Repaired>),
+    /// The draft does not say what is to be done: repairing it would be guessing.
+    Unclear {
+        /// What is not clear, for a person.
+        why: String,
+    },
+    /// No plan keeps the rules and reaches what is wanted, whatever is changed.
+    ProvenUnsolvable {
+        /// States expanded.
+        expanded: usize,
+    },
+    /// There may be a repair, and it was not found within the limits.
+    GaveUp {
+        /// Which limit.
+        why: String,
+        /// States expanded.
+        expanded: usize,
+    },
+}
+
+/// A plan that was made valid.
+#[derive(Debug, Clone)]
+pub struct Repaired {
+    /// The plan.
+    pub plan: VerifiedPlan,
+    /// What was changed, in the order of the plan.
+    pub edits: Vec<Edit>,
+    /// What the edits cost together.
+    pub cost: u32,
+    /// Whether it is proven that no repair costs less.
+    pub cheapest: bool,
+    /// What the draft claims and no repair could reach, in order.
+    pub given_up: Vec<Fact>,
+    /// States expanded.
+    pub expanded: usize,
+}
+
+/// Makes a resolved draft valid at the least cost, or tells that it is valid already.
+///
+/// Of `purpose`, what is wanted and the rules bind. The claim is soft: what of it no action can bring about here, and
+/// what costs more than it is worth, is given up and listed. Where nothing is claimed, what the draft would do if
+/// every step worked takes its place.
+///
+/// The answer is a function of the arguments: of equally cheap repairs it is always the same one.
+///
+/// ```
+/// use longstep_core::plan::{TaskCohesion, resolve};
+/// use longstep_core::repair::{Outcome, repair};
+/// use longstep_core::{domain, json, verify, world};
+/// let domain = domain::shipped("virtualhome").unwrap().unwrap();
+/// let text = r#"{"assets": ["<desk_1>", "<fridge_2>"], "objects": ["<milk_3>"],
+///     "object_states": {"<milk_3>": "ON(<desk_1>)"}, "asset_properties": {"<fridge_2>": ["IS_OPENABLE"]}}"#;
+/// let environment = world::Environment::from_json(text).unwrap();
+/// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let calls = ["Walktowards(<desk_1>)", "Grab(<milk_3>)", "Walktowards(<fridge_2>)", "PutIn(<milk_3>, <fridge_2>)"];
+/// let draft = TaskCohesion {
+///     task_sequence: calls.map(str::to_owned).to_vec(),
+///     ..TaskCohesion::default()
+/// };
+/// let outcome = repair(&domain, &world, &resolve(&domain, &world, &draft), &verify::Purpose::default());
+/// let Outcome::Repaired(repaired) = outcome else { panic!("{outcome:?}") };
+/// let edits: Vec<_> = repaired.edits.iter().filter_map(|edit| edit.after.clone()).collect();
+/// assert_eq!(edits, ["Open(<fridge_2>)", "Close(<fridge_2>)"]);
+/// ```
+pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
+    repair_pinned(domain, world, draft, purpose, &Pins::default())
+}
+
+/// The same, around what a person settled: no repair undoes a pin, and where none can be had without undoing one,
+/// there is none.
+pub fn repair_pinned(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
+    let spent = effort::within(EFFORT, || repair_within(LIMIT, domain, world, draft, purpose, pins));
+    match spent.result {
+        outcome @ (Outcome::Valid(_) | Outcome::Repaired(_)) => outcome,
+        Outcome::ProvenUnsolvable { expanded } if spent.exhausted => Outcome::GaveUp {
+            why: format!("no repair found in {expanded} states, which took all the work that a repair may take"),
+            expanded,
+        },
+        outcome => outcome,
+    }
+}
+
+fn repair_within(
+    limit: usize,
+    domain: &Domain,
+    world: &World,
+    draft: &Resolved,
+    purpose: &Purpose,
+    pins: &Pins,
+) -> Outcome {
+    if !draft.is_sequence() {
+        return branches::repair_branches(limit, domain, world, draft, purpose, pins);
+    }
+    let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
+    let bound = bind_as_far(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
+    let whole = draft.issues.is_empty() && bound.missing.is_none();
+    // What the draft would come to if every step worked.
+    let as_if = match check(domain, world, Plan::sequence(bound.steps), purpose).into_verified() {
+        Ok(plan) if whole => return Outcome::Valid(plan),
+        Ok(plan) => plan.ending().after.clone(),
+        Err(report) => report.ending().after.clone(),
+    };
+    if let Some(why) = unclear(domain, world, draft, purpose) {
+        return Outcome::Unclear { why };
+    }
+    if draft.steps.len() > LONGEST {
+        return Outcome::GaveUp {
+            why: format!(
+                "the plan has {} steps, and repair looks at {LONGEST} at most",
+                draft.steps.len()
+            ),
+            expanded: 0,
+        };
+    }
+    let meant = target::meant(domain, world, draft, purpose, &as_if);
+    let (asked, about) = compile::asked(domain, draft, &meant);
+    let mut search = Search {
+        domain,
+        world,
+        draft,
+        purpose,
+        pins,
+        meant: &meant,
+        expanded: 0,
+        exhausted: false,
+    };
+    let way = search.way(limit, &asked, &about);
+    let (expanded, exhausted) = (search.expanded, search.exhausted);
+    match way {
+        Found::Path(way) => match follow(domain, world, draft, purpose, &meant, way, expanded) {
+            Some(repaired) => Outcome::Repaired(Box::new(repaired)),
+            None => Outcome::GaveUp {
+                why: "the repair that was found with what surrounds the plan does not work in the whole world"
+                    .to_owned(),
+                expanded,
+            },
+        },
+        Found::Nothing => Outcome::ProvenUnsolvable { expanded },
+        Found::Limit => Outcome::GaveUp {
+            why: match exhausted {
+                true => format!("no repair found in {expanded} states, which took all the work that a search may take"),
+                false => format!("no repair found in {expanded} states"),
+            },
+            expanded,
+        },
+    }
+}
+
+/// Why a repair would be guessing: the thing that is handled is not known, or steps mean nothing and no claim tells
+/// what they were for.
+fn unclear(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Option<String> {
+    let unspoken = purpose.claim.is_none() && purpose.wanted.is_empty();
+    let issue = draft.issues.iter().find(|issue| match issue {
+        Violation::UnknownEntity { step: None, .. } => true,
+        issue => unspoken && issue.step().is_some(),
+    })?;
+    let told = issue.message(domain, world, &[], None);
+    Some(match issue.step() {
+        Some(_) => format!("{told}; and the plan does not claim what the world is to be afterwards"),
+        None => told,
+    })
+}
+
+struct Search<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    draft: &'a Resolved,
+    purpose: &'a Purpose,
+    pins: &'a Pins,
+    meant: &'a Meant,
+    expanded: usize,
+    /// True if a part of the search took all the work that it may take.
+    exhausted: bool,
+}
+
+impl Search<'_> {
+    /// A cheap way through the draft with what surrounds it, and then a proof that none is cheaper, or a cheaper one,
+    /// with everything that there is.
+    fn way(&mut self, limit: usize, asked: &Asked, about: &[EntityId]) -> Found<Way> {
+        let whole = Scope::whole(self.domain, self.world, asked);
+        let near = whole.around(self.domain, self.world, asked, about, false);
+        // With little more in the world than that, there is nothing to gain by looking twice.
+        let small = 2 * near.len() >= whole.len();
+        let mut best = match small {
+            true => Found::Limit,
+            false => self.within(&near, limit, None),
+        };
+        if !whole.is_bearable(self.domain) {
+            if !matches!(best, Found::Path(_)) {
+                let far = whole.around(self.domain, self.world, asked, about, true);
+                if far.is_bearable(self.domain) {
+                    best = self.within(&far, limit, None);
+                }
+            }
+            // What surrounds the plan proves nothing about the rest.
+            return match best {
+                Found::Nothing => Found::Limit,
+                best => best,
+            };
+        }
+        let (limit, below) = match &best {
+            Found::Path(way) => (limit.min(PROOF), Some(way.cost)),
+            Found::Nothing | Found::Limit => (limit, None),
+        };
+        match (self.within(&whole, limit, below), &mut best) {
+            (Found::Nothing, Found::Path(way)) => way.cheapest = true,
+            (Found::Limit, Found::Path(_)) => {}
+            (found, best) => *best = found,
+        }
+        best
+    }
+
+    /// The cheapest way with what is in scope; any, if looking for the cheapest takes too long.
+    fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
+        let spent = effort::within(SEARCH_EFFORT, || self.way_within(scope, limit, below));
+        self.exhausted |= spent.exhausted;
+        match spent.exhausted {
+            true => Found::Limit,
+            false => spent.result,
+        }
+    }
+
+    fn way_within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
+        let compiled = compile::compile(self.domain, self.world, scope, self.draft, self.purpose, self.pins);
+        let (task, moves) = compiled.task(self.domain, self.meant);
+        let task = reduce(task);
+        let (mut found, looked_at) = cheapest(&task, limit, below);
+        self.expanded += looked_at;
+        let proven = found != Found::Limit;
+        if !proven && below.is_none() {
+            let (any, looked_at) = greedy(&task, limit);
+            self.expanded += looked_at;
+            found = any;
+        }
+        match found {
+            Found::Path(path) => {
+                let operators = || path.iter().map(|number| &task.operators[*number as usize]);
+                Found::Path(Way {
+                    moves: operators()
+                        .map(|operator| moves[operator.tag as usize].clone())
+                        .collect(),
+                    cost: operators().map(|operator| operator.cost).sum(),
+                    cheapest: proven && scope.whole,
+                })
+            }
+            Found::Nothing => Found::Nothing,
+            Found::Limit => Found::Limit,
+        }
+    }
+}
+
+/// A way through a draft.
+#[derive(Debug, Clone)]
+struct Way {
+    moves: Vec<Move>,
+    cost: u32,
+    /// Whether it is proven that none costs less.
+    cheapest: bool,
+}
+
+/// The plan that a way leads to, if it verifies in the whole world.
+fn follow(
+    domain: &Domain,
+    world: &World,
+    draft: &Resolved,
+    purpose: &Purpose,
+    meant: &Meant,
+    way: Way,
+    expanded: usize,
+) -> Option<Repaired> {
+    let mut given_up = meant.impossible.clone();
+    given_up.extend(way.moves.iter().filter_map(|next| match next {
+        Move::Forgo(fact) => Some(*fact),
+        _ => None,
+    }));
+    given_up.sort_unstable();
+    let script = Script::of(domain, world, draft, &way.moves);
+    let mut purpose = purpose.clone();
+    purpose.claim = purpose.claim.map(|claim| claim.without(&given_up));
+    let report = check(domain, world, script.plan(), &purpose);
+    let edits = script.edits(domain, world, draft, &purpose, meant, &report);
+    Some(Repaired {
+        plan: report.into_verified().ok()?,
+        edits,
+        cost: way.cost,
+        cheapest: way.cheapest,
+        given_up,
+        expanded,
+    })
+}

@@ -1,0 +1,242 @@
+//! What a contingent search finds, and the plan that it is.
+
+use std::rc::Rc;
+
+use crate::effort;
+use crate::model::Domain;
+use crate::model::{Fact, World};
+use crate::plan::{Node, Plan, Step, StepId, Test};
+use crate::search::GroundAction;
+use crate::search::task::Task;
+
+/// What to do from a state on: steps, by the numbers of their operators, and what comes after them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Course {
+    pub(super) path: Vec<u32>,
+    pub(super) then: Then,
+    /// Steps in the worst case, loops gone through once.
+    pub(super) worst: u32,
+    /// Steps in all, those of every branch.
+    pub(super) total: u32,
+}
+
+/// What comes after the steps of a [`Course`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Then {
+    /// Nothing: the goal holds.
+    Done,
+    /// The sensing that led here, again.
+    Again,
+    /// Sensing, with an operator and a course for each outcome, in the order of the action.
+    Look(Vec<(u32, Rc<Course>)>),
+}
+
+impl Course {
+    /// Whether `self` is to be preferred: fewer steps in the worst case, fewer in all, sensing earlier.
+    pub(super) fn is_better(&self, other: &Self) -> bool {
+        let rank = |course: &Self| (course.worst, course.total, course.path.len());
+        rank(self) < rank(other)
+    }
+}
+
+/// A piece of a plan, its steps not numbered yet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Piece {
+    Do(GroundAction),
+    /// Sensing, and what to do for each outcome.
+    Look(GroundAction, Vec<Way>),
+    /// Sensing, and what to do each time before sensing again; the other outcomes end it.
+    Loop(GroundAction, Vec<Way>, Vec<Fact>),
+    /// What to do for each outcome that is known by now.
+    Known(Vec<Way>),
+}
+
+/// The units for a step that is written: it is explained, and compared with those of other branches.
+const PIECE: usize = 64;
+
+/// An outcome, and what to do then.
+type Way = (Fact, Vec<Piece>);
+
+/// The plan of a course.
+///
+/// What both sides of a branch end with stands behind the branch, and outcomes with which the same is to be done share
+/// a side. None if the branches stand too deep in each other.
+pub(super) fn plan(domain: &Domain, world: &World, task: &Task, course: &Course) -> Option<Plan> {
+    let mut writer = Writer {
+        domain,
+        world,
+        steps: Vec::new(),
+    };
+    let body = writer.nodes(pieces(task, course));
+    Plan::tree(writer.steps, body)
+}
+
+fn pieces(task: &Task, course: &Course) -> Vec<Piece> {
+    // Courses share what follows; a plan does not, so one can be exponentially larger.
+    if !effort::spend(PIECE * (1 + course.path.len())) {
+        return Vec::new();
+    }
+    let step = |number: &u32| task.operators[*number as usize].step.clone();
+    let mut pieces: Vec<Piece> = course.path.iter().map(|number| Piece::Do(step(number))).collect();
+    let Then::Look(outcomes) = &course.then else {
+        return pieces;
+    };
+    let way = |(number, course): &(u32, Rc<Course>)| -> Option<Way> {
+        Some((task.operators[*number as usize].told?, pieces_of(task, course)))
+    };
+    let (again, on): (Vec<_>, Vec<_>) = outcomes.iter().partition(|(_, course)| course.then == Then::Again);
+    let Some(sensing) = outcomes.first().map(|(number, _)| step(number)) else {
+        return pieces;
+    };
+    let mut ways: Vec<Way> = on.into_iter().filter_map(way).collect();
+    let tail = common_tail(&mut ways);
+    if again.is_empty() {
+        pieces.push(Piece::Look(sensing, ways));
+    } else {
+        let exits = ways.iter().map(|(fact, _)| *fact).collect();
+        pieces.push(Piece::Loop(sensing, again.into_iter().filter_map(way).collect(), exits));
+        pieces.push(Piece::Known(ways));
+    }
+    pieces.extend(tail);
+    pieces
+}
+
+fn pieces_of(task: &Task, course: &Rc<Course>) -> Vec<Piece> {
+    pieces(task, course)
+}
+
+/// Takes from all ways what they all end with.
+fn common_tail(ways: &mut [Way]) -> Vec<Piece> {
+    let mut tail = Vec::new();
+    while let Some(last) = ways.first().and_then(|(_, pieces)| pieces.last()).cloned()
+        && ways.iter().all(|(_, pieces)| pieces.last() == Some(&last))
+    {
+        ways.iter_mut().for_each(|(_, pieces)| drop(pieces.pop()));
+        tail.push(last);
+    }
+    tail.reverse();
+    tail
+}
+
+struct Writer<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    steps: Vec<Step>,
+}
+
+impl Writer<'_> {
+    fn step(&mut self, step: GroundAction) -> StepId {
+        let step = Step::explained(self.domain, self.world, step.action, step.arguments);
+        self.steps.push(step);
+        StepId::new(self.steps.len() - 1)
+    }
+
+    fn nodes(&mut self, pieces: Vec<Piece>) -> Vec<Node> {
+        let mut nodes = Vec::new();
+        for piece in pieces {
+            match piece {
+                Piece::Do(step) => nodes.push(Node::Step(self.step(step))),
+                Piece::Look(step, ways) => self.look(step, ways, &mut nodes),
+                Piece::Loop(step, again, exits) => nodes.push(self.repeat(step, again, &exits)),
+                Piece::Known(ways) => nodes.extend(self.known(shared(ways))),
+            }
+        }
+        nodes
+    }
+
+    fn look(&mut self, step: GroundAction, ways: Vec<Way>, nodes: &mut Vec<Node>) {
+        let sides = shared(ways);
+        let id = self.step(step);
+        match <[Side; 2]>::try_from(sides) {
+            // What the step is true for stands alone on the first side.
+            Ok([(first, yes), (_, no)]) if first.len() == 1 => nodes.push(match yes.is_empty() {
+                true => Node::If {
+                    condition: Test::Not(Box::new(Test::Sense(id))),
+                    then: self.nodes(no),
+                    otherwise: Vec::new(),
+                },
+                false => Node::If {
+                    condition: Test::Sense(id),
+                    then: self.nodes(yes),
+                    otherwise: self.nodes(no),
+                },
+            }),
+            Ok(sides) => {
+                nodes.push(Node::Step(id));
+                nodes.extend(self.known(sides.into()));
+            }
+            Err(sides) => {
+                nodes.push(Node::Step(id));
+                nodes.extend(self.known(sides));
+            }
+        }
+    }
+
+    /// Branches on what is known by now. The side of the most outcomes comes last, as what is done otherwise.
+    fn known(&mut self, mut sides: Vec<Side>) -> Vec<Node> {
+        sides.sort_by_key(|(facts, pieces)| (pieces.is_empty(), facts.len()));
+        let mut sides = sides.into_iter();
+        let Some((facts, pieces)) = sides.next() else {
+            return Vec::new();
+        };
+        let rest: Vec<Side> = sides.collect();
+        let then = self.nodes(pieces);
+        if rest.is_empty() {
+            return then;
+        }
+        vec![Node::If {
+            condition: any(facts.into_iter().map(Test::Holds).collect()),
+            then,
+            otherwise: self.known(rest),
+        }]
+    }
+
+    fn repeat(&mut self, step: GroundAction, again: Vec<Way>, exits: &[Fact]) -> Node {
+        let first = self
+            .domain
+            .action(step.action)
+            .senses
+            .first()
+            .map(|atom| crate::model::ground(atom, &step.arguments));
+        let sense = Test::Sense(self.step(step));
+        let mut leaving: Vec<Test> = exits
+            .iter()
+            .filter(|fact| Some(**fact) != first)
+            .map(|fact| Test::Holds(*fact))
+            .collect();
+        let condition = if first.is_some_and(|fact| exits.contains(&fact)) {
+            leaving.insert(0, sense);
+            Test::Not(Box::new(any(leaving)))
+        } else if again.len() == 1 {
+            sense
+        } else {
+            Test::Any(vec![sense, Test::Not(Box::new(any(leaving)))])
+        };
+        Node::While {
+            condition,
+            body: self.known(shared(again)),
+        }
+    }
+}
+
+/// Outcomes, and what to do with any of them.
+type Side = (Vec<Fact>, Vec<Piece>);
+
+/// The ways, those with the same to do as one.
+fn shared(ways: Vec<Way>) -> Vec<Side> {
+    let mut sides: Vec<Side> = Vec::new();
+    for (fact, pieces) in ways {
+        match sides.iter_mut().find(|(_, known)| *known == pieces) {
+            Some((facts, _)) => facts.push(fact),
+            None => sides.push((vec![fact], pieces)),
+        }
+    }
+    sides
+}
+
+fn any(mut tests: Vec<Test>) -> Test {
+    match tests.len() {
+        1 => tests.remove(0),
+        _ => Test::Any(tests),
+    }
+}

@@ -1,0 +1,306 @@
+//! Plans that look before they decide.
+//!
+//! Where a goal depends on what nobody knows yet, [`solve`] finds a tree of steps: sensing splits the way, and each
+//! outcome has a way of its own to the goal (AND-OR search, `and_or`, with lower bounds of its own, `bound`). Of all such
+//! trees it finds one whose worst case takes the fewest steps. Where no tree will do because what is sensed can turn out
+//! the same way again and again, it looks for a loop that goes on until it does not. What it finds (`course`) is written
+//! as a [`Plan`].
+
+mod and_or;
+mod bound;
+#[cfg(test)]
+mod brute_force;
+mod course;
+#[cfg(test)]
+mod tests;
+
+use self::and_or::{Manner, Search, TooFar};
+use self::course::Course;
+use super::task::Task;
+use super::{Asked, Found, Limits, Scope, Wanted, cheapest, forward, relevance, task};
+use crate::effort;
+use crate::model::Domain;
+use crate::model::{EntityId, Fact, World};
+use crate::plan::{Plan, Step};
+
+/// States looked at for fewer steps in all, once the worst case is known.
+const TIES: usize = 150;
+/// How much the greedy search prefers states that look close to the goal.
+const GREED: u32 = 5;
+/// No plan is longer.
+const LONGEST: u32 = 1_000;
+
+/// What a contingent search came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// A plan.
+    Solved {
+        /// Its steps and branches; a plain list where nothing had to be sensed.
+        plan: Plan,
+        /// Steps in the worst case, loops gone through once.
+        worst: u32,
+        /// Whether it is proven that no plan has a better worst case.
+        shortest: bool,
+        /// States looked at.
+        expanded: usize,
+    },
+    /// There is no plan that does whatever sensing tells.
+    ProvenUnsolvable {
+        /// What sensing could tell with which there is no way, if one such thing is to blame; nothing if there is no way
+        /// whatever it tells.
+        when: Option<Fact>,
+        /// States looked at.
+        expanded: usize,
+    },
+    /// There may be a plan, and it was not found.
+    GaveUp {
+        /// Why.
+        why: String,
+        /// States looked at.
+        expanded: usize,
+    },
+}
+
+impl Outcome {
+    /// Returns how many states were looked at.
+    pub fn expanded(&self) -> usize {
+        match self {
+            Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded, .. } | Self::GaveUp { expanded, .. } => {
+                *expanded
+            }
+        }
+    }
+}
+
+/// The units of work of one run.
+const EFFORT: u64 = 12_000_000;
+
+/// Finds the plan with the shortest worst case from the world's state to everything that is wanted, whatever sensing
+/// tells on the way. What the goal does not need to know is not sensed, and neither is what is known already.
+///
+/// Among plans with the same worst case, one with fewer steps in all is preferred, and then one that senses earlier; a
+/// branch is chosen for its own worst case first, so a plan with still fewer steps may exist where branches stand in
+/// branches. The answer is a function of the arguments: limits count states.
+///
+/// ```
+/// use longstep_core::{domain, goal, json, search::{Limits, contingent}, world};
+/// let checks = domain::shipped("household-checks").unwrap().unwrap();
+/// let environment = world::Environment::from_json(r#"{
+///     "assets": ["<table>", "<trash_bin>", "<shelf>"], "asset_states": {},
+///     "objects": ["<spam>"], "object_states": {"<spam>": "on_something(<table>)"}}"#).unwrap();
+/// let world = world::read(&checks, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let text = "if expired(spam) then put(spam, trash bin) else put(spam, shelf)";
+/// let wanted = goal::parse(&checks, &world, text).unwrap().wanted(&checks);
+/// let outcome = contingent::solve(&checks, &world, &wanted, &Limits::default());
+/// let contingent::Outcome::Solved { plan, shortest, .. } = outcome else { panic!() };
+/// assert!(shortest && !plan.is_sequence());
+/// ```
+pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+    let spent = effort::within(super::EFFORT, || solve_within(domain, world, wanted, limits));
+    match (spent.exhausted, spent.result) {
+        (false, outcome) => outcome,
+        (true, outcome) => Outcome::GaveUp {
+            why: super::TOO_MUCH.to_owned(),
+            expanded: outcome.expanded(),
+        },
+    }
+}
+
+fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+    let asked = Asked::of(domain, wanted);
+    let about: Vec<EntityId> = wanted
+        .iter()
+        .flat_map(|wanted| wanted.bindings.iter().copied())
+        .collect();
+    let whole = Scope::whole(domain, world, &asked);
+    let scope = match whole.is_bearable(domain) {
+        true => Some(whole),
+        // In a large world, what surrounds the goal; verification then looks at the plan in the whole of it.
+        false => [false, true]
+            .iter()
+            .map(|far| whole.around(domain, world, &asked, &about, *far))
+            .rfind(|scope| scope.is_bearable(domain)),
+    };
+    let too_large = || Outcome::GaveUp {
+        why: "the world is too large to look at all that surrounds the goal".to_owned(),
+        expanded: 0,
+    };
+    let Some(scope) = scope else { return too_large() };
+    let task = relevance::reduce(task::ground_sensing(domain, world, &scope, wanted));
+    let outcome = match task.operators.iter().any(|operator| operator.told.is_some()) {
+        true => of_task(domain, world, &task, limits),
+        false => straight(domain, world, &task, limits),
+    };
+    match outcome {
+        Outcome::Solved {
+            plan, worst, expanded, ..
+        } if !scope.whole => Outcome::Solved {
+            plan,
+            worst,
+            shortest: false,
+            expanded,
+        },
+        Outcome::ProvenUnsolvable { .. } if !scope.whole => too_large(),
+        outcome => outcome,
+    }
+}
+
+/// Nothing can or need be sensed.
+fn straight(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outcome {
+    match forward::search(task, limits) {
+        super::Outcome::Solved {
+            steps,
+            shortest,
+            expanded,
+        } => Outcome::Solved {
+            worst: steps.len() as u32,
+            plan: steps
+                .into_iter()
+                .map(|step| Step::explained(domain, world, step.action, step.arguments))
+                .collect(),
+            shortest,
+            expanded,
+        },
+        super::Outcome::ProvenUnsolvable { expanded } => Outcome::ProvenUnsolvable { when: None, expanded },
+        super::Outcome::GaveUp { why, expanded } => Outcome::GaveUp { why, expanded },
+    }
+}
+
+/// The work of several runs.
+#[derive(Default)]
+struct Tally {
+    /// States looked at.
+    states: usize,
+    /// True if a run took all the work that it may take.
+    exhausted: bool,
+}
+
+/// A search, and all that the answer needs of it.
+fn run(task: &Task, manner: Manner, below: u32, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
+    let spent = effort::within(EFFORT, || {
+        let mut search = Search::new(task, manner);
+        (search.run(below), search.looked_at())
+    });
+    let (found, looked_at) = spent.result;
+    tally.states += looked_at;
+    if spent.exhausted {
+        tally.exhausted = true;
+        return Err(TooFar);
+    }
+    found.map(|course| course.map(|course| (*course).clone()))
+}
+
+fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outcome {
+    let manner = |limit: usize| Manner {
+        limit,
+        ties: TIES,
+        weight: 1,
+        looping: false,
+    };
+    let mut tally = Tally::default();
+    let solved = |task: &Task, course: &Course, shortest: bool, expanded: usize| {
+        let plan = course::plan(domain, world, task, course);
+        plan.map_or_else(
+            || Outcome::GaveUp {
+                why: "the plan that was found branches too deep".to_owned(),
+                expanded,
+            },
+            |plan| Outcome::Solved {
+                plan,
+                worst: course.worst,
+                shortest,
+                expanded,
+            },
+        )
+    };
+    let focused = relevance::focus(task);
+    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), LONGEST, &mut tally) {
+        // Now everything is allowed, but only better worst cases count.
+        let found = run(task, manner(limits.proof), direct.worst, &mut tally);
+        return match found {
+            Ok(Some(better)) => solved(task, &better, true, tally.states),
+            Ok(None) => solved(&focused, &direct, true, tally.states),
+            Err(TooFar) => solved(&focused, &direct, false, tally.states),
+        };
+    }
+    let mut proven = false;
+    for (weight, limit) in [(1, limits.shortest), (GREED, limits.any)] {
+        let manner = Manner {
+            weight,
+            ..manner(limit)
+        };
+        match run(task, manner, LONGEST, &mut tally) {
+            Ok(Some(course)) => return solved(task, &course, weight == 1, tally.states),
+            Ok(None) => {
+                proven = true;
+                break;
+            }
+            Err(TooFar) => {}
+        }
+    }
+    let looping = Manner {
+        looping: true,
+        ..manner(limits.shortest)
+    };
+    if forgets(task)
+        && let Ok(Some(course)) = run(task, looping, LONGEST, &mut tally)
+    {
+        return solved(task, &course, false, tally.states);
+    }
+    match proven {
+        // Where what is known can be lost again, a loop of another kind may do.
+        true if forgets(task) && is_solvable_by_luck(task, limits) => Outcome::GaveUp {
+            why: "no plan is sure to come to an end, and no simple loop was found that does".to_owned(),
+            expanded: tally.states,
+        },
+        true => Outcome::ProvenUnsolvable {
+            when: hopeless(task, limits),
+            expanded: tally.states,
+        },
+        false => Outcome::GaveUp {
+            why: match tally.exhausted {
+                true => format!(
+                    "no plan found in {} states, which took all the work that a search may take",
+                    tally.states
+                ),
+                false => format!(
+                    "no plan found in {} states",
+                    limits.direct + limits.shortest + limits.any
+                ),
+            },
+            expanded: tally.states,
+        },
+    }
+}
+
+/// Whether something takes away what sensing told.
+fn forgets(task: &Task) -> bool {
+    let told: Vec<u32> = bound::groups(task).concat();
+    let mut effects = task.operators.iter().flat_map(|operator| &operator.effects);
+    effects.any(|effect| !effect.literal.holds && told.contains(&effect.literal.fact))
+}
+
+/// Whether there is a way if sensing tells what is hoped for.
+fn is_solvable_by_luck(task: &Task, limits: &Limits) -> bool {
+    !matches!(cheapest(task, limits.shortest, None).0, Found::Nothing)
+}
+
+/// An outcome of sensing with which there is no way, though there is one with others.
+fn hopeless(task: &Task, limits: &Limits) -> Option<Fact> {
+    if !is_solvable_by_luck(task, limits) {
+        return None;
+    }
+    let told = |fact: u32| {
+        let mut operators = task.operators.iter();
+        operators.find(|operator| bound::outcome(operator) == Some(fact))?.told
+    };
+    for group in bound::groups(task) {
+        for fact in &group {
+            let alone = bound::only(task, &group, *fact);
+            if cheapest(&alone, limits.proof, None).0 == Found::Nothing {
+                return told(*fact);
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,567 @@
+//! Grounding: a domain, a world and a goal as numbered facts and operators.
+
+use std::borrow::Cow;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::formula::{Formula, Literal};
+use super::scope::{Asked, Scope};
+use super::{GroundAction, Wanted};
+use crate::effort;
+use crate::model::{Action, Atom, Condition, Domain, RuleTime, Slot, TypeId};
+use crate::model::{Bindings, EntityId, Fact, Moment, World, ever_candidates, ground as ground_atom, grounded_term};
+
+/// The units for one part of a condition: it is kept, and copied into smaller tasks.
+const PART: usize = 16;
+
+/// One fact that an operator makes true or false when `condition` held before.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct GroundEffect {
+    pub(crate) condition: Formula,
+    pub(crate) literal: Literal,
+}
+
+/// An action with arguments.
+#[derive(Debug, Clone)]
+pub(crate) struct Operator {
+    pub(crate) step: GroundAction,
+    /// What it costs; a step of a plan that is searched for costs 1.
+    pub(crate) cost: u32,
+    /// For whoever made the task: what applying the operator means.
+    pub(crate) tag: u32,
+    /// Of sensing: the outcome that comes about. Nobody chooses it: the step's other operators are its other outcomes.
+    pub(crate) told: Option<Fact>,
+    pub(crate) precondition: Formula,
+    pub(crate) effects: Vec<GroundEffect>,
+}
+
+/// What is searched.
+#[derive(Debug, Clone)]
+pub(crate) struct Task {
+    /// Whether each fact holds at the start.
+    pub(crate) initial: Vec<bool>,
+    pub(crate) operators: Vec<Operator>,
+    pub(crate) goal: Formula,
+    /// The rules for every state.
+    pub(crate) always: Always,
+}
+
+/// The rules for every state, one formula for each choice of entities.
+///
+/// A step may not break a rule that holds before it. One that is broken already, since the world begins so or sensing
+/// revealed it, binds again from where it holds.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Always {
+    rules: Vec<Formula>,
+}
+
+impl Always {
+    fn of(rules: Vec<Formula>) -> Self {
+        // What can never hold is never broken by a step.
+        let binding = |rule: &Formula| !rule.is_true() && !rule.is_false();
+        Self {
+            rules: rules.into_iter().filter(binding).collect(),
+        }
+    }
+
+    /// Returns whether a step may lead from one state to another.
+    pub(crate) fn allows(&self, before: &impl Fn(Literal) -> bool, after: &impl Fn(Literal) -> bool) -> bool {
+        self.rules.iter().all(|rule| rule.holds(after) || !rule.holds(before))
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Formula> {
+        self.rules.iter()
+    }
+
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
+        self.rules.iter_mut()
+    }
+}
+
+impl Task {
+    /// The units for looking once at every condition and effect.
+    pub(super) fn units(&self) -> usize {
+        let effect = |effect: &GroundEffect| effect.condition.size();
+        let operator = |operator: &Operator| {
+            let effects: usize = operator.effects.iter().map(effect).sum();
+            operator.precondition.size() + effects
+        };
+        let all: usize = self.operators.iter().map(operator).sum();
+        (all + self.goal.size() + self.always.iter().map(Formula::size).sum::<usize>()) / 8 + 1
+    }
+}
+
+/// A condition about the things of one world.
+#[derive(Debug, Clone)]
+pub(crate) struct GroundCondition {
+    /// Without whatever is known from the start.
+    pub(crate) formula: Formula,
+    /// The facts that its literals number.
+    pub(crate) facts: Vec<Fact>,
+}
+
+/// The condition under `bindings`, with whatever never changes or is asked of the start left out.
+pub(crate) fn ground_condition(
+    domain: &Domain,
+    world: &World,
+    condition: &Condition,
+    bindings: &[EntityId],
+) -> GroundCondition {
+    let scope = Scope::whole(domain, world, &Asked::default());
+    let mut grounder = Grounder::new(domain, world, &scope);
+    let formula = grounder.formula(condition, &mut bindings.to_vec());
+    GroundCondition {
+        formula,
+        facts: grounder.facts(),
+    }
+}
+
+/// One step with the facts that its literals number.
+pub(crate) fn ground_step(domain: &Domain, world: &World, step: GroundAction) -> (Operator, Vec<Fact>) {
+    let scope = Scope::whole(domain, world, &Asked::default());
+    let mut grounder = Grounder::new(domain, world, &scope);
+    let operator = grounder.operator(step);
+    (operator, grounder.facts())
+}
+
+/// Grounds everything that the precondition's unchanging parts allow, without sensing.
+pub(super) fn ground(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
+    ground_with(domain, world, scope, wanted, false)
+}
+
+/// The same with sensing: an operator for each outcome that a step can have.
+pub(super) fn ground_sensing(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
+    ground_with(domain, world, scope, wanted, true)
+}
+
+fn ground_with(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted], sensing: bool) -> Task {
+    let mut grounder = Grounder::new(domain, world, scope);
+    let goal = grounder.goal(wanted);
+    let always = grounder.always();
+    // Of equally short plans, the one that deals with the things of the goal is the one to expect: walk to the
+    // sink rather than to its tap.
+    let spoken_of: FxHashSet<EntityId> = wanted
+        .iter()
+        .flat_map(|wanted| wanted.bindings.iter().copied())
+        .collect();
+    let mut operators = grounder.operators(&spoken_of);
+    if sensing {
+        operators.extend(grounder.sensing());
+    }
+    Task {
+        initial: grounder.initial,
+        operators,
+        goal,
+        always,
+    }
+}
+
+/// The parts of a conjunction, each with the number of parameters that must be bound before it can be asked.
+fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
+    match condition {
+        Condition::And(all) => all.iter().flat_map(conjuncts).collect(),
+        other => vec![(parameters_needed(other, usize::MAX), other)],
+    }
+}
+
+fn parameters_needed(condition: &Condition, bound: usize) -> usize {
+    use crate::model::Term;
+    let of = |term: &Term| match term {
+        Term::Variable(slot) if *slot < bound => slot + 1,
+        _ => 0,
+    };
+    match condition {
+        Condition::And(parts) | Condition::Or(parts) => parts
+            .iter()
+            .map(|part| parameters_needed(part, bound))
+            .max()
+            .unwrap_or(0),
+        // The quantified slot follows all parameters, so none of them may be missing.
+        Condition::Forall(slot, _, inner) | Condition::Exists(slot, _, inner) => {
+            (*slot).max(parameters_needed(inner, bound.min(*slot)))
+        }
+        Condition::Atom { atom, .. } => atom.terms.iter().map(of).max().unwrap_or(0),
+        Condition::Equal { left, right, .. } => of(left).max(of(right)),
+    }
+}
+
+/// Numbers facts and writes conditions over them.
+pub(crate) struct Grounder<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    scope: &'a Scope,
+    numbers: FxHashMap<Fact, u32>,
+    /// Whether each numbered fact holds at the start.
+    pub(crate) initial: Vec<bool>,
+}
+
+impl<'a> Grounder<'a> {
+    pub(crate) fn new(domain: &'a Domain, world: &'a World, scope: &'a Scope) -> Self {
+        Self {
+            domain,
+            world,
+            scope,
+            numbers: FxHashMap::default(),
+            initial: Vec::new(),
+        }
+    }
+
+    /// Everything that is wanted, as one condition.
+    pub(crate) fn goal(&mut self, wanted: &[Wanted]) -> Formula {
+        let parts: Vec<Formula> = wanted
+            .iter()
+            .map(|wanted| self.formula(&wanted.condition, &mut wanted.bindings.clone()))
+            .collect();
+        Formula::and(parts)
+    }
+
+    /// The rules for every state.
+    pub(crate) fn always(&mut self) -> Always {
+        let mut parts = Vec::new();
+        for rule in self.domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+            self.instances_of_rule(&rule.everywhere(), rule.variables.len(), &mut Vec::new(), &mut parts);
+        }
+        Always::of(parts)
+    }
+
+    /// A formula for each choice of entities for the outermost quantifiers, as many as the rule has variables.
+    fn instances_of_rule(
+        &mut self,
+        condition: &Condition,
+        variables: usize,
+        bindings: &mut Bindings,
+        parts: &mut Vec<Formula>,
+    ) {
+        let Condition::Forall(slot, kind, inner) = condition else {
+            return parts.push(self.formula(condition, bindings));
+        };
+        if variables == 0 {
+            return parts.push(self.formula(condition, bindings));
+        }
+        for entity in self.things((*slot, *kind), inner, false, bindings).as_ref() {
+            if !effort::spend(effort::KEPT) {
+                return;
+            }
+            bindings.push(*entity);
+            self.instances_of_rule(inner, variables - 1, bindings, parts);
+            bindings.pop();
+        }
+    }
+
+    /// Every action in scope with all arguments that its precondition's unchanging parts allow. Those whose arguments are
+    /// `spoken_of` come first: operators that come first are tried first.
+    pub(crate) fn operators(&mut self, spoken_of: &FxHashSet<EntityId>) -> Vec<Operator> {
+        let mut operators: Vec<Operator> = Vec::new();
+        let matters = self.domain.action_ids().zip(&self.scope.actions);
+        for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && action.senses.is_empty()) {
+            let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
+            let mut arguments = Vec::with_capacity(action.parameters.len());
+            self.bind(
+                action,
+                &conjuncts,
+                &mut arguments,
+                &mut |grounder, arguments, precondition| {
+                    let step = GroundAction {
+                        action: id,
+                        arguments: arguments.to_vec(),
+                    };
+                    operators.push(Operator {
+                        effects: grounder.effects(action, arguments),
+                        step,
+                        cost: 1,
+                        tag: 0,
+                        told: None,
+                        precondition,
+                    });
+                },
+            );
+        }
+        operators.sort_by_key(|operator| {
+            let arguments = operator.step.arguments.iter();
+            arguments.filter(|entity| !spoken_of.contains(entity)).count()
+        });
+        operators
+    }
+
+    /// Every sensing action in scope with all arguments that make sense, once for each of its outcomes: while none of
+    /// them is known, one of them comes about.
+    fn sensing(&mut self) -> Vec<Operator> {
+        let mut operators: Vec<Operator> = Vec::new();
+        let matters = self.domain.action_ids().zip(&self.scope.actions);
+        for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && !action.senses.is_empty()) {
+            let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
+            let mut arguments = Vec::with_capacity(action.parameters.len());
+            self.bind(
+                action,
+                &conjuncts,
+                &mut arguments,
+                &mut |grounder, arguments, precondition| {
+                    let outcomes: Vec<Fact> = action.senses.iter().map(|atom| ground_atom(atom, arguments)).collect();
+                    let numbers: Vec<u32> = outcomes.iter().map(|fact| grounder.number(*fact)).collect();
+                    let unknown = |fact: &u32| {
+                        Formula::Literal(Literal {
+                            fact: *fact,
+                            holds: false,
+                        })
+                    };
+                    let precondition = Formula::and(std::iter::once(precondition).chain(numbers.iter().map(unknown)));
+                    for (outcome, fact) in outcomes.iter().zip(&numbers) {
+                        operators.push(Operator {
+                            step: GroundAction {
+                                action: id,
+                                arguments: arguments.to_vec(),
+                            },
+                            cost: 1,
+                            tag: 0,
+                            told: Some(*outcome),
+                            precondition: precondition.clone(),
+                            effects: vec![GroundEffect {
+                                condition: Formula::TRUE,
+                                literal: Literal {
+                                    fact: *fact,
+                                    holds: true,
+                                },
+                            }],
+                        });
+                    }
+                },
+            );
+        }
+        operators
+    }
+
+    /// One action with its arguments, whether or not it can ever be applicable.
+    pub(crate) fn operator(&mut self, step: GroundAction) -> Operator {
+        let action = self.domain.action(step.action);
+        let precondition = self.formula(&action.precondition, &mut step.arguments.clone());
+        Operator {
+            effects: self.effects(action, &step.arguments),
+            step,
+            cost: 1,
+            tag: 0,
+            told: None,
+            precondition,
+        }
+    }
+
+    /// The facts by their numbers, if none of them is the task's own.
+    fn facts(self) -> Vec<Fact> {
+        let mut facts: Vec<(u32, Fact)> = self.numbers.into_iter().map(|(fact, number)| (number, fact)).collect();
+        facts.sort_unstable();
+        facts.into_iter().map(|(_, fact)| fact).collect()
+    }
+
+    /// A fact of the task's own, which nothing in the world means.
+    pub(crate) fn extra(&mut self, holds: bool) -> u32 {
+        self.initial.push(holds);
+        (self.initial.len() - 1) as u32
+    }
+
+    fn number(&mut self, fact: Fact) -> u32 {
+        *self.numbers.entry(fact).or_insert_with(|| {
+            self.initial.push(self.world.state.holds(fact));
+            (self.initial.len() - 1) as u32
+        })
+    }
+
+    /// Binds the parameters from the next one on, leaving a branch as soon as an unchanging part fails.
+    fn bind(
+        &mut self,
+        action: &Action,
+        conjuncts: &[(usize, &Condition)],
+        arguments: &mut Bindings,
+        found: &mut impl FnMut(&mut Self, &[EntityId], Formula),
+    ) {
+        let bound = arguments.len();
+        for (needed, condition) in conjuncts {
+            if *needed == bound && self.refutes(condition, arguments) {
+                return;
+            }
+        }
+        if bound == action.parameters.len() {
+            let parts: Vec<Formula> = conjuncts.iter().map(|(_, c)| self.formula(c, arguments)).collect();
+            let precondition = Formula::and(parts);
+            if !precondition.is_false() {
+                found(self, arguments, precondition);
+            }
+            return;
+        }
+        let scope = self.scope;
+        for entity in scope.of_kind(action.parameters[bound].kind) {
+            if !effort::spend(1 + conjuncts.len() / 4) {
+                return;
+            }
+            arguments.push(*entity);
+            self.bind(action, conjuncts, arguments, found);
+            arguments.pop();
+        }
+    }
+
+    /// Whether a simple condition can never hold.
+    fn refutes(&self, condition: &Condition, bindings: &[EntityId]) -> bool {
+        match condition {
+            Condition::Atom { atom, holds, initially } => {
+                let unchanging = *initially || !self.domain.words(atom.predicate).fluent;
+                unchanging && self.world.state.holds(ground_atom(atom, bindings)) != *holds
+            }
+            Condition::Equal { left, right, holds } => {
+                (grounded_term(*left, bindings) == grounded_term(*right, bindings)) != *holds
+            }
+            _ => false,
+        }
+    }
+
+    /// The condition without quantifiers. Spends [`PART`] units for each part; what comes of it when the budget is spent
+    /// means nothing.
+    pub(crate) fn formula(&mut self, condition: &Condition, bindings: &mut Bindings) -> Formula {
+        if !effort::spend(PART) {
+            return Formula::FALSE;
+        }
+        match condition {
+            Condition::And(all) => {
+                let mut parts = Vec::with_capacity(all.len());
+                for part in all {
+                    let part = self.formula(part, bindings);
+                    if part.is_false() {
+                        return Formula::FALSE;
+                    }
+                    parts.push(part);
+                }
+                Formula::and(parts)
+            }
+            Condition::Or(any) => {
+                let mut parts = Vec::with_capacity(any.len());
+                for part in any {
+                    let part = self.formula(part, bindings);
+                    if part.is_true() {
+                        return Formula::TRUE;
+                    }
+                    parts.push(part);
+                }
+                Formula::or(parts)
+            }
+            Condition::Forall(slot, kind, inner) => {
+                let parts = self.instances((*slot, *kind), inner, false, bindings);
+                Formula::and(parts)
+            }
+            Condition::Exists(slot, kind, inner) => {
+                let parts = self.instances((*slot, *kind), inner, true, bindings);
+                Formula::or(parts)
+            }
+            Condition::Atom { atom, holds, initially } => {
+                let fact = ground_atom(atom, bindings);
+                if *initially || !self.domain.words(atom.predicate).fluent {
+                    return constant(self.world.state.holds(fact) == *holds);
+                }
+                Formula::Literal(Literal {
+                    fact: self.number(fact),
+                    holds: *holds,
+                })
+            }
+            Condition::Equal { left, right, holds } => {
+                constant((grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds)
+            }
+        }
+    }
+
+    /// The condition for each thing for which it may ever have the value; what is left out never decides.
+    fn instances(
+        &mut self,
+        (slot, kind): (Slot, TypeId),
+        inner: &Condition,
+        value: bool,
+        bindings: &mut Bindings,
+    ) -> Vec<Formula> {
+        let mut parts = Vec::new();
+        for entity in self.things((slot, kind), inner, value, bindings).as_ref() {
+            if effort::is_exhausted() {
+                break;
+            }
+            bindings.push(*entity);
+            parts.push(self.formula(inner, bindings));
+            bindings.pop();
+        }
+        parts
+    }
+
+    /// The things of a type for which a condition may ever have the value.
+    fn things(
+        &self,
+        (slot, kind): (Slot, TypeId),
+        condition: &Condition,
+        value: bool,
+        bindings: &mut Bindings,
+    ) -> Cow<'a, [EntityId]> {
+        let (domain, world) = (self.domain, self.world);
+        let unchanging = |atom: &Atom, initially: bool| initially || !domain.words(atom.predicate).fluent;
+        let moment = Moment {
+            world,
+            state: &world.state,
+        };
+        match ever_candidates(moment, (slot, kind), condition, value, bindings, &unchanging) {
+            Some(mut things) => {
+                things.retain(|thing| self.scope.contains(*thing));
+                Cow::Owned(things)
+            }
+            None => Cow::Borrowed(self.scope.of_kind(kind)),
+        }
+    }
+
+    fn effects(&mut self, action: &Action, arguments: &[EntityId]) -> Vec<GroundEffect> {
+        let mut effects = Vec::new();
+        for effect in &action.effects {
+            let mut bindings = arguments.to_vec();
+            self.effect(effect, 0, &mut bindings, &mut effects);
+        }
+        // What is both made false and made true under the same condition ends up true.
+        let adds = effects.iter().filter(|e| e.literal.holds);
+        let always = Formula::TRUE;
+        let added: FxHashSet<(u32, &Formula)> = adds.map(|e| (e.literal.fact, &e.condition)).collect();
+        let counts = |e: &GroundEffect| {
+            let by = |condition| added.contains(&(e.literal.fact, condition));
+            e.literal.holds || !(by(&always) || by(&e.condition))
+        };
+        let counting: Vec<bool> = effects.iter().map(counts).collect();
+        let mut counting = counting.into_iter();
+        effects.retain(|_| counting.next().unwrap_or(true));
+        effects.sort();
+        effects.dedup();
+        effects
+    }
+
+    fn effect(
+        &mut self,
+        effect: &crate::model::Effect,
+        depth: usize,
+        bindings: &mut Bindings,
+        effects: &mut Vec<GroundEffect>,
+    ) {
+        let Some((slot, kind)) = effect.forall.get(depth) else {
+            let condition = self.formula(&effect.condition, bindings);
+            if !condition.is_false() {
+                let fact = self.number(ground_atom(&effect.atom, bindings));
+                effects.push(GroundEffect {
+                    condition,
+                    literal: Literal {
+                        fact,
+                        holds: effect.adds,
+                    },
+                });
+            }
+            return;
+        };
+        debug_assert_eq!(*slot, bindings.len());
+        for entity in self.things((*slot, *kind), &effect.condition, true, bindings).as_ref() {
+            if !effort::spend(1) {
+                return;
+            }
+            bindings.push(*entity);
+            self.effect(effect, depth + 1, bindings, effects);
+            bindings.pop();
+        }
+    }
+}
+
+fn constant(value: bool) -> Formula {
+    if value { Formula::TRUE } else { Formula::FALSE }
+}

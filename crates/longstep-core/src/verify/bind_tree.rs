@@ -1,0 +1,313 @@
+//! The arguments that a plan with branches, loops or lanes does not show.
+//!
+//! They are found way by way: ways through the tree are chosen that together do every step, and each is bound like a
+//! plain plan, with what earlier ways have settled. What a way takes the conditions to be is known on it from there on,
+//! as sensing would tell it.
+
+use super::bind::{Learned, Turn, bind_way, bound, learn, nothing_fits};
+use super::claims;
+use super::{Assumption, Violation};
+use crate::effort;
+use crate::model::Domain;
+use crate::model::{Fact, World};
+use crate::plan::{DraftStep, Lane, LaneItem, Node, Plan, Resolved, StepId, Test, tree};
+use crate::world::Claim;
+
+/// More ways are not looked at; a step that none of them did is then bound by its words alone.
+const WAYS: usize = 256;
+
+/// Binds every open argument of a plan, whatever its shape.
+///
+/// A plain list of steps is bound as [`super::bind`] does, except that what its steps claim counts as well.
+///
+/// # Errors
+///
+/// The issues of a draft whose words mean nothing; [`Violation::NothingFits`] for each step with a hidden argument for
+/// which there is nothing; [`Violation::TooMuchWork`] where looking for the arguments takes more than
+/// [`effort::OPERATION`] units.
+pub fn bind_tree(
+    domain: &Domain,
+    world: &World,
+    resolved: &Resolved,
+    claim: Option<&Claim>,
+) -> Result<(Plan, Vec<Assumption>), Vec<Violation>> {
+    let mut steps = resolved.complete().map_err(<[Violation]>::to_vec)?;
+    let mut assumptions = Vec::new();
+    let spent = effort::within(effort::OPERATION, || {
+        bind_ways(domain, world, resolved, claim, &mut steps, &mut assumptions)
+    });
+    if spent.exhausted || !spent.result {
+        return Err(vec![Violation::TooMuchWork]);
+    }
+    let whole = |step: &DraftStep| step.arguments.iter().copied().collect::<Option<Vec<_>>>();
+    let (mut all, mut missing) = (Vec::with_capacity(steps.len()), Vec::new());
+    for (index, step) in steps.iter().enumerate() {
+        match whole(step) {
+            Some(arguments) => all.push(bound(domain, world, step, arguments)),
+            None => missing.push(nothing_fits(domain, index, step)),
+        }
+    }
+    if !missing.is_empty() {
+        return Err(missing);
+    }
+    match Plan::tree(all, resolved.body.clone()) {
+        Some(plan) => Ok((plan, assumptions)),
+        None => Err(vec![Violation::TooDeep]),
+    }
+}
+
+/// Binds way after way until every step has been on one, and what is left over by its words; false if one took too much
+/// work.
+fn bind_ways(
+    domain: &Domain,
+    world: &World,
+    resolved: &Resolved,
+    claim: Option<&Claim>,
+    steps: &mut [DraftStep],
+    assumptions: &mut Vec<Assumption>,
+) -> bool {
+    let written = steps.to_vec();
+    let mut chooser = Chooser {
+        steps: &written,
+        done: vec![false; steps.len()],
+        decided: Vec::new(),
+        target: None,
+    };
+    for _ in 0..WAYS {
+        let Some(way) = chooser.next(&resolved.body) else {
+            break;
+        };
+        let turns: Vec<Turn> = way.turns(steps, resolved);
+        let mut start = world.state.clone();
+        for (fact, holds) in &way.before {
+            learn(domain, &mut start, *fact, *holds);
+        }
+        let found = bind_way(domain, world, &start, &turns, &resolved.objects, claim);
+        if found.exhausted {
+            return false;
+        }
+        for (id, arguments) in way.steps.iter().zip(found.arguments) {
+            steps[id.index()].arguments = arguments.into_iter().map(Some).collect();
+        }
+        assumptions.extend(found.assumptions.into_iter().map(|open| match open {
+            Assumption::Argument {
+                step,
+                parameter,
+                entity,
+            } => Assumption::Argument {
+                step: way.steps[step].index(),
+                parameter,
+                entity,
+            },
+            other => other,
+        }));
+    }
+    let left_over = |index: &usize| steps[*index].arguments.iter().any(Option::is_none);
+    for index in (0..steps.len()).filter(left_over).collect::<Vec<_>>() {
+        let turn = Turn {
+            step: steps[index].clone(),
+            claims: Vec::new(),
+            learned: Vec::new(),
+        };
+        let found = bind_way(domain, world, &world.state, &[turn], &resolved.objects, claim);
+        if found.exhausted {
+            return false;
+        }
+        if let [arguments] = &found.arguments[..] {
+            steps[index].arguments = arguments.iter().copied().map(Some).collect();
+        }
+    }
+    true
+}
+
+/// One way through a plan.
+#[derive(Debug, Default)]
+struct Way {
+    /// What is taken to be so before the first step.
+    before: Vec<(Fact, bool)>,
+    /// The steps, as often as they are done.
+    steps: Vec<StepId>,
+    /// What is taken to be known after each.
+    learned: Vec<Vec<Learned>>,
+}
+
+impl Way {
+    fn step(&mut self, id: StepId) {
+        self.steps.push(id);
+        self.learned.push(Vec::new());
+    }
+
+    fn turns(&self, steps: &[DraftStep], resolved: &Resolved) -> Vec<Turn> {
+        let turn = |(id, learned): (&StepId, &Vec<Learned>)| Turn {
+            step: steps[id.index()].clone(),
+            claims: claims::of_step(&resolved.claims, id.index())
+                .map(|claim| claim.fact)
+                .collect(),
+            learned: learned.clone(),
+        };
+        self.steps.iter().zip(&self.learned).map(turn).collect()
+    }
+}
+
+/// Chooses ways until every step has been done on one of them.
+struct Chooser<'a> {
+    steps: &'a [DraftStep],
+    done: Vec<bool>,
+    /// What the conditions on the way so far were taken to be: asked again, they are the same.
+    decided: Vec<(Test, bool)>,
+    /// A step that the way must come to, whatever was decided before.
+    target: Option<StepId>,
+}
+
+impl Chooser<'_> {
+    fn next(&mut self, body: &[Node]) -> Option<Way> {
+        let missing = self.done.iter().position(|done| !done)?;
+        for target in [None, Some(StepId::new(missing))] {
+            self.target = target;
+            self.decided.clear();
+            let mut way = Way::default();
+            self.nodes(body, &mut way);
+            let news = way.steps.iter().any(|step| !self.done[step.index()]);
+            if news {
+                way.steps.iter().for_each(|step| self.done[step.index()] = true);
+                return Some(way);
+            }
+        }
+        None
+    }
+
+    fn nodes(&mut self, nodes: &[Node], way: &mut Way) {
+        for node in nodes {
+            if !effort::spend(1) {
+                return;
+            }
+            match node {
+                Node::Step(id) => way.step(*id),
+                Node::If {
+                    condition,
+                    then,
+                    otherwise,
+                } => {
+                    let holds = self.choose(condition, then, otherwise);
+                    self.test(condition, holds, way);
+                    self.nodes(if holds { then } else { otherwise }, way);
+                }
+                Node::While { condition, body } => {
+                    self.test(condition, true, way);
+                    self.nodes(body, way);
+                    self.assume(condition, false, way);
+                }
+                Node::Repeat { body, .. } => self.nodes(body, way),
+                Node::Parallel { lanes } => in_turn(lanes, way),
+                Node::Remark(_) => {}
+            }
+        }
+    }
+
+    /// Which side of a branch the way takes.
+    fn choose(&self, condition: &Test, then: &[Node], otherwise: &[Node]) -> bool {
+        effort::spend(self.decided.len() + tree::steps(then).len() + tree::steps(otherwise).len());
+        let leads = |nodes: &[Node]| self.target.is_some_and(|target| tree::steps(nodes).contains(&target));
+        let news = |nodes: &[Node]| tree::steps(nodes).iter().any(|step| !self.done[step.index()]);
+        if leads(then) || leads(otherwise) {
+            return leads(then);
+        }
+        self.known(condition).unwrap_or_else(|| news(then) || !news(otherwise))
+    }
+
+    /// What the condition must be after what was decided on this way.
+    fn known(&self, test: &Test) -> Option<bool> {
+        let parts = |parts: &[Test], until: bool| {
+            let known: Vec<Option<bool>> = parts.iter().map(|part| self.known(part)).collect();
+            match known.contains(&Some(until)) {
+                true => Some(until),
+                false => known.iter().all(Option::is_some).then_some(!until),
+            }
+        };
+        match test {
+            Test::Sense(_) | Test::Holds(_) => {
+                let same = |(other, _): &&(Test, bool)| self.same(other, test);
+                self.decided.iter().rev().find(same).map(|(_, holds)| *holds)
+            }
+            Test::Not(inner) => self.known(inner).map(|holds| !holds),
+            Test::All(all) => parts(all, false),
+            Test::Any(any) => parts(any, true),
+        }
+    }
+
+    /// Whether two conditions ask the same.
+    fn same(&self, one: &Test, other: &Test) -> bool {
+        match (one, other) {
+            (Test::Holds(one), Test::Holds(other)) => one == other,
+            (Test::Sense(one), Test::Sense(other)) => {
+                let (one, other) = (&self.steps[one.index()], &self.steps[other.index()]);
+                (one.action, &one.arguments) == (other.action, &other.arguments)
+            }
+            _ => false,
+        }
+    }
+
+    /// Senses what a condition senses, and takes it to hold or not.
+    fn test(&mut self, condition: &Test, holds: bool, way: &mut Way) {
+        condition.steps().into_iter().for_each(|step| way.step(step));
+        self.assume(condition, holds, way);
+    }
+
+    /// Takes a condition to hold or not: all its parts, where one would do, so that all are bound alike.
+    fn assume(&mut self, test: &Test, holds: bool, way: &mut Way) {
+        match test {
+            Test::Not(inner) => self.assume(inner, !holds, way),
+            Test::All(parts) | Test::Any(parts) => parts.iter().for_each(|part| self.assume(part, holds, way)),
+            Test::Holds(fact) => {
+                self.decided.push((test.clone(), holds));
+                match way.learned.last_mut() {
+                    Some(learned) => learned.push(Learned::Fact(*fact, holds)),
+                    None => way.before.push((*fact, holds)),
+                }
+            }
+            Test::Sense(id) => {
+                self.decided.push((test.clone(), holds));
+                let place = way.steps.iter().rposition(|step| step == id);
+                if let (Some(place), Some(learned)) = (place, way.learned.last_mut()) {
+                    learned.push(Learned::Outcome(place, holds));
+                }
+            }
+        }
+    }
+}
+
+/// Does the steps of lanes: each lane as far as it goes without waiting, the next one, and again.
+fn in_turn(lanes: &[Lane], way: &mut Way) {
+    let mut places = vec![0; lanes.len()];
+    loop {
+        for (lane, at) in lanes.iter().zip(&mut places) {
+            while let Some(item) = lane.items.get(*at) {
+                match item {
+                    LaneItem::Step(id) => way.step(*id),
+                    LaneItem::Sync(_) => break,
+                    LaneItem::Remark(_) => {}
+                }
+                *at += 1;
+            }
+        }
+        let Some(first) = (0..lanes.len()).find(|lane| met(lanes, &places, *lane)).or_else(|| {
+            // Lanes that wait for ever are for verification to tell.
+            (0..lanes.len()).find(|lane| places[*lane] < lanes[*lane].items.len())
+        }) else {
+            return;
+        };
+        let sync = lanes[first].items[places[first]].clone();
+        for (lane, at) in lanes.iter().zip(&mut places) {
+            *at += usize::from(lane.items.get(*at) == Some(&sync));
+        }
+    }
+}
+
+/// Whether all lanes wait at the name at which this one waits, as far as it still stands in them.
+fn met(lanes: &[Lane], places: &[usize], lane: usize) -> bool {
+    let Some(sync) = lanes[lane].items.get(places[lane]) else {
+        return false;
+    };
+    let mut others = lanes.iter().zip(places);
+    others.all(|(lane, at)| lane.items.get(*at) == Some(sync) || !lane.items[*at..].contains(sync))
+}

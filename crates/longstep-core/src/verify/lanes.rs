@@ -1,0 +1,163 @@
+//! Lanes that run side by side: every order in which their steps can happen.
+//!
+//! The walk visits each combination of places that the lanes can be at. Whichever lane goes first, its step must be
+//! possible, and where two orders meet again they must have come to the same state: then it does not matter how fast
+//! each lane is.
+
+use std::collections::BTreeMap;
+
+use super::Violation;
+use super::walk::{Walk, Way};
+use crate::effort;
+use crate::model::EntityId;
+use crate::plan::{Lane, LaneItem, StepId};
+
+impl Walk<'_> {
+    /// What can be told of lanes without simulating them: each has its own actor, who does all its steps.
+    pub(super) fn check_lanes(&mut self, lanes: &[Lane]) {
+        for (number, lane) in lanes.iter().enumerate() {
+            if lanes[..number].iter().any(|other| other.actor == lane.actor) {
+                self.wrong(Violation::LaneTwice { actor: lane.actor }, Vec::new());
+            }
+            for step in steps(lane) {
+                if self.plan.step(step).actor(self.domain) != Some(lane.actor) {
+                    let (step, actor) = (step.index(), lane.actor);
+                    self.wrong(Violation::WrongActor { step, actor }, Vec::new());
+                }
+                if !self.domain.action(self.plan.step(step).action).senses.is_empty() {
+                    self.wrong(Violation::SensesInLane { step: step.index() }, Vec::new());
+                }
+            }
+        }
+    }
+
+    /// Follows all orders in which the steps of lanes can happen; returns one way through them.
+    pub(super) fn side_by_side(&mut self, lanes: &[Lane], way: Way) -> Way {
+        let lanes: Vec<Vec<&LaneItem>> = lanes.iter().map(items).collect();
+        // By how many items are done: every place is reached by all its ways before it is looked at.
+        let mut open: BTreeMap<(usize, Vec<usize>), Way> = BTreeMap::new();
+        let mut last = way.clone();
+        open.insert((0, vec![0; lanes.len()]), way);
+        while let Some(((done, places), way)) = open.pop_first() {
+            last = way.clone();
+            let next: Vec<Option<&LaneItem>> = lanes
+                .iter()
+                .zip(&places)
+                .map(|(lane, at)| lane.get(*at).copied())
+                .collect();
+            if next.iter().all(Option::is_none) || self.is_stopped() {
+                break;
+            }
+            effort::spend(lanes.iter().map(Vec::len).sum());
+            self.together(&next, &way);
+            let mut moves: Vec<(Vec<usize>, Way)> = Vec::new();
+            for (lane, item) in next.iter().enumerate() {
+                match item {
+                    Some(LaneItem::Step(step)) => {
+                        let mut then = way.clone();
+                        self.step(*step, &mut then);
+                        moves.push((vec![lane], then));
+                    }
+                    Some(LaneItem::Sync(name)) => {
+                        let waits = |item: &&LaneItem| matches!(item, LaneItem::Sync(other) if other == name);
+                        let met: Vec<usize> = (0..lanes.len())
+                            .filter(|lane| next[*lane].as_ref().is_some_and(waits))
+                            .collect();
+                        let all = (0..lanes.len()).filter(|lane| lanes[*lane][places[*lane]..].iter().any(waits));
+                        if met[0] == lane && all.eq(met.iter().copied()) {
+                            moves.push((met, way.clone()));
+                        }
+                    }
+                    Some(LaneItem::Remark(_)) | None => {}
+                }
+            }
+            if moves.is_empty() {
+                let waiting = next.iter().flatten().find_map(|item| match item {
+                    LaneItem::Sync(name) => Some(name.clone()),
+                    _ => None,
+                });
+                self.wrong(
+                    Violation::Deadlock {
+                        sync: waiting.unwrap_or_default(),
+                    },
+                    self.when(&way),
+                );
+                break;
+            }
+            for (moved, then) in moves {
+                let mut to = places.clone();
+                moved.iter().for_each(|lane| to[*lane] += 1);
+                let key = (done + moved.len(), to);
+                match open.get(&key) {
+                    Some(other) => self.same_state(other.clone(), &then),
+                    None => {
+                        open.insert(key, then);
+                    }
+                }
+            }
+        }
+        last
+    }
+
+    /// Steps that may happen at the same time share nothing that is handled.
+    fn together(&mut self, next: &[Option<&LaneItem>], way: &Way) {
+        let steps: Vec<StepId> = next
+            .iter()
+            .filter_map(|item| match item {
+                Some(LaneItem::Step(step)) => Some(*step),
+                _ => None,
+            })
+            .collect();
+        for (number, first) in steps.iter().enumerate() {
+            effort::spend(steps.len());
+            for second in &steps[number + 1..] {
+                for entity in self.shared(*first, *second) {
+                    let (step, other) = (first.index(), second.index());
+                    self.wrong(Violation::SharedObject { step, other, entity }, self.when(way));
+                }
+            }
+        }
+    }
+
+    fn shared(&self, first: StepId, second: StepId) -> Vec<EntityId> {
+        let others = &self.plan.step(second).arguments;
+        let mut shared = self.plan.step(first).arguments.clone();
+        shared
+            .retain(|entity| others.contains(entity) && self.world.is_of_kind(*entity, self.domain.environment.object));
+        shared.sort_unstable();
+        shared.dedup();
+        shared
+    }
+
+    /// Two orders of the same steps come to the same state.
+    fn same_state(&mut self, one: Way, other: &Way) {
+        if one.state == other.state {
+            return;
+        }
+        let last = |way: &Way| self.history.back(way.here).next().map(|(step, _)| step.index());
+        let differs = |one: &Way, other: &Way| one.state.iter().find(|fact| !other.state.holds(*fact));
+        let fact = differs(&one, other).or_else(|| differs(other, &one));
+        if let (Some(step), Some(second), Some(fact)) = (last(&one), last(other), fact) {
+            let violation = Violation::Race {
+                step: step.min(second),
+                other: step.max(second),
+                fact,
+            };
+            self.wrong(violation, self.when(&one));
+        }
+    }
+}
+
+fn steps(lane: &Lane) -> Vec<StepId> {
+    let step = |item: &LaneItem| match item {
+        LaneItem::Step(step) => Some(*step),
+        LaneItem::Sync(_) | LaneItem::Remark(_) => None,
+    };
+    lane.items.iter().filter_map(step).collect()
+}
+
+/// What a lane does, remarks left out.
+fn items(lane: &Lane) -> Vec<&LaneItem> {
+    let counts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
+    lane.items.iter().filter(counts).collect()
+}

@@ -1,0 +1,116 @@
+//! What could ever be, as far as the unchanging facts of a world tell.
+//!
+//! These are one-sided: "no" is certain, "yes" means that nothing unchanging speaks against it.
+
+use crate::effort;
+use crate::model::{ActionId, Condition, Domain, Effect, Term, TypeId};
+use crate::model::{Bindings, EntityId, Fact, World, ground, grounded_term};
+
+/// Whether the condition can have the value in some state of this world, facts that actions change being free.
+pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
+    if !effort::spend(1) {
+        return false;
+    }
+    match condition {
+        Condition::And(parts) => parts.iter().all(|part| possibly(domain, world, part, bindings)),
+        Condition::Or(parts) => parts.iter().any(|part| possibly(domain, world, part, bindings)),
+        Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
+            let mut instance = |entity: &EntityId| {
+                bindings.push(*entity);
+                let possible = possibly(domain, world, inner, bindings);
+                bindings.pop();
+                possible
+            };
+            let all = world.of_kind(*kind);
+            match condition {
+                Condition::Forall(..) => all.iter().all(&mut instance),
+                _ => all.iter().any(&mut instance),
+            }
+        }
+        Condition::Atom { atom, holds, initially } => {
+            let free = domain.words(atom.predicate).fluent && !initially;
+            free || world.state.holds(ground(atom, bindings)) == *holds
+        }
+        Condition::Equal { left, right, holds } => {
+            (grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds
+        }
+    }
+}
+
+/// Whether the action with these arguments can be applicable in some state of this world.
+pub fn can_apply(domain: &Domain, world: &World, action: ActionId, arguments: &[EntityId]) -> bool {
+    possibly(
+        domain,
+        world,
+        &domain.action(action).precondition,
+        &mut arguments.to_vec(),
+    )
+}
+
+/// Whether some action can make the fact true in this world: nothing unchanging forbids the action, nor what the effect
+/// depends on.
+pub fn can_be_brought_about(domain: &Domain, world: &World, fact: Fact) -> bool {
+    domain.action_ids().any(|(id, action)| {
+        let adding = action
+            .effects
+            .iter()
+            .filter(|effect| effect.adds && effect.atom.predicate == fact.predicate());
+        adding.into_iter().any(|effect| {
+            let kinds = action.parameters.iter().map(|parameter| parameter.kind);
+            let own = effect.forall.iter().map(|(_, kind)| *kind);
+            let mut maker = Maker {
+                domain,
+                world,
+                action: id,
+                effect,
+                slots: kinds.chain(own).map(|kind| (kind, None)).collect(),
+            };
+            let fits = effect.atom.terms.iter().enumerate().all(|(place, term)| {
+                let entity = fact.argument(place);
+                match *term {
+                    Term::Constant(constant) => constant == entity,
+                    Term::Variable(slot) => match maker.slots.get_mut(slot) {
+                        Some((_, bound)) => *bound.get_or_insert(entity) == entity,
+                        None => true,
+                    },
+                }
+            });
+            fits && maker.some_arguments(&mut Vec::new())
+        })
+    })
+}
+
+/// An effect that makes a fact true.
+struct Maker<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    action: ActionId,
+    effect: &'a Effect,
+    /// The types of the action's parameters and of the effect's own variables, with what the fact binds them to.
+    slots: Vec<(TypeId, Option<EntityId>)>,
+}
+
+impl Maker<'_> {
+    /// Returns whether the open arguments can be filled in so that the action can apply and the effect can happen.
+    fn some_arguments(&self, arguments: &mut Vec<EntityId>) -> bool {
+        let (domain, world) = (self.domain, self.world);
+        let parameters = domain.action(self.action).parameters.len();
+        if arguments.len() == parameters && !can_apply(domain, world, self.action, arguments) {
+            return false;
+        }
+        let Some((kind, fixed)) = self.slots.get(arguments.len()) else {
+            return possibly(domain, world, &self.effect.condition, arguments);
+        };
+        let candidates = fixed.as_ref().map_or(world.of_kind(*kind), std::slice::from_ref);
+        candidates
+            .iter()
+            .filter(|entity| world.is_of_kind(**entity, *kind))
+            .take_while(|_| effort::spend(1))
+            .any(|entity| {
+                arguments.push(*entity);
+                let possible = self.some_arguments(arguments);
+                arguments.pop();
+                possible
+            })
+    }
+}

@@ -1,0 +1,261 @@
+//! A small domain with everything that a tree needs: lamps that are pressed by either hand, and whether one is warm has
+//! to be felt.
+
+use crate::domain::{self, Files};
+use crate::json::Path;
+use crate::model::Domain;
+use crate::model::{EntityId, Environment, Fact, World};
+use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId, Test};
+use crate::verify::{Purpose, Report, check};
+use crate::world::{self};
+
+const PDDL: &str = "
+(define (domain bench)
+  (:requirements :strips :typing :negative-preconditions :conditional-effects)
+  (:types table lamp hand)
+  (:constants left right - hand)
+  (:predicates (lit ?lamp - lamp) (linked ?lamp - lamp ?other - lamp) (warm ?lamp - lamp) (cold ?lamp - lamp))
+  (:action press :parameters (?hand - hand ?lamp - lamp)
+    :precondition (not (lit ?lamp)) :effect (lit ?lamp))
+  (:action unpress :parameters (?hand - hand ?lamp - lamp)
+    :precondition (lit ?lamp) :effect (not (lit ?lamp)))
+  (:action pass :parameters (?hand - hand ?lamp - lamp ?other - lamp)
+    :precondition (and (lit ?lamp) (not (= ?lamp ?other))) :effect (and (lit ?other) (not (lit ?lamp))))
+  (:action link :parameters (?hand - hand ?lamp - lamp ?other - lamp)
+    :precondition (and) :effect (when (lit ?other) (linked ?lamp ?other)))
+  (:action feel :parameters (?lamp - lamp) :precondition (and) :effect (and))
+  (:action cool :parameters (?lamp - lamp) :precondition (warm ?lamp) :effect (and (cold ?lamp) (not (warm ?lamp))))
+  (:action wait :parameters (?lamp - lamp) :precondition (and) :effect (and (not (cold ?lamp)) (not (warm ?lamp)))))
+";
+
+const WORDS: &str = r#"
+name = "bench"
+about = "Lamps on a bench."
+[environment]
+assets = "table"
+objects = "lamp"
+[[predicate]]
+name = "lit"
+says = "{lamp} is lit"
+denies = "{lamp} is not lit"
+[[predicate]]
+name = "linked"
+says = "{lamp} is linked to {other}"
+denies = "{lamp} is not linked to {other}"
+[[predicate]]
+name = "warm"
+says = "{lamp} is warm"
+denies = "{lamp} is not warm"
+[[predicate]]
+name = "cold"
+says = "{lamp} is cold"
+denies = "{lamp} is not cold"
+[[state]]
+word = "LIT"
+fact = "(lit ?self)"
+means = "It is lit."
+[[state]]
+word = "WARM"
+fact = "(warm ?self)"
+means = "It is warm."
+[[action]]
+name = "press"
+call = "press(hand, lamp)"
+actor = "?hand"
+says = "press {lamp}"
+means = "Light it."
+[[action]]
+name = "unpress"
+call = "unpress(hand, lamp)"
+actor = "?hand"
+says = "press {lamp} again"
+means = "Put it out."
+[[action]]
+name = "pass"
+call = "pass(hand, lamp, other)"
+actor = "?hand"
+says = "pass the light of {lamp} on to {other}"
+means = "Pass the light on."
+[[action]]
+name = "link"
+call = "link(hand, lamp, other)"
+actor = "?hand"
+says = "link {lamp} to {other}"
+means = "Link two lamps."
+[[action]]
+name = "feel"
+call = "feel(lamp)"
+senses = ["(warm ?lamp)", "(cold ?lamp)"]
+says = "feel {lamp}"
+means = "Tell whether it is warm."
+[[action]]
+name = "cool"
+call = "cool(lamp)"
+says = "cool {lamp}"
+means = "Cool what is warm."
+[[action]]
+name = "wait"
+call = "wait(lamp)"
+says = "wait at {lamp}"
+means = "Nobody knows how warm it is then."
+"#;
+
+pub(super) fn domain() -> Domain {
+    domain_with("")
+}
+
+/// The domain with more words, such as rules.
+pub(super) fn domain_with(words: &str) -> Domain {
+    let files = Files {
+        pddl: PDDL.to_owned(),
+        words: format!("{WORDS}{words}"),
+        ..Files::default()
+    };
+    domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"))
+}
+
+/// A bench with so many lamps, `<lamp_1>` and so on; none is lit, and of none it is known whether it is warm.
+pub(super) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
+    let names: Vec<String> = (1..=lamps).map(|number| format!("\"<lamp_{number}>\"")).collect();
+    let states: Vec<String> = lit
+        .iter()
+        .map(|number| format!("\"<lamp_{number}>\": \"LIT()\""))
+        .collect();
+    let text = format!(
+        r#"{{"assets": ["<bench>"], "objects": [{}], "object_states": {{{}}}}}"#,
+        names.join(", "),
+        states.join(", ")
+    );
+    let environment = Environment::from_json(&text).unwrap();
+    world::read(domain, &environment, "env.json", &text, &Path::default()).unwrap()
+}
+
+/// A part of a plan in a few words: `press left 1`, `feel 2`, `[...]` for what stands in it.
+#[derive(Debug, Clone)]
+pub(super) enum Part {
+    Do(String),
+    If(Ask, Vec<Part>, Vec<Part>),
+    While(Ask, Vec<Part>),
+    Repeat(u32, Vec<Part>),
+    Lanes(Vec<(&'static str, Vec<String>)>),
+}
+
+/// A condition in a few words.
+#[derive(Debug, Clone)]
+pub(super) enum Ask {
+    /// Feels whether the lamp is warm.
+    Feel(usize),
+    /// Whether a fact holds of a lamp: `lit`, `warm`, `cold`.
+    Is(&'static str, usize),
+    Not(Box<Ask>),
+    All(Vec<Ask>),
+    Any(Vec<Ask>),
+}
+
+pub(super) fn does(text: &str) -> Part {
+    Part::Do(text.to_owned())
+}
+
+pub(super) fn not(ask: Ask) -> Ask {
+    Ask::Not(Box::new(ask))
+}
+
+pub(super) fn lamp(world: &World, number: usize) -> EntityId {
+    world.find(&format!("<lamp_{number}>")).unwrap()
+}
+
+pub(super) fn fact(domain: &Domain, world: &World, predicate: &str, number: usize) -> Fact {
+    let index = domain.predicates.iter().position(|p| p.name == predicate).unwrap();
+    Fact::new(domain::PredicateId::new(index), [lamp(world, number)])
+}
+
+struct Builder<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    steps: Vec<Step>,
+}
+
+impl Builder<'_> {
+    fn step(&mut self, text: &str) -> StepId {
+        let mut words = text.split_whitespace();
+        let name = words.next().unwrap();
+        let (action, _) = self.domain.action_ids().find(|(_, a)| a.name == name).unwrap();
+        let argument = |word: &str| match word.parse() {
+            Ok(number) => lamp(self.world, number),
+            Err(_) => self.world.find(word).unwrap(),
+        };
+        let arguments = words.map(argument).collect();
+        self.steps
+            .push(Step::explained(self.domain, self.world, action, arguments));
+        StepId::new(self.steps.len() - 1)
+    }
+
+    fn test(&mut self, ask: &Ask) -> Test {
+        match ask {
+            Ask::Feel(number) => Test::Sense(self.step(&format!("feel {number}"))),
+            Ask::Is(predicate, number) => Test::Holds(fact(self.domain, self.world, predicate, *number)),
+            Ask::Not(inner) => Test::Not(Box::new(self.test(inner))),
+            Ask::All(parts) => Test::All(parts.iter().map(|part| self.test(part)).collect()),
+            Ask::Any(parts) => Test::Any(parts.iter().map(|part| self.test(part)).collect()),
+        }
+    }
+
+    fn nodes(&mut self, parts: &[Part]) -> Vec<Node> {
+        parts.iter().map(|part| self.node(part)).collect()
+    }
+
+    fn node(&mut self, part: &Part) -> Node {
+        match part {
+            Part::Do(text) => Node::Step(self.step(text)),
+            Part::If(ask, then, otherwise) => Node::If {
+                condition: self.test(ask),
+                then: self.nodes(then),
+                otherwise: self.nodes(otherwise),
+            },
+            Part::While(ask, body) => Node::While {
+                condition: self.test(ask),
+                body: self.nodes(body),
+            },
+            Part::Repeat(times, body) => Node::Repeat {
+                times: *times,
+                body: self.nodes(body),
+            },
+            Part::Lanes(lanes) => Node::Parallel {
+                lanes: lanes.iter().map(|(actor, items)| self.lane(actor, items)).collect(),
+            },
+        }
+    }
+
+    fn lane(&mut self, actor: &str, items: &[String]) -> Lane {
+        let actor = self.world.find(actor).unwrap();
+        let item = |text: &String| match text.strip_prefix("sync ") {
+            Some(name) => LaneItem::Sync(name.to_owned()),
+            None => LaneItem::Step(self.step(text)),
+        };
+        Lane {
+            actor,
+            items: items.iter().map(item).collect(),
+        }
+    }
+}
+
+pub(super) fn plan(domain: &Domain, world: &World, parts: &[Part]) -> Plan {
+    let mut builder = Builder {
+        domain,
+        world,
+        steps: Vec::new(),
+    };
+    let body = builder.nodes(parts);
+    Plan::tree(builder.steps, body).unwrap()
+}
+
+pub(super) fn report(domain: &Domain, world: &World, parts: &[Part]) -> Report {
+    check(domain, world, plan(domain, world, parts), &Purpose::default())
+}
+
+/// Everything wrong and odd, as sentences.
+pub(super) fn messages(domain: &Domain, world: &World, report: &Report) -> Vec<String> {
+    let all = report.violations.iter().chain(&report.warnings);
+    all.map(|found| found.message(domain, world, report.plan.steps(), None))
+        .collect()
+}

@@ -1,0 +1,88 @@
+//! From one instruction to the next.
+
+use super::write;
+use crate::model::{Domain, Ending, World};
+
+impl World {
+    /// The world after a plan that ended so, as the next instruction finds it.
+    ///
+    /// What an environment can say is as the plan left it. What it cannot say is as it was before the first step:
+    /// what is known of things stays known (a crate that has been emptied is still something to put things into),
+    /// and what holds only while a plan is carried out (where the hand is, what has been wiped) begins anew. So the
+    /// next instruction finds what somebody would who reads the environment that was saved, and nothing of the
+    /// knowledge that came with the first one is lost.
+    #[must_use]
+    pub fn after(&self, domain: &Domain, ending: &Ending) -> Self {
+        let said = |predicate| domain.states.iter().any(|word| word.atom.predicate == predicate);
+        let mut next = self.clone();
+        next.environment = write(domain, self, &ending.after);
+        let before = self.state.iter().filter(|fact| said(fact.predicate()));
+        for fact in before.filter(|fact| !ending.after.holds(*fact)) {
+            next.state.set(fact, false);
+        }
+        for fact in ending.after.iter().filter(|fact| said(fact.predicate())) {
+            next.state.set(fact, true);
+        }
+        // What a step made true or false is not assumed any more.
+        for change in ending.trace.changes() {
+            next.assumed.remove(&change.fact);
+        }
+        next
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::domain::{self};
+    use crate::goal;
+    use crate::json::Path;
+    use crate::model::Domain;
+    use crate::model::{Environment, World};
+    use crate::plan::{Plan, Step};
+    use crate::search::{Limits, Outcome, solve};
+    use crate::verify::{VerifiedPlan, check};
+    use crate::world::{self};
+
+    fn read(domain: &Domain, environment: &Environment) -> World {
+        world::read(domain, environment, "", "", &Path::default()).unwrap()
+    }
+
+    fn plan(domain: &Domain, world: &World, text: &str) -> VerifiedPlan {
+        let goal = goal::parse(domain, world, text).unwrap();
+        let Outcome::Solved { steps, .. } = solve(domain, world, &goal.wanted(domain), &Limits::default()) else {
+            panic!("no plan for {text}");
+        };
+        let steps = steps
+            .into_iter()
+            .map(|s| Step::explained(domain, world, s.action, s.arguments));
+        let plan: Plan = steps.collect();
+        check(domain, world, plan, &goal.purpose(domain))
+            .into_verified()
+            .unwrap()
+    }
+
+    #[test]
+    fn the_next_world_is_the_one_that_the_environment_says_and_forgets_nothing() {
+        let household = domain::shipped("household").unwrap().unwrap();
+        let text = r#"{"assets": ["<desk>", "<chest>", "<fridge>"], "objects": ["<pen>", "<fridge_handle>"],
+            "object_states": {"<pen>": "inside_something(<chest>)", "<fridge_handle>": "closed()"}}"#;
+        let mut world = read(&household, &Environment::from_json(text).unwrap());
+        for (goal, expected) in [
+            ("put(pen, desk)", "on_something(<desk>)"),
+            ("put(pen, fridge)", "inside_something(<fridge>)"),
+            // Nothing in the environment says any more that the chest holds things.
+            ("put(pen, chest)", "inside_something(<chest>)"),
+        ] {
+            let plan = plan(&household, &world, goal);
+            world = world.after(&household, plan.ending());
+            assert_eq!(
+                world.environment.object_states["<pen>"].as_slice(),
+                [expected],
+                "{goal}"
+            );
+            let again = read(&household, &world.environment);
+            let lost: Vec<_> = again.state.iter().filter(|fact| !world.state.holds(*fact)).collect();
+            assert!(lost.is_empty(), "{goal}: {lost:?}");
+        }
+    }
+}

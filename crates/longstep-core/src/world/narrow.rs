@@ -1,0 +1,170 @@
+//! A part of a world as a world of its own.
+
+use indexmap::IndexMap;
+use rustc_hash::FxHashSet;
+
+use super::{Entity, EntityId, Environment, Fact, Words, World};
+use crate::call::Call;
+use crate::model::Domain;
+
+impl World {
+    /// The part of the world that these entities make, for whoever cannot look at all of it.
+    ///
+    /// Everything keeps its identifier and its everyday name ("plate 17" stays 17), entities keep their order, and the
+    /// domain's constants are always there. What is known of a thing that is left out, or of how others relate to it,
+    /// is gone, from the environment too. This world stays as it is; what is found in the part is carried back by
+    /// identifiers ([`World::find`], [`crate::goal::Goal::carried`]).
+    ///
+    /// ```
+    /// use longstep_core::{domain, json, world};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup_1>", "<cup_2>"],
+    ///     "object_states": {"<cup_1>": "on_something(<shelf>)", "<cup_2>": "on_something(<table>)"}}"#;
+    /// let environment = world::Environment::from_json(text).unwrap();
+    /// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let keep = ["<cup_2>", "<table>"].map(|identifier| world.find(identifier).unwrap());
+    /// let part = world.narrowed(&household, &keep);
+    /// assert_eq!(part.environment.objects, ["<cup_2>"]);
+    /// assert_eq!(part.entity(part.find("<cup_2>").unwrap()).name, "cup 2");
+    /// ```
+    #[must_use]
+    pub fn narrowed(&self, domain: &Domain, keep: &[EntityId]) -> World {
+        let mut kept: Vec<EntityId> = (0..domain.constants.len()).map(EntityId::new).collect();
+        kept.extend(keep);
+        kept.sort_unstable();
+        kept.dedup();
+        let mut renumbered: Vec<Option<EntityId>> = vec![None; self.entities.len()];
+        for (index, id) in kept.iter().enumerate() {
+            renumbered[id.index()] = Some(EntityId::new(index));
+        }
+        let entities: Vec<Entity> = kept.iter().map(|id| self.entity(*id).clone()).collect();
+        let identifiers: FxHashSet<&str> = entities.iter().map(|entity| entity.identifier.as_str()).collect();
+        let environment = self.environment.only(&identifiers);
+        let carried = |fact: Fact| {
+            let arguments: Option<Vec<EntityId>> = domain.arguments(fact).map(|id| renumbered[id.index()]).collect();
+            Some(Fact::new(fact.predicate(), arguments?))
+        };
+        let mut part = World::new(&domain.types, entities.clone(), environment);
+        for fact in self.state.iter().filter_map(carried) {
+            part.state.set(fact, true);
+        }
+        let assumed = self.assumed.iter();
+        part.assumed = assumed
+            .filter_map(|(fact, ground)| Some((carried(*fact)?, *ground)))
+            .collect();
+        part
+    }
+}
+
+impl Environment {
+    /// What the environment says of these entities and of nothing else.
+    fn only(&self, identifiers: &FxHashSet<&str>) -> Self {
+        let listed = |all: &[String]| -> Vec<String> {
+            let kept = all
+                .iter()
+                .filter(|identifier| identifiers.contains(identifier.as_str()));
+            kept.cloned().collect()
+        };
+        let about = |text: &String| match Call::parse(text) {
+            Ok(call) => call
+                .arguments
+                .iter()
+                .all(|argument| identifiers.contains(argument.as_str())),
+            Err(_) => true,
+        };
+        let said = |all: &IndexMap<String, Words>| -> IndexMap<String, Words> {
+            let kept = all
+                .iter()
+                .filter(|(identifier, _)| identifiers.contains(identifier.as_str()));
+            let words = kept.map(|(identifier, words)| {
+                let words = match words {
+                    Words::One(word) if about(word) => Words::One(word.clone()),
+                    Words::One(_) => Words::Many(Vec::new()),
+                    Words::Many(all) => Words::Many(all.iter().filter(|word| about(word)).cloned().collect()),
+                };
+                (identifier.clone(), words)
+            });
+            words.filter(|(_, words)| !words.as_slice().is_empty()).collect()
+        };
+        let names = |all: &IndexMap<String, String>| -> IndexMap<String, String> {
+            let kept = all
+                .iter()
+                .filter(|(identifier, _)| identifiers.contains(identifier.as_str()));
+            kept.map(|(identifier, name)| (identifier.clone(), name.clone()))
+                .collect()
+        };
+        Self {
+            assets: listed(&self.assets),
+            asset_states: said(&self.asset_states),
+            objects: listed(&self.objects),
+            object_states: said(&self.object_states),
+            asset_properties: self.asset_properties.as_ref().map(said),
+            object_properties: self.object_properties.as_ref().map(said),
+            names: self.names.as_ref().map(names),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::shipped;
+    use crate::json::Path;
+    use crate::model::fact_text;
+    use crate::world::read;
+
+    const TEXT: &str = r#"{"assets": ["<hut>", "<loft>"], "objects": ["<rope_1>", "<rope_2>", "<loft_handle>", "<axe>"],
+        "object_states": {"<rope_1>": "on_something(<hut>)", "<rope_2>": ["inside_something(<loft>)"],
+                          "<loft_handle>": "closed()", "<axe>": ["on_something(<hut>)", "next_to(<rope_1>)"]},
+        "object_properties": {"<loft_handle>": "SLIDES"}, "names": {"<axe>": "hatchet", "<hut>": "cabin"}}"#;
+
+    #[track_caller]
+    fn check(keep: &[&str], environment: &str, facts: &[&str]) {
+        let domain = shipped("household").unwrap().unwrap();
+        let whole = read(
+            &domain,
+            &Environment::from_json(TEXT).unwrap(),
+            "",
+            "",
+            &Path::default(),
+        )
+        .unwrap();
+        let ids: Vec<EntityId> = keep.iter().map(|identifier| whole.find(identifier).unwrap()).collect();
+        let part = whole.narrowed(&domain, &ids);
+        assert_eq!(serde_json::to_string(&part.environment).unwrap(), environment);
+        let relations = part.state.iter().filter(|fact| domain.is_relation(*fact));
+        let told: Vec<String> = relations.map(|fact| fact_text(&domain, &part, fact, true)).collect();
+        assert_eq!(told, facts);
+        for (id, entity) in part.entities() {
+            assert_eq!(part.find(&entity.identifier), Some(id));
+            assert_eq!(whole.entity(whole.find(&entity.identifier).unwrap()), entity);
+        }
+        for fact in part.state.iter() {
+            let arguments = domain
+                .arguments(fact)
+                .map(|id| whole.find(&part.entity(id).identifier).unwrap());
+            let there = Fact::new(fact.predicate(), arguments);
+            assert!(whole.state.holds(there));
+            assert_eq!(whole.assumed(there), part.assumed(fact));
+        }
+    }
+
+    #[test]
+    fn a_part_knows_what_concerns_it_and_no_more() {
+        check(
+            &["<rope_2>", "<loft>", "<loft_handle>"],
+            r#"{"assets":["<loft>"],"asset_states":{},"objects":["<rope_2>","<loft_handle>"],"object_states":{"<rope_2>":["inside_something(<loft>)"],"<loft_handle>":"closed()"},"object_properties":{"<loft_handle>":"SLIDES"},"names":{}}"#,
+            &["the loft handle belongs to the loft", "rope 2 is in the loft"],
+        );
+        check(
+            &["<axe>", "<hut>"],
+            r#"{"assets":["<hut>"],"asset_states":{},"objects":["<axe>"],"object_states":{"<axe>":["on_something(<hut>)"]},"object_properties":{},"names":{"<axe>":"hatchet","<hut>":"cabin"}}"#,
+            &["the hatchet is on the cabin"],
+        );
+        check(
+            &["<rope_1>"],
+            r#"{"assets":[],"asset_states":{},"objects":["<rope_1>"],"object_states":{},"object_properties":{},"names":{}}"#,
+            &[],
+        );
+    }
+}

@@ -1,0 +1,426 @@
+//! From an environment to a world: entities, facts, and what is assumed.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, Words, World, holds};
+use crate::call::Call;
+use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::effort;
+use crate::json::{self, Path};
+use crate::model::{Derivation, Domain, Literal, RuleTime, TypeId, Unknown, base_name, ends_with};
+use crate::model::{ENTITY_LIMIT, ground, grounded_term, name_entities};
+
+/// After this many findings about an environment, the rest is not reported.
+const FINDINGS: usize = 100;
+
+/// Reads an environment as a world of the domain.
+///
+/// `file` and `text` are what the environment was read from; they give findings their place, and `text` may
+/// be empty when there is none. `inside` is the path of the environment within the text.
+///
+/// # Errors
+///
+/// Everything that is wrong at once: unknown states and properties, entities that are named but not listed,
+/// entities that are listed twice, facts that contradict each other.
+pub fn read(
+    domain: &Domain,
+    environment: &Environment,
+    file: &str,
+    text: &str,
+    inside: &Path,
+) -> Result<World, Diagnostics> {
+    let mut reader = EnvironmentReader {
+        domain,
+        file,
+        text,
+        inside,
+        findings: Vec::new(),
+    };
+    let spent = effort::within(effort::OPERATION, || reader.world(environment));
+    if spent.exhausted && reader.findings.is_empty() {
+        let message = "what follows from the environment has too many instances".to_owned();
+        reader.report(
+            &Path::default(),
+            message,
+            Some("make the environment smaller".to_owned()),
+        );
+    }
+    match spent.result {
+        Some(world) if reader.findings.is_empty() => Ok(world),
+        _ => Err(Diagnostics::sorted(reader.findings)),
+    }
+}
+
+struct EnvironmentReader<'a> {
+    domain: &'a Domain,
+    file: &'a str,
+    text: &'a str,
+    inside: &'a Path,
+    findings: Vec<Diagnostic>,
+}
+
+impl EnvironmentReader<'_> {
+    fn report(&mut self, path: &Path, message: String, hint: Option<String>) {
+        if self.is_full() {
+            return;
+        }
+        let path = self.inside.join(path);
+        self.findings.push(Diagnostic {
+            file: self.file.to_owned(),
+            position: json::locate(self.text, &path),
+            message: format!("{path}: {message}"),
+            hint,
+        });
+    }
+
+    /// Returns whether nothing more is reported: looking for places and for similar names takes time for each finding.
+    fn is_full(&self) -> bool {
+        self.findings.len() >= FINDINGS
+    }
+
+    fn world(&mut self, environment: &Environment) -> Option<World> {
+        let domain = self.domain;
+        let lists = [
+            ("assets", &environment.assets, domain.environment.asset),
+            ("objects", &environment.objects, domain.environment.object),
+        ];
+        let mut identifiers: Vec<(&str, TypeId)> = domain
+            .constants
+            .iter()
+            .map(|(name, kind)| (name.as_str(), *kind))
+            .collect();
+        let mut by_identifier: indexmap::IndexMap<String, EntityId> = identifiers
+            .iter()
+            .enumerate()
+            .map(|(i, (name, _))| ((*name).to_owned(), EntityId::new(i)))
+            .collect();
+        if environment.assets.len() + environment.objects.len() > ENTITY_LIMIT {
+            let message = format!("more than {ENTITY_LIMIT} entities");
+            self.report(&Path::default(), message, None);
+            return None;
+        }
+        for (list, entries, kind) in lists {
+            for (index, identifier) in entries.iter().enumerate() {
+                let path = Path::key(list).index(index);
+                if identifier.trim().is_empty() {
+                    self.report(&path, "an entity needs a name".to_owned(), None);
+                } else if by_identifier.contains_key(identifier) {
+                    let message = format!("`{identifier}` is listed twice");
+                    self.report(&path, message, Some("keep one of the two".to_owned()));
+                } else {
+                    by_identifier.insert(identifier.clone(), EntityId::new(identifiers.len()));
+                    identifiers.push((identifier, kind));
+                }
+            }
+        }
+        // A place that states speak of without listing it is an error below; a room may be listed nowhere
+        // but in the properties, which is harmless.
+        let only_names: Vec<&str> = identifiers.iter().map(|(name, _)| *name).collect();
+        if let Some(names) = &environment.names {
+            for (identifier, name) in names {
+                let path = Path::key("names").push(identifier);
+                if !by_identifier.contains_key(identifier) {
+                    self.unlisted(&path, identifier, &by_identifier);
+                }
+                let unfit = |c: char| !(c.is_alphanumeric() || matches!(c, ' ' | '-' | '\''));
+                if name.trim().is_empty() || name.contains(unfit) || name.chars().count() > 60 {
+                    let message = "a name is up to 60 letters, digits, blanks, hyphens and apostrophes";
+                    self.report(&path, message.to_owned(), None);
+                }
+            }
+        }
+        let entities: Vec<Entity> = name_entities(domain, &only_names, environment.names.as_ref())
+            .into_iter()
+            .zip(&identifiers)
+            .map(|((name, names), (identifier, kind))| Entity {
+                identifier: (*identifier).to_owned(),
+                kind: *kind,
+                name,
+                names,
+            })
+            .collect();
+        let mut world = World::new(&domain.types, entities, environment.clone());
+        self.states(&mut world, "asset_states", &environment.asset_states);
+        self.states(&mut world, "object_states", &environment.object_states);
+        let mut denied: FxHashSet<Fact> = FxHashSet::default();
+        let mut told: FxHashSet<usize> = FxHashSet::default();
+        for (section, properties) in [
+            ("asset_properties", &environment.asset_properties),
+            ("object_properties", &environment.object_properties),
+        ] {
+            for (identifier, words) in properties.iter().flatten() {
+                self.properties(&mut world, section, identifier, words, &mut denied, &mut told);
+            }
+        }
+        let bases: Vec<String> = world
+            .entities
+            .iter()
+            .map(|entity| base_name(&entity.identifier))
+            .collect();
+        for derivation in &domain.derivations {
+            let not = derive(derivation, &mut world, &bases, &denied, &told);
+            // What the environment says is stronger than what a name says.
+            denied.extend(not.into_iter().filter(|fact| !world.state.holds(*fact)));
+        }
+        for default in &domain.defaults {
+            for index in 0..world.entities.len() {
+                let entity = EntityId::new(index);
+                let mut bindings: Bindings = vec![entity];
+                let moment = Moment {
+                    world: &world,
+                    state: &world.state,
+                };
+                if holds(moment, &default.when, &mut bindings) {
+                    let fact = ground(&default.atom, &bindings);
+                    if world.state.set(fact, true) {
+                        world.assumed.insert(fact, Ground::Default);
+                    }
+                }
+            }
+        }
+        for (index, words) in domain.predicate_words.iter().enumerate() {
+            if words.unknown == Unknown::Assume && !told.contains(&index) {
+                let predicate = &domain.predicates[index];
+                for entity in world.of_kind(predicate.parameters[0].kind).to_vec() {
+                    let fact = Fact::new(crate::model::PredicateId::new(index), [entity]);
+                    if !denied.contains(&fact) && world.state.set(fact, true) {
+                        world.assumed.insert(fact, Ground::Unknown);
+                    }
+                }
+            }
+        }
+        self.contradictions(&world);
+        Some(world)
+    }
+
+    fn unlisted(&mut self, path: &Path, identifier: &str, known: &indexmap::IndexMap<String, EntityId>) {
+        if self.is_full() {
+            return;
+        }
+        let near = nearest(identifier, known.keys().map(String::as_str));
+        let hint = near.map_or_else(
+            || "add it to `assets` or `objects`".to_owned(),
+            |near| format!("did you mean `{near}`? Otherwise add it to `assets` or `objects`"),
+        );
+        self.report(
+            path,
+            format!("`{identifier}` is listed neither in `assets` nor in `objects`"),
+            Some(hint),
+        );
+    }
+
+    fn states(&mut self, world: &mut World, section: &str, states: &indexmap::IndexMap<String, Words>) {
+        for (identifier, words) in states {
+            let path = Path::key(section).push(identifier);
+            let Some(subject) = world.find(identifier) else {
+                self.unlisted(&path, identifier, &world.by_identifier);
+                continue;
+            };
+            for (index, word) in words.as_slice().iter().enumerate() {
+                let path = match words {
+                    Words::One(_) => path.clone(),
+                    Words::Many(_) => path.index(index),
+                };
+                if let Some(fact) = self.state(world, &path, subject, word) {
+                    world.state.set(fact, true);
+                }
+            }
+        }
+    }
+
+    fn state(&mut self, world: &World, path: &Path, subject: EntityId, text: &str) -> Option<Fact> {
+        let call = match Call::parse(text) {
+            Ok(call) => call,
+            Err(error) => {
+                self.report(path, error.to_string(), None);
+                return None;
+            }
+        };
+        let domain = self.domain;
+        let Some(word) = domain.states.iter().find(|s| s.word == call.name) else {
+            let known = domain.states.iter().map(|s| s.word.as_str());
+            let hint = match nearest(&call.name, known.clone()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!(
+                    "the domain `{}` knows {}",
+                    domain.name,
+                    known.collect::<Vec<_>>().join(", ")
+                ),
+            };
+            self.report(path, format!("unknown state `{}`", call.name), Some(hint));
+            return None;
+        };
+        if word.parameters.len() != call.arguments.len() {
+            let message = format!(
+                "`{}` takes {} argument(s), not {}",
+                word.word,
+                word.parameters.len(),
+                call.arguments.len()
+            );
+            self.report(path, message, None);
+            return None;
+        }
+        let mut bindings: Bindings = vec![subject];
+        for argument in &call.arguments {
+            match world.find(argument) {
+                Some(entity) => bindings.push(entity),
+                None => {
+                    self.unlisted(path, argument, &world.by_identifier);
+                    return None;
+                }
+            }
+        }
+        let parameters = &domain.predicate(word.atom.predicate).parameters;
+        for (term, parameter) in word.atom.terms.iter().zip(parameters) {
+            let entity = world.entity(grounded_term(*term, &bindings));
+            if !domain.types.is_a(entity.kind, parameter.kind) {
+                let message = format!(
+                    "`{}` cannot be said of `{}`, which is no {}",
+                    word.word,
+                    entity.identifier,
+                    domain.types.name(parameter.kind)
+                );
+                self.report(path, message, None);
+                return None;
+            }
+        }
+        Some(ground(&word.atom, &bindings))
+    }
+
+    fn properties(
+        &mut self,
+        world: &mut World,
+        section: &str,
+        identifier: &str,
+        words: &Words,
+        denied: &mut FxHashSet<Fact>,
+        told: &mut FxHashSet<usize>,
+    ) {
+        let path = Path::key(section).push(identifier);
+        let subject = world.find(identifier);
+        for (index, text) in words.as_slice().iter().enumerate() {
+            let path = match words {
+                Words::One(_) => path.clone(),
+                Words::Many(_) => path.index(index),
+            };
+            let Some(word) = self.domain.properties.iter().find(|p| p.word == *text) else {
+                let known = self.domain.properties.iter().map(|p| p.word.as_str());
+                let hint = nearest(text, known).map(|near| format!("did you mean `{near}`?"));
+                self.report(&path, format!("unknown property `{text}`"), hint);
+                continue;
+            };
+            let Some(subject) = subject else { continue };
+            for Literal { atom, holds } in &word.literals {
+                let fact = ground(atom, &[subject]);
+                let opposite = if *holds {
+                    told.insert(atom.predicate.index());
+                    world.state.set(fact, true);
+                    denied.contains(&fact)
+                } else {
+                    denied.insert(fact);
+                    world.state.holds(fact)
+                };
+                if opposite {
+                    let message = format!("`{text}` contradicts another property of `{identifier}`");
+                    self.report(&path, message, Some("keep one of the two".to_owned()));
+                }
+            }
+        }
+    }
+
+    /// Rules for the start must hold now.
+    fn contradictions(&mut self, world: &World) {
+        let domain = self.domain;
+        for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Start) {
+            // What contradicts what is the same both ways round.
+            let mut told: FxHashSet<Bindings> = FxHashSet::default();
+            for bindings in crate::model::broken_bindings(rule, world, &world.state) {
+                let mut sorted = bindings.clone();
+                sorted.sort_unstable();
+                if self.is_full() {
+                    return;
+                }
+                if !told.insert(sorted) {
+                    continue;
+                }
+                let says = rule.says.fill(|slot| world.entity(bindings[slot]).identifier.clone());
+                let path = bindings
+                    .iter()
+                    .map(|entity| &world.entity(*entity).identifier)
+                    .find_map(|identifier| {
+                        let states = &world.environment;
+                        ["object_states", "asset_states"]
+                            .into_iter()
+                            .zip([&states.object_states, &states.asset_states])
+                            .find(|(_, map)| map.contains_key(identifier))
+                            .map(|(section, _)| Path::key(section).push(identifier))
+                    })
+                    .unwrap_or_default();
+                self.report(&path, format!("contradictory facts: {says}"), None);
+            }
+        }
+    }
+}
+
+/// Adds what follows to the world; returns what follows not to hold, which is then not unknown either.
+///
+/// `bases` are the base names of the entities, in order.
+fn derive(
+    derivation: &Derivation,
+    world: &mut World,
+    bases: &[String],
+    denied: &FxHashSet<Fact>,
+    told: &FxHashSet<usize>,
+) -> Vec<Fact> {
+    let matching = |names: &[String]| -> Vec<EntityId> {
+        let fits = |base: &String| names.is_empty() || names.iter().any(|name| ends_with(base, name));
+        let all = bases.iter().enumerate().filter(|(_, base)| fits(base));
+        all.map(|(index, _)| EntityId::new(index)).collect()
+    };
+    let subjects = matching(&derivation.names);
+    let pairs: Vec<(EntityId, EntityId)> = if let Some(pattern) = &derivation.pattern {
+        let bare = |id: EntityId| world.entity(id).identifier.trim_matches(['<', '>']).to_lowercase();
+        let named: FxHashMap<String, EntityId> = subjects.iter().map(|id| (bare(*id), *id)).collect();
+        let others = matching(&derivation.other_names);
+        let pair = |other| Some((*named.get(&pattern.replace("{other}", &bare(other)))?, other));
+        others.into_iter().filter_map(pair).collect()
+    } else if derivation.binary {
+        let others = matching(&derivation.other_names);
+        let with = |id: EntityId| {
+            others
+                .iter()
+                .map(move |other| (id, *other))
+                .filter(|(id, other)| id != other)
+        };
+        subjects.into_iter().flat_map(with).collect()
+    } else {
+        subjects.into_iter().map(|id| (id, id)).collect()
+    };
+    let mut follows = Vec::new();
+    for (id, other) in pairs {
+        if !effort::spend(1) {
+            break;
+        }
+        let mut bindings: Bindings = vec![id, other];
+        let moment = Moment {
+            world,
+            state: &world.state,
+        };
+        if holds(moment, &derivation.when, &mut bindings) {
+            let grounded = |literal: &Literal| (ground(&literal.atom, &bindings), literal.holds);
+            follows.extend(derivation.literals.iter().map(grounded));
+        }
+    }
+    // An environment that gives a fact of anything gives it of everything that has it.
+    let open = |fact: &Fact| !denied.contains(fact) && !told.contains(&fact.predicate().index());
+    for (fact, _) in follows.iter().filter(|(fact, holds)| *holds && open(fact)) {
+        if world.state.set(*fact, true) {
+            world.assumed.insert(*fact, Ground::Derived);
+        }
+    }
+    follows
+        .into_iter()
+        .filter(|(_, holds)| !holds)
+        .map(|(fact, _)| fact)
+        .collect()
+}

@@ -1,0 +1,101 @@
+//! From a state back to an environment.
+
+use indexmap::IndexMap;
+
+use super::{EntityId, Environment, Fact, State, Words, World};
+use crate::call::Call;
+use crate::model::{Domain, StateWord, Term};
+
+/// The environment that says what `state` is, when `world` is where things started.
+///
+/// Nothing is said that did not change: what was taken for granted stays unsaid, and the order and the
+/// style of the first environment are kept.
+pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
+    let mut environment = world.environment.clone();
+    let as_list = environment.prefers_lists();
+    let mut news: IndexMap<EntityId, Vec<String>> = IndexMap::new();
+    for fact in state.iter().filter(|fact| !world.state.holds(*fact)) {
+        for word in domain
+            .states
+            .iter()
+            .filter(|word| word.atom.predicate == fact.predicate())
+        {
+            let (subject, text) = word_for(word, world, fact);
+            news.entry(subject).or_default().push(text);
+        }
+    }
+    for states in [&mut environment.asset_states, &mut environment.object_states] {
+        for (identifier, words) in states.iter_mut() {
+            let Some(subject) = world.find(identifier) else {
+                continue;
+            };
+            let new = news.shift_remove(&subject).unwrap_or_default();
+            revise(domain, world, state, subject, words, new);
+        }
+        states.retain(|_, words| !matches!(words, Words::Many(many) if many.is_empty()));
+    }
+    for (subject, mut new) in news {
+        let identifier = world.entity(subject).identifier.clone();
+        let words = match (as_list, new.len()) {
+            (false, 1) => Words::One(new.remove(0)),
+            _ => Words::Many(new),
+        };
+        let states = if environment.assets.contains(&identifier) {
+            &mut environment.asset_states
+        } else {
+            &mut environment.object_states
+        };
+        states.insert(identifier, words);
+    }
+    environment
+}
+
+/// Takes out of an entry what no longer holds and puts `new` where the first such word stood.
+fn revise(domain: &Domain, world: &World, state: &State, subject: EntityId, words: &mut Words, new: Vec<String>) {
+    let old = words.as_slice();
+    let kept = |text: &String| fact_of(domain, world, subject, text).is_none_or(|fact| state.holds(fact));
+    let place = old.iter().position(|text| !kept(text));
+    if place.is_none() && new.is_empty() {
+        return;
+    }
+    let place = place.unwrap_or(old.len());
+    let mut revised: Vec<String> = old[..place].to_vec();
+    revised.extend(new);
+    revised.extend(old[place..].iter().filter(|text| kept(text)).cloned());
+    *words = match (&*words, revised.len()) {
+        (Words::One(_), 1) => Words::One(revised.remove(0)),
+        _ => Words::Many(revised),
+    };
+}
+
+/// The fact that a state in the entry of `subject` says; none if the domain has no such state, or the world no such
+/// entity.
+pub fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Option<Fact> {
+    let call = Call::parse(text).ok()?;
+    let word = domain
+        .states
+        .iter()
+        .find(|s| s.word == call.name && s.parameters.len() == call.arguments.len())?;
+    let mut bindings = vec![subject];
+    for argument in &call.arguments {
+        bindings.push(world.find(argument)?);
+    }
+    Some(crate::model::ground(&word.atom, &bindings))
+}
+
+/// The entity in whose entry a fact is written, and how.
+pub fn word_for(word: &StateWord, world: &World, fact: Fact) -> (EntityId, String) {
+    let mut slots = vec![None; word.parameters.len() + 1];
+    for (place, term) in word.atom.terms.iter().enumerate() {
+        if let Term::Variable(slot) = term {
+            slots[*slot] = Some(fact.argument(place));
+        }
+    }
+    let subject = slots[0].unwrap_or(fact.argument(0));
+    let identifier = |slot: &Option<EntityId>| slot.map(|id| world.entity(id).identifier.clone());
+    let call = Call {
+        name: word.word.clone(),
+        arguments: slots[1..].iter().filter_map(identifier).collect(),
+    };
+    (subject, call.to_string())
+}

@@ -1,0 +1,263 @@
+//! What a model and a person are told: explanations, sentences and worked examples.
+
+use toml::Spanned;
+
+use super::names::words_of;
+use super::places::{Place, Places};
+use super::reach::Reach;
+use super::{Finding, Lint, quoted};
+use crate::goal::{QUESTION, read_form};
+use crate::model::Atom;
+use crate::model::{Domain, GoalWord, Parameter, Template, plain_words};
+
+pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) -> Vec<Finding> {
+    let told = told(domain, places);
+    let mut findings = Vec::new();
+    for thing in &told {
+        missing(thing, &mut findings);
+        unnamed(thing, &mut findings);
+    }
+    same(reach, &told, &mut findings);
+    examples(domain, places, &mut findings);
+    findings
+}
+
+/// An action, state, goal or predicate with the texts that tell of it.
+struct Told<'a> {
+    what: &'static str,
+    name: &'a str,
+    place: Place<'a>,
+    /// `means`, for what has one.
+    means: Option<&'a str>,
+    says: Vec<Sentence<'a>>,
+    parameters: &'a [Parameter],
+    /// What a state's word stands for: two words for one fact may be told alike.
+    fact: Option<&'a Atom>,
+}
+
+struct Sentence<'a> {
+    key: &'static str,
+    template: &'a Template,
+    place: Place<'a>,
+    /// The parameters that it has to name.
+    named: Vec<usize>,
+}
+
+fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
+    let sentence = |key, template: &'a Template, text: &Spanned<String>, named: Vec<usize>| Sentence {
+        key,
+        template,
+        place: places.word(text),
+        named,
+    };
+    let mut told = Vec::new();
+    for (predicate, words) in domain.predicates.iter().zip(&domain.predicate_words) {
+        let Some(entry) = places
+            .words
+            .predicate
+            .iter()
+            .find(|e| *e.name.get_ref() == predicate.name)
+        else {
+            continue;
+        };
+        let all: Vec<usize> = (0..predicate.parameters.len()).collect();
+        let mut says = vec![
+            sentence("says", &words.says, &entry.says, all.clone()),
+            sentence("denies", &words.denies, &entry.denies, all.clone()),
+        ];
+        if let (Some(short), Some(text)) = (&words.short, &entry.short) {
+            // It stands in the entry of the first argument.
+            says.push(sentence("short", short, text, all[all.len().min(1)..].to_vec()));
+        }
+        told.push(Told {
+            what: "predicate",
+            name: &predicate.name,
+            place: places.word(&entry.name),
+            means: None,
+            says,
+            parameters: &predicate.parameters,
+            fact: None,
+        });
+    }
+    for (state, entry) in domain.states.iter().zip(&places.words.state) {
+        told.push(Told {
+            what: "state",
+            name: &state.word,
+            place: places.word(&entry.word),
+            means: Some(&state.means),
+            says: Vec::new(),
+            parameters: &domain.predicate(state.atom.predicate).parameters,
+            fact: Some(&state.atom),
+        });
+    }
+    for action in &domain.actions {
+        let Some(entry) = places.words.action.iter().find(|e| *e.name.get_ref() == action.name) else {
+            continue;
+        };
+        // What the verifier finds by itself may go unsaid.
+        let named = action.explicit.iter().copied().chain(action.object).collect();
+        told.push(Told {
+            what: "action",
+            name: &action.call,
+            place: places.word(&entry.name),
+            means: Some(&action.means),
+            says: vec![sentence("says", &action.says, &entry.says, named)],
+            parameters: &action.parameters,
+            fact: None,
+        });
+    }
+    for (word, entry) in domain.goal_words.iter().zip(&places.words.goal) {
+        let named = (0..word.parameters.len()).collect();
+        told.push(Told {
+            what: "goal",
+            name: entry.form.get_ref(),
+            place: places.word(&entry.form),
+            means: Some(&word.means),
+            says: vec![sentence("says", &word.says, &entry.says, named)],
+            parameters: &word.parameters,
+            fact: None,
+        });
+    }
+    told
+}
+
+fn missing(thing: &Told<'_>, findings: &mut Vec<Finding>) {
+    let Told { what, name, .. } = thing;
+    for Sentence { key, place, .. } in thing.says.iter().filter(|sentence| sentence.template.is_blank()) {
+        findings.push(Finding::new(
+            Lint::MissingExplanation,
+            &[name],
+            *place,
+            format!("`{key}` of the {what} `{name}` is empty"),
+            "write a sentence with the parameters in braces: people read it in reports",
+        ));
+    }
+    let Some(means) = thing.means else { return };
+    let words = plain_words(means);
+    let own = words_of(name.split('(').next().unwrap_or_default());
+    let message = if words.is_empty() {
+        format!("the {what} `{name}` has no explanation")
+    } else if words.iter().all(|word| own.contains(word)) {
+        format!("the explanation of the {what} `{name}` says no more than its name")
+    } else {
+        return;
+    };
+    findings.push(Finding::new(
+        Lint::MissingExplanation,
+        &[name],
+        thing.place,
+        message,
+        "say in `means` what it does and when it is the right one: models and people know only this of it",
+    ));
+}
+
+fn unnamed(thing: &Told<'_>, findings: &mut Vec<Finding>) {
+    for sentence in thing.says.iter().filter(|sentence| !sentence.template.is_blank()) {
+        let Sentence {
+            key, template, place, ..
+        } = sentence;
+        for index in sentence.named.iter().filter(|index| !template.mentions(**index)) {
+            let parameter = thing.parameters[*index].name.as_str();
+            findings.push(Finding::new(
+                Lint::UnnamedParameter,
+                &[thing.name, parameter],
+                *place,
+                format!(
+                    "`{key}` of the {} `{}` does not say which `{parameter}`",
+                    thing.what, thing.name
+                ),
+                format!("put `{{{parameter}}}` into the sentence"),
+            ));
+        }
+    }
+}
+
+fn same(reach: &Reach<'_>, told: &[Told<'_>], findings: &mut Vec<Finding>) {
+    for (index, later) in told.iter().enumerate() {
+        let family = told[..index].iter().filter(|earlier| earlier.what == later.what);
+        for earlier in family {
+            let alike = |(left, right): (&Parameter, &Parameter)| reach.overlap(left.kind, right.kind);
+            let same_kinds = later.parameters.len() == earlier.parameters.len()
+                && later.parameters.iter().zip(earlier.parameters).all(alike);
+            let means = |thing: &Told<'_>| thing.means.map(plain_words).filter(|words| !words.is_empty());
+            let same_fact = later.fact.is_some() && later.fact == earlier.fact;
+            let mut sentences = later.says.iter().zip(&earlier.says);
+            let sentence =
+                sentences.find(|(own, other)| same_kinds && own.template == other.template && !own.template.is_blank());
+            let (key, place) = if let Some((sentence, _)) = sentence {
+                (sentence.key, sentence.place)
+            } else if !same_fact && means(later).is_some() && means(later) == means(earlier) {
+                ("means", later.place)
+            } else {
+                continue;
+            };
+            let names = [earlier.name, later.name];
+            findings.push(Finding::new(
+                Lint::SameExplanation,
+                &names,
+                place,
+                format!("the {}s {} have the same `{key}`", later.what, quoted(&names)),
+                "say what tells them apart, or keep only one of them",
+            ));
+        }
+        if let [says, denies, ..] = &later.says[..]
+            && says.template == denies.template
+            && !says.template.is_blank()
+        {
+            findings.push(Finding::new(
+                Lint::SameExplanation,
+                &[later.name],
+                denies.place,
+                format!("`says` and `denies` of the predicate `{}` are the same", later.name),
+                "say in `denies` that it does not hold",
+            ));
+        }
+    }
+}
+
+fn examples(domain: &Domain, places: &Places<'_>, findings: &mut Vec<Finding>) {
+    if domain.prompts.examples.is_empty() {
+        findings.push(Finding::new(
+            Lint::MissingExample,
+            &[&domain.name],
+            places.examples(),
+            "there are no worked examples, and a model learns how to answer from them",
+            "write twenty to thirty: each goal, two goals at once, and when to ask back",
+        ));
+        return;
+    }
+    let shows = |word: &GoalWord| {
+        let in_scene = |names: Vec<&str>, known: &[&str]| names.iter().all(|name| known.contains(name));
+        domain.prompts.examples.iter().any(|example| {
+            let scene = example.objects.iter().chain(&example.places);
+            let known: Vec<&str> = scene.map(|(name, _)| name.as_str()).collect();
+            let mut parts = example.answer.split(" & ");
+            parts.any(|part| read_form(word, part).is_some_and(|names| in_scene(names, &known)))
+        })
+    };
+    let words = domain.goal_words.iter().zip(&places.words.goal);
+    for (_, entry) in words.filter(|(word, _)| !shows(word)) {
+        let form = entry.form.get_ref().as_str();
+        findings.push(Finding::new(
+            Lint::MissingExample,
+            &[form],
+            places.word(&entry.form),
+            format!("no worked example shows the goal `{form}`, and what a model is not shown it seldom says"),
+            "add one to prompt/examples.toml, with things that your environments do not have",
+        ));
+    }
+    if !domain
+        .prompts
+        .examples
+        .iter()
+        .any(|example| example.answer.starts_with(QUESTION))
+    {
+        findings.push(Finding::new(
+            Lint::MissingExample,
+            &["question"],
+            places.examples(),
+            "no worked example asks back, so a model will answer what it cannot know",
+            "add one with `answer = \"question: ...\"`, about a thing that its scene does not have",
+        ));
+    }
+}

@@ -1,0 +1,193 @@
+//! What is probably a mistake in a domain that loads.
+//!
+//! Everything is decided from the domain alone, before anyone has written an environment for it, and a finding has to
+//! be worth reading: where it is open whether something is wrong, nothing is said.
+
+mod explanations;
+mod names;
+mod never;
+mod places;
+mod reach;
+mod reads;
+
+#[cfg(test)]
+mod tests;
+
+use std::fmt;
+
+use self::places::{Place, Places};
+use self::reach::Reach;
+use self::reads::Reads;
+use crate::diagnostic::{Diagnostic, nearest};
+use crate::model::{Domain, Files};
+
+macro_rules! lints {
+    ($($(#[doc = $doc:literal])+ $variant:ident = $name:literal,)+) => {
+        /// What a [`Finding`] is about.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Lint {
+            $($(#[doc = $doc])+ $variant,)+
+        }
+
+        impl Lint {
+            /// Every lint.
+            pub const ALL: &[Lint] = &[$(Lint::$variant,)+];
+
+            /// Its name, as findings and acceptances write it.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Lint::$variant => $name,)+
+                }
+            }
+        }
+    };
+}
+
+lints! {
+    /// An action, or a conditional effect of one, whose condition can never hold.
+    NeverApplicable = "never-applicable",
+    /// A predicate that is asked about and that nothing makes true.
+    NeverTrue = "never-true",
+    /// A goal word that can never be offered or reached, or that no action works towards.
+    UnreachableGoal = "unreachable-goal",
+    /// A rule that nothing can break.
+    VacuousRule = "vacuous-rule",
+    /// A fact that keeps an action from ever being done again, since no action takes it away.
+    OneWayState = "one-way-state",
+    /// A predicate that actions change and nothing reads.
+    UnreadEffect = "unread-effect",
+    /// An action that changes nothing that anything reads.
+    UselessAction = "useless-action",
+    /// An action that makes the same fact true and false.
+    ContradictoryEffect = "contradictory-effect",
+    /// A fact that environments give, and that no action changes and nothing reads.
+    DeadState = "dead-state",
+    /// A predicate that nothing mentions.
+    UnusedPredicate = "unused-predicate",
+    /// A type that nothing has or asks for.
+    UnusedType = "unused-type",
+    /// Names that a model will take for one another.
+    ConfusableNames = "confusable-names",
+    /// An action, state or goal that is not explained, or only by its name.
+    MissingExplanation = "missing-explanation",
+    /// A sentence that leaves out what it is about.
+    UnnamedParameter = "unnamed-parameter",
+    /// Two things that are told in the same words.
+    SameExplanation = "same-explanation",
+    /// A goal word, or asking back, that no worked example shows.
+    MissingExample = "missing-example",
+    /// A file of `prompt/` that cannot be rendered, or a worked plan that is not one.
+    BrokenPrompt = "broken-prompt",
+    /// An acceptance that accepts nothing, or gives no reason.
+    StaleAcceptance = "stale-acceptance",
+}
+
+/// Something that is probably a mistake, with its place and with what to do about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finding {
+    /// What kind of mistake.
+    pub lint: Lint,
+    /// The names of what it is about, as `[[accept]]` writes them.
+    pub of: Vec<String>,
+    /// What, where, why it matters, and what to do.
+    pub diagnostic: Diagnostic,
+}
+
+impl Finding {
+    fn new(lint: Lint, of: &[&str], place: Place<'_>, message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self {
+            lint,
+            of: of.iter().map(|name| (*name).to_owned()).collect(),
+            diagnostic: Diagnostic::at(place.file, place.position, message).hint(hint),
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut named = self.diagnostic.clone();
+        named.message = format!("[{}] {}", self.lint.name(), named.message);
+        named.fmt(f)
+    }
+}
+
+/// Looks for what is probably a mistake in a domain; `files` are what it was loaded from. The findings are sorted by
+/// file and place, less those that the domain accepts.
+///
+/// ```
+/// use longstep::domain::{lint, load, shipped_files};
+/// let files = shipped_files("household").unwrap();
+/// assert_eq!(lint(&load(&files).unwrap(), &files), []);
+/// ```
+pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
+    let Some(places) = Places::read(files) else {
+        // Not the files of a domain that loaded.
+        return Vec::new();
+    };
+    let reach = Reach::of(domain);
+    let reads = Reads::of(domain);
+    let mut findings = never::findings(domain, &reach, &reads, &places);
+    findings.extend(reads::findings(domain, &reads, &places));
+    findings.extend(names::findings(domain, &reach, &places));
+    findings.extend(explanations::findings(domain, &reach, &places));
+    findings.extend(
+        crate::prompt::broken_parts(domain)
+            .into_iter()
+            .map(|diagnostic| Finding {
+                lint: Lint::BrokenPrompt,
+                of: Vec::new(),
+                diagnostic,
+            }),
+    );
+    let mut findings = without_accepted(findings, &places);
+    findings.sort_by(|left, right| (&left.diagnostic, left.lint).cmp(&(&right.diagnostic, right.lint)));
+    findings
+}
+
+/// Takes out what `[[accept]]` speaks of; an acceptance that accepts nothing is a finding of its own, since what it
+/// was written for may have come back under another name.
+fn without_accepted(mut findings: Vec<Finding>, places: &Places<'_>) -> Vec<Finding> {
+    let mut stale = Vec::new();
+    for entry in &places.words.accept {
+        let name = entry.lint.get_ref();
+        let of: Vec<&str> = entry.of.iter().map(String::as_str).collect();
+        let mut report = |place, message: String, hint: String| {
+            stale.push(Finding::new(Lint::StaleAcceptance, &of, place, message, hint));
+        };
+        let known = Lint::ALL.iter().find(|lint| lint.name() == name);
+        let before = findings.len();
+        findings.retain(|finding| !(Some(&finding.lint) == known && same_names(&finding.of, &entry.of)));
+        if known.is_none() {
+            let names = Lint::ALL.iter().map(|lint| lint.name());
+            let hint = match nearest(name, names.clone()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("known are {}", names.collect::<Vec<_>>().join(", ")),
+            };
+            report(places.word(&entry.lint), format!("there is no finding `{name}`"), hint);
+        } else if findings.len() == before {
+            let message = format!("accepting `{name}` of {} accepts nothing", quoted(&of));
+            let hint = "take the acceptance out, or write the names of the finding that it is for in `of`";
+            report(places.word(&entry.lint), message, hint.to_owned());
+        } else if entry.why.get_ref().trim().is_empty() {
+            let message = format!("`{name}` of {} is accepted without a reason", quoted(&of));
+            let hint = "say in `why` what makes it right here, for whoever reads the domain next";
+            report(places.word(&entry.why), message, hint.to_owned());
+        }
+    }
+    findings.extend(stale);
+    findings
+}
+
+fn same_names(left: &[String], right: &[String]) -> bool {
+    left.len() == right.len() && left.iter().all(|name| right.contains(name))
+}
+
+/// Names in backticks: `a`, `b` and `c`.
+fn quoted(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    match &quoted[..] {
+        [] => "no names".to_owned(),
+        [start @ .., last] if !start.is_empty() => format!("{} and {last}", start.join(", ")),
+        _ => quoted.concat(),
+    }
+}

@@ -1,0 +1,33 @@
+//! A domain together with its prompts, as data.
+
+mod prompts;
+
+use std::ops::{Deref, DerefMut};
+
+pub use longstep_core::domain::*;
+
+pub(crate) use prompts::Source;
+pub use prompts::{Example, FeedbackExample, PartTexts, Prompts};
+
+/// A domain that a model can be asked about: the [domain](longstep_core::model::Domain) of the verifier, which it stands
+/// for wherever that is wanted, and its prompts.
+#[derive(Debug, Clone)]
+pub struct Domain {
+    pub(crate) domain: longstep_core::model::Domain,
+    /// What a model is told.
+    pub prompts: Prompts,
+}
+
+impl Deref for Domain {
+    type Target = longstep_core::model::Domain;
+
+    fn deref(&self) -> &Self::Target {
+        &self.domain
+    }
+}
+
+impl DerefMut for Domain {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.domain
+    }
+}

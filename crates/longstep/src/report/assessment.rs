@@ -1,0 +1,264 @@
+//! A plan that somebody wrote, against the world that it is for: what `longstep verify`, `longstep repair` and the
+//! direct strategy share.
+
+use std::cell::OnceCell;
+
+use super::feedback::feedback;
+use super::{Answer, Claims, EditAnswer, Status, compare_claims};
+use crate::goal::Spoken;
+use crate::model::Domain;
+use crate::plan::{self, PlanFile, Resolved, resolve};
+use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
+use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
+use crate::world::{Claim, Voice, World};
+
+/// More changes than this are counted rather than told in a hint.
+const TOLD: usize = 4;
+
+/// A written plan in a world: resolved, simulated at most once and repaired at most once, when somebody asks.
+#[derive(Debug, Clone)]
+pub struct Assessment<'a> {
+    domain: &'a Domain,
+    world: &'a World,
+    /// The plan as it was written.
+    pub file: PlanFile,
+    /// The plan in terms of domain and world.
+    pub resolved: Resolved,
+    /// What it is for, as far as it says.
+    pub purpose: Purpose,
+    /// What was read leniently, and what of the claim means nothing.
+    notes: Vec<String>,
+    /// What a repair leaves as it is.
+    pins: Pins,
+    simulation: OnceCell<Result<Simulation, Vec<Violation>>>,
+    repair: OnceCell<Outcome>,
+}
+
+/// A simulated plan, and what its open arguments were taken to be.
+#[derive(Debug, Clone)]
+pub(crate) struct Simulation {
+    pub(crate) report: Report,
+    open: Vec<Assumption>,
+}
+
+impl<'a> Assessment<'a> {
+    /// Resolves a draft. `instruction` is what was asked for, if that is known from elsewhere than the plan's own
+    /// summary.
+    ///
+    /// ```
+    /// use longstep::{assessment::Assessment, domain, json, plan, world};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let text = r#"{"objects": ["<pen>"], "assets": ["<desk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+    /// let environment = world::Environment::from_json(text).unwrap();
+    /// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#);
+    /// let assessment = Assessment::new(&household, &world, draft.unwrap(), None);
+    /// let answer = assessment.verdict();
+    /// assert_eq!(answer.status.exit_code(), 10);
+    /// assert_eq!(answer.violations[0].message, "step 1: grasp_object() needs that the hand is at the pen");
+    /// ```
+    pub fn new(domain: &'a Domain, world: &'a World, draft: plan::Draft, instruction: Option<&str>) -> Self {
+        let file = draft.file;
+        let mut notes: Vec<String> = draft.leniencies.iter().map(|leniency| leniency.message()).collect();
+        let claim = file
+            .environment_after
+            .as_ref()
+            .map(|environment| Claim::read(domain, world, environment));
+        for ignored in claim.iter().flat_map(|claim| &claim.ignored) {
+            notes.push(format!("`environment_after` was compared without {ignored}"));
+        }
+        let resolved = resolve(domain, world, &file.task_cohesion);
+        let asked = instruction.unwrap_or(&file.instruction_summary).trim();
+        let spoken = match asked {
+            "" => Vec::new(),
+            asked => Spoken::of(domain, world, asked).entities.into_iter().collect(),
+        };
+        let ignored = resolved.ignored.iter();
+        notes.extend(ignored.map(|claim| format!("the plan was checked without what it claims here: {claim}")));
+        let purpose = Purpose {
+            claim,
+            step_claims: resolved.claims.clone(),
+            spoken,
+            ..Purpose::default()
+        };
+        Self {
+            domain,
+            world,
+            file,
+            resolved,
+            purpose,
+            notes,
+            pins: Pins::default(),
+            simulation: OnceCell::new(),
+            repair: OnceCell::new(),
+        }
+    }
+
+    /// Sets what a repair leaves as it is.
+    #[must_use]
+    pub fn pinned(self, pins: Pins) -> Self {
+        Self {
+            pins,
+            repair: OnceCell::new(),
+            ..self
+        }
+    }
+
+    /// The question that is asked back instead of a plan.
+    pub fn question(&self) -> Option<&str> {
+        let question = self.file.question.trim();
+        (self.resolved.written.is_empty() && !question.is_empty()).then_some(question)
+    }
+
+    /// Simulates the plan.
+    ///
+    /// # Errors
+    ///
+    /// What stands in the way of simulating it: words that mean nothing, arguments that nothing fits.
+    pub(crate) fn simulation(&self) -> Result<&Simulation, &[Violation]> {
+        let simulate = || {
+            let claim = self.purpose.claim.as_ref();
+            let (plan, open) = bind_tree(self.domain, self.world, &self.resolved, claim)?;
+            let report = check(self.domain, self.world, plan, &self.purpose);
+            Ok(Simulation { report, open })
+        };
+        self.simulation.get_or_init(simulate).as_ref().map_err(Vec::as_slice)
+    }
+
+    /// The answer to the plan as it stands.
+    pub fn verdict(&self) -> Answer {
+        let (domain, world) = (self.domain, self.world);
+        if let Some(question) = self.question() {
+            return Answer::without_plan(Status::Question, world, &self.file.instruction_summary, question);
+        }
+        match self.simulation() {
+            Ok(simulation) => self.answer(&simulation.report, &simulation.open),
+            Err(issues) => {
+                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved.written, issues);
+                self.remark(&mut answer);
+                answer
+            }
+        }
+    }
+
+    /// The answer to a simulated plan.
+    fn answer(&self, report: &Report, open: &[Assumption]) -> Answer {
+        let (domain, world) = (self.domain, self.world);
+        let mut answer = Answer::of_report(domain, world, report, None, &self.file.instruction_summary);
+        answer.assumptions.extend(open.iter().map(|a| a.message(domain, world)));
+        let claim = self.purpose.claim.as_ref();
+        answer.claims = claim.map_or_else(Claims::default, |claim| {
+            compare_claims(domain, world, claim, &report.claimed_ending().after)
+        });
+        if let (Some(number), true) = (report.claimed, report.endings.len() > 1) {
+            let when = report.endings[number].when.iter();
+            let told: Vec<String> = when
+                .map(|fact| Voice::Person.fact(domain, world, *fact, true))
+                .collect();
+            let ending = number + 1;
+            answer.notes.push(match told.as_slice() {
+                [] => format!(
+                    "the plan claims the world of ending {ending} of {}",
+                    report.endings.len()
+                ),
+                told => format!("the plan claims the world for the case that {}", told.join(" and ")),
+            });
+        }
+        self.remark(&mut answer);
+        answer
+    }
+
+    fn remark(&self, answer: &mut Answer) {
+        answer.plan.question.clone_from(&self.file.question);
+        let readings = self.resolved.readings.iter();
+        let told = readings.map(|reading| reading.message(self.domain, self.world));
+        answer.assumptions.splice(0..0, told);
+        answer.notes.splice(0..0, self.notes.iter().cloned());
+    }
+
+    /// Finds the least change that makes the plan valid and leaves what is pinned.
+    pub fn repair(&self) -> &Outcome {
+        let find = || repair_pinned(self.domain, self.world, &self.resolved, &self.purpose, &self.pins);
+        self.repair.get_or_init(find)
+    }
+
+    /// The plan as it stands, if it is valid.
+    pub fn verified(&self) -> Option<VerifiedPlan> {
+        self.simulation().ok()?.report.clone().into_verified().ok()
+    }
+
+    /// The answer to what came of the repair.
+    pub fn repaired(&self) -> Answer {
+        let (domain, world) = (self.domain, self.world);
+        let outcome = self.repair();
+        let mut answer = match outcome {
+            Outcome::Repaired(repaired) => self.answer(repaired.plan.report(), &[]),
+            _ => self.verdict(),
+        };
+        match outcome {
+            Outcome::Valid(_) => {}
+            Outcome::Repaired(repaired) => {
+                answer.edits = repaired.edits.iter().map(EditAnswer::from).collect();
+                if !repaired.cheapest {
+                    let note = "a smaller change may exist: the search for it was cut short";
+                    answer.notes.push(note.to_owned());
+                }
+                // What is wrong with a step shows as an edit; the rest was put right without one.
+                let whole = self.resolved.issues.iter().filter(|issue| issue.step().is_none());
+                let told = whole.map(|issue| issue.message(domain, world, &[], None));
+                answer.notes.extend(told);
+                let given_up = given_up(domain, world, repaired).into_iter();
+                let told = given_up.map(|fact| format!("claimed and given up: {fact}"));
+                answer.notes.extend(told);
+            }
+            Outcome::Unclear { why } => {
+                let note = format!("not repaired, since that would be guessing: {why}");
+                answer.notes.push(note);
+            }
+            Outcome::ProvenUnsolvable { .. } => answer.status = Status::Unsolvable,
+            Outcome::GaveUp { why, .. } => {
+                answer.status = Status::GaveUp;
+                answer.notes.push(why.clone());
+            }
+        }
+        answer
+    }
+
+    /// What repair would do to an invalid plan, if it can mend it.
+    pub fn advice(&self) -> Option<String> {
+        let Outcome::Repaired(repaired) = self.repair() else {
+            return None;
+        };
+        let length = self.resolved.written.len();
+        let mut told: Vec<String> = match repaired.edits.len() {
+            0..=TOLD => repaired.edits.iter().map(|edit| edit.told(length)).collect(),
+            many => vec![format!("{many} changes")],
+        };
+        let given_up = given_up(self.domain, self.world, repaired).into_iter();
+        told.extend(given_up.map(|fact| format!("give up that {fact}")));
+        if told.is_empty() {
+            told.push("its steps stay as they are".to_owned());
+        }
+        Some(format!("`longstep repair` makes it valid: {}", told.join("; ")))
+    }
+
+    /// The feedback for a model about the plan, with the smallest change that mends it.
+    pub fn feedback(&self) -> String {
+        let (violations, steps) = match self.simulation() {
+            Ok(simulation) => (&*simulation.report.violations, simulation.report.plan.steps()),
+            Err(issues) => (issues, &[][..]),
+        };
+        let edits = match self.repair() {
+            Outcome::Repaired(repaired) => &*repaired.edits,
+            _ => &[],
+        };
+        let length = self.resolved.written.len();
+        feedback(self.domain, self.world, violations, steps, length, edits)
+    }
+}
+
+/// What a repaired plan does without although it was claimed, as sentences.
+fn given_up(domain: &Domain, world: &World, repaired: &Repaired) -> Vec<String> {
+    let told = |fact: &_| Voice::Person.fact(domain, world, *fact, true);
+    repaired.given_up.iter().map(told).collect()
+}

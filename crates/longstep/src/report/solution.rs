@@ -1,0 +1,125 @@
+//! From what is wanted to an answer: a plan searched for and verified, or why there is none.
+
+use super::{Answer, Status};
+use crate::goal::Goal;
+use crate::model::Domain;
+use crate::plan::Step;
+use crate::search::{self, Limits, Outcome, Wanted, contingent};
+use crate::verify::{Purpose, VerifiedPlan, check};
+use crate::world::{Voice, World};
+
+/// Milliseconds since some moment. The library has no clock of its own: who wants to know how long things take gives
+/// one, and who does not gives `|| 0.0`.
+pub type Stopwatch = fn() -> f64;
+
+/// What a search came to.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// The plan, if there is one.
+    pub plan: Option<VerifiedPlan>,
+    /// The same as everybody is answered.
+    pub answer: Answer,
+}
+
+/// Plans for a goal and verifies the plan; `summary` says in words what is asked for.
+///
+/// ```
+/// use longstep::{domain, goal, json, report, world};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
+/// let environment = world::Environment::from_json(text).unwrap();
+/// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
+/// let solution = report::of_goal(&household, &world, &goal, "the pen belongs on the shelf", || 0.0);
+/// assert_eq!(solution.plan.unwrap().steps().len(), 6);
+/// ```
+pub fn of_goal(domain: &Domain, world: &World, goal: &Goal, summary: &str, now: Stopwatch) -> Solution {
+    let wanted = goal.wanted(domain);
+    let purpose = goal.purpose(domain);
+    let mut solution = of_wanted(domain, world, &wanted, &purpose, Some(goal), summary, now);
+    solution.answer.goal = goal.facts.iter().map(|fact| fact.exact(domain, world)).collect();
+    solution
+}
+
+/// Plans for what is wanted and verifies the plan against its purpose; the goal is there for what is said.
+pub fn of_wanted(
+    domain: &Domain,
+    world: &World,
+    wanted: &[Wanted],
+    purpose: &Purpose,
+    goal: Option<&Goal>,
+    summary: &str,
+    now: Stopwatch,
+) -> Solution {
+    let started = now();
+    let found = plan_for(domain, world, wanted);
+    let searched = now();
+    let mut plan = None;
+    let mut answer = match found {
+        contingent::Outcome::Solved {
+            plan: steps, shortest, ..
+        } => {
+            let report = check(domain, world, steps, purpose);
+            let verified = now();
+            let mut answer = Answer::of_report(domain, world, &report, goal, summary);
+            answer.timings_ms.verify = verified - searched;
+            if !shortest {
+                let note = "a shorter plan may exist: the search for it was cut short";
+                answer.notes.push(note.to_owned());
+            }
+            plan = report.into_verified().ok();
+            answer
+        }
+        contingent::Outcome::ProvenUnsolvable { when, .. } => {
+            let mut answer = Answer::without_plan(Status::Unsolvable, world, summary, "");
+            let told = when.map(|fact| Voice::Person.fact(domain, world, fact, true));
+            answer
+                .notes
+                .extend(told.map(|told| format!("there is no way if it turns out that {told}")));
+            answer
+        }
+        contingent::Outcome::GaveUp { why, .. } => {
+            let mut answer = Answer::without_plan(Status::GaveUp, world, summary, "");
+            answer.notes.push(why);
+            answer
+        }
+    };
+    answer.timings_ms.search = searched - started;
+    Solution { plan, answer }
+}
+
+/// Searches for a plan: one that looks before it decides where what is wanted depends on what sensing tells, or where
+/// there is no other.
+fn plan_for(domain: &Domain, world: &World, wanted: &[Wanted]) -> contingent::Outcome {
+    let limits = Limits::default();
+    let contingently = || contingent::solve(domain, world, wanted, &limits);
+    let mut sensed = false;
+    for wanted in wanted {
+        wanted
+            .condition
+            .for_each_atom(&mut |atom, _| sensed |= domain.is_sensed(atom.predicate));
+    }
+    if sensed {
+        return contingently();
+    }
+    match search::solve(domain, world, wanted, &limits) {
+        Outcome::Solved {
+            steps,
+            shortest,
+            expanded,
+        } => {
+            let explained = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
+            contingent::Outcome::Solved {
+                worst: steps.len() as u32,
+                plan: steps.into_iter().map(explained).collect(),
+                shortest,
+                expanded,
+            }
+        }
+        Outcome::ProvenUnsolvable { .. } if domain.actions.iter().any(|action| !action.senses.is_empty()) => {
+            contingently()
+        }
+        Outcome::ProvenUnsolvable { expanded } => contingent::Outcome::ProvenUnsolvable { when: None, expanded },
+        Outcome::GaveUp { why, expanded } => contingent::Outcome::GaveUp { why, expanded },
+    }
+}
