@@ -81,13 +81,13 @@ fn check_problem(problem: &Problem) {
     let spent = effort::within(UNITS, || search::solve(&BARE, world, wanted, &SMALL));
     match spent.result {
         _ if spent.exhausted => {}
-        Outcome::Solved { steps, .. } => {
+        Outcome::Solved { plan, .. } => {
             assert!(
-                !holds_now || steps.is_empty(),
-                "nothing is to be done, and {steps:?} are"
+                !holds_now || plan.steps().is_empty(),
+                "nothing is to be done, and {plan:?} is"
             );
             let mut state = world.state.clone();
-            for step in &steps {
+            for step in plan.steps() {
                 let action = BARE.action(step.action);
                 if let Some(missing) = missing(world, &state, &action.precondition, step.arguments.clone()) {
                     assert!(!missing, "a step of a solution can be done");

@@ -21,7 +21,6 @@ use std::time::{Duration, Instant};
 use longstep::domain::{self, Domain};
 use longstep::goal::Understanding;
 use longstep::json::Path;
-use longstep::plan::{Plan, Step};
 use longstep::prompt::GoalDialogue;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{self, Report};
@@ -70,9 +69,7 @@ fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: 
         let started = Instant::now();
         let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
         made.search_time = started.elapsed();
-        if let Outcome::Solved { steps, .. } = outcome {
-            let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
-            let plan: Plan = steps.into_iter().map(step).collect();
+        if let Outcome::Solved { plan, .. } = outcome {
             made.report = Some(verify::check(domain, world, plan, &goal.purpose(domain)));
         }
     }

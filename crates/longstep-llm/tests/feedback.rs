@@ -10,7 +10,7 @@ use longstep::domain::{self, Domain, Files};
 use longstep::feedback::{self, Amended, FeedbackDialogue, StepWish, Wish, amend};
 use longstep::goal::{self, Understanding};
 use longstep::json;
-use longstep::plan::{Plan, PlanFile, Step, TaskCohesion, resolve};
+use longstep::plan::{Plan, PlanFile, TaskCohesion, resolve};
 use longstep::prompt::{GoalDialogue, Round};
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{Purpose, bind, check};
@@ -86,11 +86,10 @@ fn bare(wishes: &[StepWish]) -> Vec<StepWish> {
 
 fn planned(domain: &Domain, world: &World, goal: &goal::Goal) -> Plan {
     let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
-    let Outcome::Solved { steps, .. } = outcome else {
+    let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
-    let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
-    steps.into_iter().map(step).collect()
+    plan
 }
 
 fn written_plan(domain: &Domain, world: &World, case: &Value) -> Option<Plan> {

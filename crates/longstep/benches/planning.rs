@@ -11,7 +11,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use longstep::domain::{self, Domain};
 use longstep::goal::{self, Goal};
 use longstep::json::Path;
-use longstep::plan::{Plan, Step};
+use longstep::plan::Plan;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify;
 use longstep::world::{self, Environment, World};
@@ -30,11 +30,10 @@ fn example(name: &str) -> PathBuf {
 
 fn plan_for(domain: &Domain, world: &World, goal: &Goal) -> Plan {
     let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
-    let Outcome::Solved { steps, .. } = outcome else {
+    let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
-    let step = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
-    steps.into_iter().map(step).collect()
+    plan
 }
 
 fn planning(criterion: &mut Criterion) {

@@ -17,7 +17,7 @@ use longstep::goal::{self, Goal, GoalFact, Spoken};
 use longstep::json;
 use longstep::pddl::{self, Problem};
 use longstep::plan::{Plan, Step};
-use longstep::search::{self, GroundAction, Limits, Outcome};
+use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{Purpose, check};
 use longstep::world::{self, Environment, World};
 use serde_json::json;
@@ -51,16 +51,19 @@ fn solve(domain_file: &str, problem_file: &str) -> Anyhow<()> {
     let mut line = json!({"problem": problem_file, "outcome": name(&outcome), "microseconds": microseconds});
     match outcome {
         Outcome::Solved {
-            steps,
+            plan,
             shortest,
             expanded,
+            ..
         } => {
-            line["length"] = steps.len().into();
+            line["length"] = plan.steps().len().into();
             line["shortest"] = shortest.into();
             line["expanded"] = expanded.into();
-            line["valid"] = is_valid(&domain, &problem, steps).into();
+            line["valid"] = is_valid(&domain, &problem, plan).into();
         }
-        Outcome::ProvenUnsolvable { expanded } | Outcome::GaveUp { expanded, .. } => line["expanded"] = expanded.into(),
+        Outcome::ProvenUnsolvable { expanded, .. } | Outcome::GaveUp { expanded, .. } => {
+            line["expanded"] = expanded.into()
+        }
     }
     println!("{line}");
     Ok(())
@@ -75,9 +78,7 @@ fn name(outcome: &Outcome) -> &'static str {
 }
 
 /// Whether the verifier, which shares nothing with the search, finds the plan good.
-fn is_valid(domain: &Domain, problem: &Problem, steps: Vec<GroundAction>) -> bool {
-    let explained = |s: GroundAction| Step::explained(domain, &problem.world, s.action, s.arguments);
-    let plan: Plan = steps.into_iter().map(explained).collect();
+fn is_valid(domain: &Domain, problem: &Problem, plan: Plan) -> bool {
     let purpose = Purpose {
         wanted: problem.wanted.clone(),
         ..Purpose::default()
@@ -94,7 +95,10 @@ fn check_plan(line: &str) -> Anyhow<()> {
     let text = std::fs::read_to_string(plan_file)?;
     let steps = pddl::read_plan(&domain, &problem.world, plan_file, &text)?;
     let length = steps.len();
-    let valid = is_valid(&domain, &problem, steps);
+    let explained = steps
+        .into_iter()
+        .map(|step| Step::explained(&domain, &problem.world, step.action, step.arguments));
+    let valid = is_valid(&domain, &problem, explained.collect());
     println!("{}", json!({"problem": problem_file, "length": length, "valid": valid}));
     Ok(())
 }
@@ -140,8 +144,8 @@ fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) ->
         "problem": problem_file,
         "outcome": name(&outcome),
     });
-    if let Outcome::Solved { steps, shortest, .. } = outcome {
-        line["length"] = steps.len().into();
+    if let Outcome::Solved { plan, shortest, .. } = outcome {
+        line["length"] = plan.steps().len().into();
         line["shortest"] = shortest.into();
     }
     // What was written means the same to us when we read it back.
@@ -149,7 +153,7 @@ fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) ->
     let problem = pddl::read_problem(&bare, "problem.pddl", &text)?;
     let again = search::solve(&bare, &problem.world, &problem.wanted, &Limits::default());
     line["again"] = match again {
-        Outcome::Solved { steps, .. } => steps.len().into(),
+        Outcome::Solved { plan, .. } => plan.steps().len().into(),
         other => name(&other).into(),
     };
     println!("{line}");

@@ -27,10 +27,8 @@
 //!
 //! let goal = goal::parse(&household, &world, "put(milk, fridge)")?;
 //! let outcome = search::solve(&household, &world, &goal.wanted(&household), &Limits::default());
-//! let Outcome::Solved { steps, .. } = outcome else { panic!("{outcome:?}") };
-//! let steps = steps.into_iter().map(|s| Step::explained(&household, &world, s.action, s.arguments));
+//! let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };
 //!
-//! let plan: Plan = steps.collect();
 //! let report = verify::check(&household, &world, plan, &goal.purpose(&household));
 //! let verified = report.into_verified().expect("search makes plans that can be done");
 //! assert_eq!(verified.steps()[2].explanation, "turn the fridge handle to open");

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use longstep::domain::{self, Domain};
 use longstep::goal::{self, Goal};
 use longstep::json::Path;
-use longstep::plan::{self, Plan, PlanFile, Step, TaskCohesion};
+use longstep::plan::{self, PlanFile, TaskCohesion};
 use longstep::repair;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{self, Purpose, Report};
@@ -151,13 +151,9 @@ fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
         for world in [&world_of(&domain, &scenario["environment"]), &kitchen] {
             let goal = goal_of(&domain, world, &scenario["goal"]);
             let outcome = search::solve(&domain, world, &goal.wanted(&domain), &Limits::default());
-            let Outcome::Solved { steps, shortest, .. } = outcome else {
+            let Outcome::Solved { plan, shortest, .. } = outcome else {
                 panic!("{}: {outcome:?}", scenario["id"]);
             };
-            let plan: Plan = steps
-                .into_iter()
-                .map(|step| Step::explained(&domain, world, step.action, step.arguments))
-                .collect();
             let report = verify::check(&domain, world, plan, &goal.purpose(&domain));
             let calls: Vec<_> = report
                 .plan

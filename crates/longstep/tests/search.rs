@@ -6,7 +6,6 @@ use std::collections::{HashMap, VecDeque};
 use longstep::domain::{self, Domain, Files, RuleTime};
 use longstep::goal;
 use longstep::json::Path;
-use longstep::plan::{Plan, Step};
 use longstep::search::{self, Limits, Outcome, Wanted};
 use longstep::verify::{apply, broken_bindings, check, unmet};
 use longstep::world::{self, EntityId, Environment, Moment, State, World, holds};
@@ -113,11 +112,9 @@ fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), Test
         any: 0,
     };
     match search::solve(domain, &world, &wanted, &limits) {
-        Outcome::Solved { steps, shortest, .. } => {
+        Outcome::Solved { plan, shortest, .. } => {
             prop_assert!(shortest);
-            prop_assert_eq!(Some(steps.len()), expected);
-            let step = |s: search::GroundAction| Step::explained(domain, &world, s.action, s.arguments);
-            let plan: Plan = steps.into_iter().map(step).collect();
+            prop_assert_eq!(Some(plan.steps().len()), expected);
             let report = check(domain, &world, plan, &goal.purpose(domain));
             prop_assert_eq!(report.violations, vec![]);
         }
@@ -185,7 +182,7 @@ fn a_rule_that_is_broken_at_the_start_does_not_forbid_every_plan() {
     let goal = goal::parse(&domain, &world, "bring(box, desk)").unwrap();
     let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
     assert!(
-        matches!(&outcome, Outcome::Solved { steps, .. } if steps.len() == 1),
+        matches!(&outcome, Outcome::Solved { plan, .. } if plan.steps().len() == 1),
         "{outcome:?}"
     );
 }

@@ -6,7 +6,7 @@ use crate::goal;
 use crate::json::Path;
 use crate::model::{Environment, World};
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId, TaskCohesion, Test, resolve};
-use crate::search::{GroundAction, Limits, Outcome, solve};
+use crate::search::{Limits, Outcome, solve};
 use crate::verify::{Purpose, VerifiedPlan, bind, check};
 use crate::world::{self};
 
@@ -30,11 +30,9 @@ fn solved(domain: &Domain, world: &World, goal: &str) -> (VerifiedPlan, Purpose)
     let goal = goal::parse(domain, world, goal).unwrap();
     let purpose = goal.purpose(domain);
     let outcome = solve(domain, world, &goal.wanted(domain), &Limits::default());
-    let Outcome::Solved { steps, .. } = outcome else {
+    let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}");
     };
-    let explained = |step: GroundAction| Step::explained(domain, world, step.action, step.arguments);
-    let plan: Plan = steps.into_iter().map(explained).collect();
     (check(domain, world, plan, &purpose).into_verified().unwrap(), purpose)
 }
 

@@ -7,10 +7,11 @@ use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::domain::sexpr;
 use crate::model::Domain;
 use crate::model::{EntityId, World};
+use crate::plan::Step;
 use crate::search::GroundAction;
 
 /// Writes steps with all their arguments, one to a line, in the names that [`object_names`] gives.
-pub fn write_plan(domain: &Domain, world: &World, steps: &[GroundAction]) -> String {
+pub fn write_plan(domain: &Domain, world: &World, steps: &[Step]) -> String {
     let names = object_names(domain, world);
     let mut plan = String::new();
     for step in steps {

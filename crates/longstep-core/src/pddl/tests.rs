@@ -28,10 +28,11 @@ fn plan(problem: &str) -> String {
         Err(findings) => return findings.to_string(),
     };
     match solve(&domain, &problem.world, &problem.wanted, &Limits::default()) {
-        Outcome::Solved { steps, .. } => {
-            let written = write_plan(&domain, &problem.world, &steps);
+        Outcome::Solved { plan, .. } => {
+            let written = write_plan(&domain, &problem.world, plan.steps());
             let read = read_plan(&domain, &problem.world, "plan", &written).unwrap();
-            assert_eq!(read, steps);
+            let steps = plan.steps().iter().map(|step| (step.action, &step.arguments));
+            assert!(read.iter().map(|step| (step.action, &step.arguments)).eq(steps));
             let explained =
                 |s: crate::search::GroundAction| Step::explained(&domain, &problem.world, s.action, s.arguments);
             let purpose = Purpose {
@@ -172,7 +173,7 @@ fn check_round_trip(domain: &str, environment: &str, goals: &[&str]) {
     let world = world::read(&domain, &environment, "", &text, &Path::default()).unwrap();
     let bare = domain::from_pddl("domain.pddl", &pddl).unwrap();
     let length = |outcome| match outcome {
-        Outcome::Solved { steps, .. } => Some(steps.len()),
+        Outcome::Solved { plan, .. } => Some(plan.steps().len()),
         _ => None,
     };
     for goal in goals {

@@ -150,6 +150,13 @@ fn repair_within(
     let as_if = match check(domain, world, Plan::sequence(bound.steps), purpose).into_verified() {
         Ok(plan) if whole => return Outcome::Valid(plan),
         Ok(plan) => plan.ending().after.clone(),
+        // What a check cannot see through, a repair of it cannot either.
+        Err(report) if report.violations.contains(&Violation::TooMuchWork) => {
+            return Outcome::GaveUp {
+                why: "checking the plan took all the work that a check may take".to_owned(),
+                expanded: 0,
+            };
+        }
         Err(report) => report.ending().after.clone(),
     };
     if let Some(why) = unclear(domain, world, draft, purpose) {

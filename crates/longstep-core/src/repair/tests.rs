@@ -10,7 +10,7 @@ use crate::domain::{self, Files};
 use crate::json::Path;
 use crate::model::ActionId;
 use crate::model::{EntityId, Environment, Moment, State, holds};
-use crate::plan::{Plan, PlanFile, Step, TaskCohesion, resolve};
+use crate::plan::{Plan, PlanFile, TaskCohesion, resolve};
 use crate::search::{self, Limits};
 use crate::verify::{Report, apply, can_apply, unmet};
 use crate::world::{self, Claim};
@@ -497,8 +497,7 @@ proptest! {
         let world = world_of(&domain, &text);
         let goal = goal::parse(&domain, &world, goal).unwrap();
         let found = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
-        let search::Outcome::Solved { steps, .. } = found else { panic!("{found:?}") };
-        let plan: Plan = steps.into_iter().map(|s| Step::explained(&domain, &world, s.action, s.arguments)).collect();
+        let search::Outcome::Solved { plan, .. } = found else { panic!("{found:?}") };
         let after = verify::check(&domain, &world, plan.clone(), &Purpose::default()).ending().after.clone();
         let purpose = Purpose {
             claim: Some(Claim::read(&domain, &world, &world::write(&domain, &world, &after))),

@@ -5,14 +5,16 @@ use std::collections::BinaryHeap;
 
 use rustc_hash::FxHashMap;
 
-use super::Outcome;
 use super::bits::Bits;
 use super::dominance::Dominance;
 use super::formula::Literal;
 use super::landmark_cut::LandmarkCut;
 use super::relevance;
 use super::task::Task;
+use super::{GroundAction, Outcome};
 use crate::effort;
+use crate::model::{Domain, World};
+use crate::plan::Step;
 
 /// How far a search goes before it gives up, in states looked at, so that the answer never depends on the
 /// speed of the machine.
@@ -49,7 +51,65 @@ const EFFORT: u64 = 8_000_000;
 /// The units of work of a run that takes any plan, which comes last.
 const GREEDY_EFFORT: u64 = 44_000_000;
 
-pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
+/// Result of a search that senses nothing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Straight {
+    /// A plan.
+    Solved {
+        /// Its steps; none if everything wanted holds already.
+        steps: Vec<GroundAction>,
+        /// Whether it is proven that no plan has fewer steps.
+        shortest: bool,
+        /// States expanded.
+        expanded: usize,
+    },
+    /// There is no plan.
+    ProvenUnsolvable {
+        /// States expanded.
+        expanded: usize,
+    },
+    /// There may be a plan, and it was not found within the limits.
+    GaveUp {
+        /// Which limit.
+        why: String,
+        /// States expanded.
+        expanded: usize,
+    },
+}
+
+impl Straight {
+    /// The result with the sentences that the domain has for the steps.
+    pub(super) fn explained(self, domain: &Domain, world: &World) -> Outcome {
+        match self {
+            Self::Solved {
+                steps,
+                shortest,
+                expanded,
+            } => Outcome::Solved {
+                worst: steps.len() as u32,
+                plan: steps
+                    .into_iter()
+                    .map(|step| Step::explained(domain, world, step.action, step.arguments))
+                    .collect(),
+                shortest,
+                expanded,
+            },
+            Self::ProvenUnsolvable { expanded } => Outcome::ProvenUnsolvable { when: None, expanded },
+            Self::GaveUp { why, expanded } => Outcome::GaveUp { why, expanded },
+        }
+    }
+
+    /// Returns how many states were expanded.
+    pub(super) fn expanded(&self) -> usize {
+        match self {
+            Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded } | Self::GaveUp { expanded, .. } => {
+                *expanded
+            }
+        }
+    }
+}
+
+pub(super) fn search(task: &Task, limits: &Limits) -> Straight {
     let steps = |path: &[u32], task: &Task| -> Vec<super::GroundAction> {
         let step = |number: &u32| task.operators[*number as usize].step.clone();
         path.iter().map(step).collect()
@@ -70,7 +130,7 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
             let (found, more) = run(Search::new(&focused, &mut heuristic, GREED, limits.any));
             expanded += more;
             if let Found::Path(path) = found {
-                return Outcome::Solved {
+                return Straight::Solved {
                     steps: steps(&path, &focused),
                     shortest: false,
                     expanded,
@@ -83,7 +143,7 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
             proof.below = Some(direct.len() as u32);
             proof.dominance = Some(Dominance::new(task));
             let (found, more) = run(proof);
-            return Outcome::Solved {
+            return Straight::Solved {
                 shortest: !matches!(found, Found::Limit),
                 steps: match found {
                     Found::Path(shorter) => steps(&shorter, task),
@@ -101,17 +161,17 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Outcome {
         expanded += more;
         match found {
             Found::Path(path) => {
-                return Outcome::Solved {
+                return Straight::Solved {
                     steps: steps(&path, task),
                     shortest: weight == 1,
                     expanded,
                 };
             }
-            Found::Nothing => return Outcome::ProvenUnsolvable { expanded },
+            Found::Nothing => return Straight::ProvenUnsolvable { expanded },
             Found::Limit => {}
         }
     }
-    Outcome::GaveUp {
+    Straight::GaveUp {
         why: match exhausted {
             true => format!("no plan found in {expanded} states, which took all the work that a search may take"),
             false => format!(

@@ -5,11 +5,12 @@
 //! shortest one. When that takes too long it goes on greedily and says so.
 
 mod bits;
-pub mod contingent;
+mod contingent;
 mod dominance;
 mod formula;
 mod forward;
 mod landmark_cut;
+mod outcome;
 mod relaxed;
 mod relevance;
 mod scope;
@@ -17,7 +18,9 @@ mod task;
 
 pub(crate) use formula::{Formula, Literal};
 pub use forward::Limits;
+use forward::Straight;
 pub(crate) use forward::{Found, cheapest, greedy};
+pub use outcome::Outcome;
 pub(crate) use relevance::reduce;
 pub(crate) use scope::{Asked, Scope};
 pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
@@ -36,43 +39,6 @@ pub struct GroundAction {
     pub arguments: Vec<EntityId>,
 }
 
-/// What a search came to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
-    /// A plan.
-    Solved {
-        /// Its steps; none if everything wanted holds already.
-        steps: Vec<GroundAction>,
-        /// Whether it is proven that no plan has fewer steps.
-        shortest: bool,
-        /// States expanded.
-        expanded: usize,
-    },
-    /// There is no plan.
-    ProvenUnsolvable {
-        /// States expanded.
-        expanded: usize,
-    },
-    /// There may be a plan, and it was not found within the limits.
-    GaveUp {
-        /// Which limit.
-        why: String,
-        /// States expanded.
-        expanded: usize,
-    },
-}
-
-impl Outcome {
-    /// Returns how many states were expanded.
-    pub fn expanded(&self) -> usize {
-        match self {
-            Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded } | Self::GaveUp { expanded, .. } => {
-                *expanded
-            }
-        }
-    }
-}
-
 /// The units of work of one search: grounding, leaving out what cannot matter, and all its runs.
 pub const EFFORT: u64 = 60_000_000;
 
@@ -80,7 +46,8 @@ pub const EFFORT: u64 = 60_000_000;
 const TOO_MUCH: &str =
     "the conditions have too many instances in this world: the search took all the work that it may take";
 
-/// Finds a shortest plan from the world's state to one in which everything wanted holds.
+/// Finds a shortest plan from the world's state to one in which everything wanted holds: one that looks before it decides
+/// where what is wanted depends on what sensing tells, or where there is no other.
 ///
 /// In a world that is too large to look at as a whole, only what surrounds the goal is; then no plan is called
 /// shortest, and nothing is proven unsolvable.
@@ -97,13 +64,31 @@ const TOO_MUCH: &str =
 /// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(cup, shelf)").unwrap();
 /// let outcome = search::solve(&household, &world, &goal.wanted(&household), &search::Limits::default());
-/// let search::Outcome::Solved { steps, shortest, .. } = outcome else { panic!() };
-/// assert!(shortest && steps.len() == 6);
+/// let search::Outcome::Solved { plan, shortest, .. } = outcome else { panic!() };
+/// assert!(shortest && plan.steps().len() == 6);
 /// ```
 pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
-    let spent = effort::within(EFFORT, || solve_within(domain, world, wanted, limits));
+    let mut sensed = false;
+    for wanted in wanted {
+        wanted
+            .condition
+            .for_each_atom(&mut |atom, _| sensed |= domain.is_sensed(atom.predicate));
+    }
+    if sensed {
+        return contingent::solve(domain, world, wanted, limits);
+    }
+    let senses = || domain.actions.iter().any(|action| !action.senses.is_empty());
+    match straight(domain, world, wanted, limits) {
+        Straight::ProvenUnsolvable { .. } if senses() => contingent::solve(domain, world, wanted, limits),
+        found => found.explained(domain, world),
+    }
+}
+
+/// Finds a shortest plan that senses nothing.
+fn straight(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
+    let spent = effort::within(EFFORT, || straight_within(domain, world, wanted, limits));
     match spent.exhausted {
-        true => Outcome::GaveUp {
+        true => Straight::GaveUp {
             why: TOO_MUCH.to_owned(),
             expanded: spent.result.expanded(),
         },
@@ -111,7 +96,7 @@ pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits)
     }
 }
 
-fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+fn straight_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
     let asked = Asked::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
@@ -136,19 +121,19 @@ fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limi
         let outcome = forward::search(&task, limits);
         match outcome {
             outcome if scope.whole => return outcome,
-            Outcome::Solved { steps, expanded, .. } if reaches(domain, world, &steps, wanted) => {
-                return Outcome::Solved {
+            Straight::Solved { steps, expanded, .. } if reaches(domain, world, &steps, wanted) => {
+                return Straight::Solved {
                     steps,
                     shortest: false,
                     expanded: expanded + looked_at,
                 };
             }
-            Outcome::Solved { expanded, .. }
-            | Outcome::ProvenUnsolvable { expanded }
-            | Outcome::GaveUp { expanded, .. } => looked_at += expanded,
+            Straight::Solved { expanded, .. }
+            | Straight::ProvenUnsolvable { expanded }
+            | Straight::GaveUp { expanded, .. } => looked_at += expanded,
         }
     }
-    Outcome::GaveUp {
+    Straight::GaveUp {
         why: "no plan found with what surrounds the goal, and the world is too large to look at all of it".to_owned(),
         expanded: looked_at,
     }

@@ -38,7 +38,6 @@ mod tests {
     use crate::json::Path;
     use crate::model::Domain;
     use crate::model::{Environment, World};
-    use crate::plan::{Plan, Step};
     use crate::search::{Limits, Outcome, solve};
     use crate::verify::{VerifiedPlan, check};
     use crate::world::{self};
@@ -49,13 +48,9 @@ mod tests {
 
     fn plan(domain: &Domain, world: &World, text: &str) -> VerifiedPlan {
         let goal = goal::parse(domain, world, text).unwrap();
-        let Outcome::Solved { steps, .. } = solve(domain, world, &goal.wanted(domain), &Limits::default()) else {
+        let Outcome::Solved { plan, .. } = solve(domain, world, &goal.wanted(domain), &Limits::default()) else {
             panic!("no plan for {text}");
         };
-        let steps = steps
-            .into_iter()
-            .map(|s| Step::explained(domain, world, s.action, s.arguments));
-        let plan: Plan = steps.collect();
         check(domain, world, plan, &goal.purpose(domain))
             .into_verified()
             .unwrap()

@@ -36,13 +36,11 @@ fn scene(name: &str, environment: &str, wanted: &str) -> Scene {
     let world = world::read(&domain, &read, "env.json", environment, &Path::default()).unwrap();
     let goal = goal::parse(&domain, &world, wanted).unwrap();
     let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
-    let Outcome::Solved { steps, .. } = outcome else {
+    let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
-    let steps = steps.into_iter();
-    let plan = steps.map(|s| crate::plan::Step::explained(&domain, &world, s.action, s.arguments));
     Scene {
-        plan: plan.collect(),
+        plan,
         purpose: goal.purpose(&domain),
         domain,
         world,

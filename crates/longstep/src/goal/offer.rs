@@ -120,8 +120,8 @@ fn state_after(domain: &Domain, world: &World, said: &[GoalFact]) -> State {
     if goal.depends_on_sensing(domain) {
         return state;
     }
-    if let Outcome::Solved { steps, .. } = search::solve(domain, world, &goal.wanted(domain), &Limits::default()) {
-        for step in steps {
+    if let Outcome::Solved { plan, .. } = search::solve(domain, world, &goal.wanted(domain), &Limits::default()) {
+        for step in plan.steps() {
             verify::apply(world, &mut state, domain.action(step.action), &step.arguments);
         }
     }

@@ -46,7 +46,7 @@ impl<'a> Assessment<'a> {
     /// summary.
     ///
     /// ```
-    /// use longstep::{assessment::Assessment, domain, json, plan, world};
+    /// use longstep::{domain, json, plan, report::Assessment, world};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let text = r#"{"objects": ["<pen>"], "assets": ["<desk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// let environment = world::Environment::from_json(text).unwrap();
@@ -243,6 +243,17 @@ impl<'a> Assessment<'a> {
     }
 
     /// The feedback for a model about the plan, with the smallest change that mends it.
+    ///
+    /// ```
+    /// use longstep::{domain, json, plan, report::Assessment, world};
+    /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
+    /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
+    /// let environment = world::Environment::from_json(text).unwrap();
+    /// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["Grab(<mug_2>)"]}}"#).unwrap();
+    /// let feedback = Assessment::new(&domain, &world, draft, None).feedback();
+    /// assert!(feedback.contains("step 1: Grab(<mug_2>) needs that <mug_2> is within reach"));
+    /// ```
     pub fn feedback(&self) -> String {
         let (violations, steps) = match self.simulation() {
             Ok(simulation) => (&*simulation.report.violations, simulation.report.plan.steps()),

@@ -3,8 +3,7 @@
 use super::{Answer, Status};
 use crate::goal::Goal;
 use crate::model::Domain;
-use crate::plan::Step;
-use crate::search::{self, Limits, Outcome, Wanted, contingent};
+use crate::search::{self, Limits, Outcome, Wanted};
 use crate::verify::{Purpose, VerifiedPlan, check};
 use crate::world::{Voice, World};
 
@@ -52,11 +51,11 @@ pub fn of_wanted(
     now: Stopwatch,
 ) -> Solution {
     let started = now();
-    let found = plan_for(domain, world, wanted);
+    let found = search::solve(domain, world, wanted, &Limits::default());
     let searched = now();
     let mut plan = None;
     let mut answer = match found {
-        contingent::Outcome::Solved {
+        Outcome::Solved {
             plan: steps, shortest, ..
         } => {
             let report = check(domain, world, steps, purpose);
@@ -70,7 +69,7 @@ pub fn of_wanted(
             plan = report.into_verified().ok();
             answer
         }
-        contingent::Outcome::ProvenUnsolvable { when, .. } => {
+        Outcome::ProvenUnsolvable { when, .. } => {
             let mut answer = Answer::without_plan(Status::Unsolvable, world, summary, "");
             let told = when.map(|fact| Voice::Person.fact(domain, world, fact, true));
             answer
@@ -78,7 +77,7 @@ pub fn of_wanted(
                 .extend(told.map(|told| format!("there is no way if it turns out that {told}")));
             answer
         }
-        contingent::Outcome::GaveUp { why, .. } => {
+        Outcome::GaveUp { why, .. } => {
             let mut answer = Answer::without_plan(Status::GaveUp, world, summary, "");
             answer.notes.push(why);
             answer
@@ -86,40 +85,4 @@ pub fn of_wanted(
     };
     answer.timings_ms.search = searched - started;
     Solution { plan, answer }
-}
-
-/// Searches for a plan: one that looks before it decides where what is wanted depends on what sensing tells, or where
-/// there is no other.
-fn plan_for(domain: &Domain, world: &World, wanted: &[Wanted]) -> contingent::Outcome {
-    let limits = Limits::default();
-    let contingently = || contingent::solve(domain, world, wanted, &limits);
-    let mut sensed = false;
-    for wanted in wanted {
-        wanted
-            .condition
-            .for_each_atom(&mut |atom, _| sensed |= domain.is_sensed(atom.predicate));
-    }
-    if sensed {
-        return contingently();
-    }
-    match search::solve(domain, world, wanted, &limits) {
-        Outcome::Solved {
-            steps,
-            shortest,
-            expanded,
-        } => {
-            let explained = |s: search::GroundAction| Step::explained(domain, world, s.action, s.arguments);
-            contingent::Outcome::Solved {
-                worst: steps.len() as u32,
-                plan: steps.into_iter().map(explained).collect(),
-                shortest,
-                expanded,
-            }
-        }
-        Outcome::ProvenUnsolvable { .. } if domain.actions.iter().any(|action| !action.senses.is_empty()) => {
-            contingently()
-        }
-        Outcome::ProvenUnsolvable { expanded } => contingent::Outcome::ProvenUnsolvable { when: None, expanded },
-        Outcome::GaveUp { why, expanded } => contingent::Outcome::GaveUp { why, expanded },
-    }
 }

@@ -17,11 +17,10 @@ mod tests;
 use self::and_or::{Manner, Search, TooFar};
 use self::course::Course;
 use super::task::Task;
-use super::{Asked, Found, Limits, Scope, Wanted, cheapest, forward, relevance, task};
+use super::{Asked, Found, Limits, Outcome, Scope, Wanted, cheapest, forward, relevance, task};
 use crate::effort;
 use crate::model::Domain;
 use crate::model::{EntityId, Fact, World};
-use crate::plan::{Plan, Step};
 
 /// States looked at for fewer steps in all, once the worst case is known.
 const TIES: usize = 150;
@@ -29,48 +28,6 @@ const TIES: usize = 150;
 const GREED: u32 = 5;
 /// No plan is longer.
 const LONGEST: u32 = 1_000;
-
-/// What a contingent search came to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
-    /// A plan.
-    Solved {
-        /// Its steps and branches; a plain list where nothing had to be sensed.
-        plan: Plan,
-        /// Steps in the worst case, loops gone through once.
-        worst: u32,
-        /// Whether it is proven that no plan has a better worst case.
-        shortest: bool,
-        /// States looked at.
-        expanded: usize,
-    },
-    /// There is no plan that does whatever sensing tells.
-    ProvenUnsolvable {
-        /// What sensing could tell with which there is no way, if one such thing is to blame; nothing if there is no way
-        /// whatever it tells.
-        when: Option<Fact>,
-        /// States looked at.
-        expanded: usize,
-    },
-    /// There may be a plan, and it was not found.
-    GaveUp {
-        /// Why.
-        why: String,
-        /// States looked at.
-        expanded: usize,
-    },
-}
-
-impl Outcome {
-    /// Returns how many states were looked at.
-    pub fn expanded(&self) -> usize {
-        match self {
-            Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded, .. } | Self::GaveUp { expanded, .. } => {
-                *expanded
-            }
-        }
-    }
-}
 
 /// The units of work of one run.
 const EFFORT: u64 = 12_000_000;
@@ -81,21 +38,7 @@ const EFFORT: u64 = 12_000_000;
 /// Among plans with the same worst case, one with fewer steps in all is preferred, and then one that senses earlier; a
 /// branch is chosen for its own worst case first, so a plan with still fewer steps may exist where branches stand in
 /// branches. The answer is a function of the arguments: limits count states.
-///
-/// ```
-/// use longstep_core::{domain, goal, json, search::{Limits, contingent}, world};
-/// let checks = domain::shipped("household-checks").unwrap().unwrap();
-/// let environment = world::Environment::from_json(r#"{
-///     "assets": ["<table>", "<trash_bin>", "<shelf>"], "asset_states": {},
-///     "objects": ["<spam>"], "object_states": {"<spam>": "on_something(<table>)"}}"#).unwrap();
-/// let world = world::read(&checks, &environment, "env.json", "", &json::Path::default()).unwrap();
-/// let text = "if expired(spam) then put(spam, trash bin) else put(spam, shelf)";
-/// let wanted = goal::parse(&checks, &world, text).unwrap().wanted(&checks);
-/// let outcome = contingent::solve(&checks, &world, &wanted, &Limits::default());
-/// let contingent::Outcome::Solved { plan, shortest, .. } = outcome else { panic!() };
-/// assert!(shortest && !plan.is_sequence());
-/// ```
-pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+pub(super) fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
     let spent = effort::within(super::EFFORT, || solve_within(domain, world, wanted, limits));
     match (spent.exhausted, spent.result) {
         (false, outcome) => outcome,
@@ -129,7 +72,7 @@ fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limi
     let task = relevance::reduce(task::ground_sensing(domain, world, &scope, wanted));
     let outcome = match task.operators.iter().any(|operator| operator.told.is_some()) {
         true => of_task(domain, world, &task, limits),
-        false => straight(domain, world, &task, limits),
+        false => forward::search(&task, limits).explained(domain, world),
     };
     match outcome {
         Outcome::Solved {
@@ -142,27 +85,6 @@ fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limi
         },
         Outcome::ProvenUnsolvable { .. } if !scope.whole => too_large(),
         outcome => outcome,
-    }
-}
-
-/// Nothing can or need be sensed.
-fn straight(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outcome {
-    match forward::search(task, limits) {
-        super::Outcome::Solved {
-            steps,
-            shortest,
-            expanded,
-        } => Outcome::Solved {
-            worst: steps.len() as u32,
-            plan: steps
-                .into_iter()
-                .map(|step| Step::explained(domain, world, step.action, step.arguments))
-                .collect(),
-            shortest,
-            expanded,
-        },
-        super::Outcome::ProvenUnsolvable { expanded } => Outcome::ProvenUnsolvable { when: None, expanded },
-        super::Outcome::GaveUp { why, expanded } => Outcome::GaveUp { why, expanded },
     }
 }
 

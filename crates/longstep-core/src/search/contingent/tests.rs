@@ -3,6 +3,7 @@ use crate::domain;
 use crate::goal;
 use crate::json::Path;
 use crate::model::Environment;
+use crate::plan::Plan;
 use crate::plan::{Node, Test};
 use crate::verify::check as verify;
 use crate::world::{self};

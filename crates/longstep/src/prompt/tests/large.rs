@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::domain::{Domain, shipped};
 use crate::goal::{self, Understanding};
 use crate::json::Path;
-use crate::plan::{Plan, Step, read, resolve};
+use crate::plan::{read, resolve};
 use crate::prompt::{
     ChatRequest, ConstraintKind, EstimatedTokens, Finish, GoalDialogue, Reply, TokenCounter, Turn, Usage,
     direct_request, focus,
@@ -94,13 +94,10 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
     assert_eq!(left_out, []);
     assert_eq!(found, goal::parse(domain, depot, answer).unwrap());
     let outcome = solve(domain, depot, &found.wanted(domain), &Limits::default());
-    let Outcome::Solved { steps, .. } = outcome else {
+    let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}");
     };
-    let steps = steps
-        .into_iter()
-        .map(|s| Step::explained(domain, depot, s.action, s.arguments));
-    let report = verify(domain, depot, steps.collect::<Plan>(), &found.purpose(domain));
+    let report = verify(domain, depot, plan, &found.purpose(domain));
     assert!(report.violations.is_empty());
 }
 
