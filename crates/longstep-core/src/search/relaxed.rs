@@ -20,14 +20,16 @@ pub(super) struct Lists {
 }
 
 impl Lists {
-    fn new(lists: &[Vec<u32>]) -> Self {
-        let mut starts = vec![0];
-        let mut items = Vec::new();
-        for list in lists {
-            items.extend_from_slice(list);
-            starts.push(items.len() as u32);
+    fn new() -> Self {
+        Self {
+            starts: vec![0],
+            items: Vec::new(),
         }
-        Self { starts, items }
+    }
+
+    fn push(&mut self, list: &[u32]) {
+        self.items.extend_from_slice(list);
+        self.starts.push(self.items.len() as u32);
     }
 
     /// The lists the other way round: for each of `count` items, whose list it is in.
@@ -89,8 +91,8 @@ pub(super) struct Relaxed {
 impl Relaxed {
     pub(super) fn new(task: &Task) -> Self {
         let mut builder = Builder {
-            needs: Vec::new(),
-            gives: Vec::new(),
+            needs: Lists::new(),
+            gives: Lists::new(),
             payer: Vec::new(),
             literals: vec![[NONE; 2]; task.initial.len()],
             propositions: 2,
@@ -98,7 +100,7 @@ impl Relaxed {
         effort::spend(4 * task.units());
         let (truth, goal) = (TRUTH, 1);
         let needs = builder.propositions_of(&task.goal);
-        builder.rule(needs, vec![goal], NONE);
+        builder.rule(needs, &[goal], NONE);
         // Conditions first, so that every literal that is asked for is known when effects are looked at.
         let groups: Vec<Vec<EffectGroup>> = task.operators.iter().map(|o| builder.groups(o)).collect();
         for (number, groups) in groups.into_iter().enumerate() {
@@ -107,7 +109,7 @@ impl Relaxed {
                     |literal: Literal| builder.literals[literal.fact as usize][usize::from(literal.holds)];
                 let gives: Vec<u32> = gives.into_iter().map(proposition).filter(|p| *p != NONE).collect();
                 if !gives.is_empty() {
-                    builder.rule(needs, gives, number as u32);
+                    builder.rule(needs, &gives, number as u32);
                 }
             }
         }
@@ -115,7 +117,9 @@ impl Relaxed {
         for (rule, payer) in builder.payer.iter().enumerate().filter(|(_, payer)| **payer != NONE) {
             paid[*payer as usize].push(rule as u32);
         }
-        let (needs, gives) = (Lists::new(&builder.needs), Lists::new(&builder.gives));
+        let mut paid_by = Lists::new();
+        paid.iter().for_each(|rules: &Vec<u32>| paid_by.push(rules));
+        let (needs, gives) = (builder.needs, builder.gives);
         Self {
             needed_by: needs.inverted(builder.propositions as usize),
             given_by: gives.inverted(builder.propositions as usize),
@@ -123,7 +127,7 @@ impl Relaxed {
             gives,
             payer: builder.payer,
             costs: task.operators.iter().map(|operator| operator.cost).collect(),
-            paid_by: Lists::new(&paid),
+            paid_by,
             literals: builder.literals,
             truth,
             goal,
@@ -142,8 +146,8 @@ const TRUTH: u32 = 0;
 type EffectGroup = (Vec<u32>, Vec<Literal>);
 
 struct Builder {
-    needs: Vec<Vec<u32>>,
-    gives: Vec<Vec<u32>>,
+    needs: Lists,
+    gives: Lists,
     payer: Vec<u32>,
     literals: Vec<[u32; 2]>,
     propositions: u32,
@@ -155,13 +159,13 @@ impl Builder {
         self.propositions - 1
     }
 
-    fn rule(&mut self, mut needs: Vec<u32>, gives: Vec<u32>, payer: u32) {
+    fn rule(&mut self, mut needs: Vec<u32>, gives: &[u32], payer: u32) {
         needs.sort_unstable();
         needs.dedup();
         if needs.is_empty() {
             needs.push(TRUTH);
         }
-        self.needs.push(needs);
+        self.needs.push(&needs);
         self.gives.push(gives);
         self.payer.push(payer);
     }
@@ -174,7 +178,7 @@ impl Builder {
                 let node = self.proposition();
                 for part in any {
                     let needs = self.propositions_of(part);
-                    self.rule(needs, vec![node], NONE);
+                    self.rule(needs, &[node], NONE);
                 }
                 vec![node]
             }
@@ -202,7 +206,7 @@ impl Builder {
         if conditions.len() > 1 && precondition.len() > 1 {
             // Said once for all of them.
             let applicable = self.proposition();
-            self.rule(precondition, vec![applicable], NONE);
+            self.rule(precondition, &[applicable], NONE);
             precondition = vec![applicable];
         }
         let group = |(condition, literals): (&Formula, Vec<Literal>)| {
