@@ -129,6 +129,9 @@ pub(crate) fn ever_candidates(
 /// Whether the condition can have the value only for entities of certain facts.
 fn guarded(condition: &Condition, value: bool, slot: Slot, reliable: Reliable<'_>) -> bool {
     let part_guarded = |part: &Condition| guarded(part, value, slot, reliable);
+    if let Condition::And(parts) | Condition::Or(parts) = condition {
+        effort::spend(1 + parts.len() / 4);
+    }
     match condition {
         Condition::And(parts) if value => parts.iter().any(part_guarded),
         Condition::Or(parts) if !value => parts.iter().any(part_guarded),

@@ -49,7 +49,7 @@ const GREED: u32 = 5;
 const EFFORT: u64 = 8_000_000;
 
 /// The units of work of a run that takes any plan, which comes last.
-const GREEDY_EFFORT: u64 = 44_000_000;
+const GREEDY_EFFORT: u64 = 36_000_000;
 
 /// Result of a search that senses nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]

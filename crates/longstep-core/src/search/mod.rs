@@ -40,7 +40,7 @@ pub struct GroundAction {
 }
 
 /// The units of work of one search: grounding, leaving out what cannot matter, and all its runs.
-pub const EFFORT: u64 = 60_000_000;
+pub const EFFORT: u64 = 50_000_000;
 
 /// The answer when they are spent.
 const TOO_MUCH: &str =

@@ -65,10 +65,14 @@ impl EnvironmentReader<'_> {
             return;
         }
         let path = self.inside.join(path);
+        let message = match path.to_string().as_str() {
+            "" => message,
+            path => format!("{path}: {message}"),
+        };
         self.findings.push(Diagnostic {
             file: self.file.to_owned(),
             position: json::locate(self.text, &path),
-            message: format!("{path}: {message}"),
+            message,
             hint,
         });
     }
