@@ -136,7 +136,7 @@ pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked,
     (asked, about)
 }
 
-/// Units that are charged for an operator: its step, its condition and its effects are lists of their own.
+/// Units that are charged for an operator besides its effects: its step and its condition are lists of their own.
 const OPERATOR: usize = 12 * effort::KEPT;
 
 /// Writes the draft as a task over what is in scope.
@@ -287,7 +287,7 @@ struct Writer<'a, 'b> {
 
 impl Writer<'_, '_> {
     fn push(&mut self, mut operator: Operator, cost: u32, meaning: Move) {
-        effort::spend(OPERATOR);
+        effort::spend(OPERATOR + effort::KEPT * operator.effects.len());
         operator.cost = cost;
         operator.tag = self.moves.len() as u32;
         operator.effects.sort();
@@ -298,6 +298,8 @@ impl Writer<'_, '_> {
     /// The operator, done at a step of the draft and going on to the next.
     fn reading(&self, index: usize, mut operator: Operator) -> Operator {
         operator.precondition = Formula::and([literal(self.reached[index], true), operator.precondition]);
+        // A draft has an operator for each choice of its open arguments, and an effect for each entity that it may touch.
+        operator.effects.reserve_exact(2);
         operator.effects.push(effect(self.reached[index], false));
         operator.effects.push(effect(self.reached[index + 1], true));
         operator

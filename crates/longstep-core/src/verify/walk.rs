@@ -350,6 +350,7 @@ impl<'a> Walk<'a> {
                     .partition(|way| first.is_some_and(|fact| way.state.holds(fact)))
             }
             Test::Holds(fact) => {
+                effort::spend(ways.len());
                 let parts = self.each(ways, |walk, way| walk.asked(*fact, way, before));
                 let (yes, no): (Vec<_>, Vec<_>) = parts.into_iter().partition(|(_, holds)| *holds);
                 let ways = |parts: Vec<(Way, bool)>| parts.into_iter().map(|(way, _)| way).collect();
@@ -445,9 +446,13 @@ impl<'a> Walk<'a> {
         if ways.len() < 2 {
             return ways;
         }
-        effort::spend(ways.len());
         let mut seen = FxHashSet::default();
-        let new = |way: &Way| seen.insert(self.changed(way));
+        let new = |way: &Way| {
+            let changed = self.changed(way);
+            // Lists are compared with the first state's, hashed and kept.
+            effort::spend(4 + kept_units(&changed) / 2);
+            seen.insert(changed)
+        };
         ways.into_iter().filter(new).collect()
     }
 
