@@ -10,7 +10,7 @@ use super::words::{self, DomainFile, TimeEntry, UnknownEntry};
 use super::{
     Action, ActionSchema, Atom, Condition, DefaultFact, Derivation, Domain, Effect, EnvironmentTypes, Files, FormPiece,
     GoalWord, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule,
-    RuleTime, StateWord, Template, TypeId, Unknown, pddl, sexpr,
+    RuleTime, StateWord, Template, TypeId, Unknown, base_name, pddl, plain_words, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
@@ -216,7 +216,9 @@ impl Loader<'_> {
             })
             .collect();
         let goal_words: Vec<GoalWord> = file.goal.iter().filter_map(|entry| self.goal_word(entry)).collect();
+        self.yielding(&file.goal, &goal_words);
         self.asked_for_lack(&file, &actions, &goal_words);
+        let implied = self.implied(&file.implied);
         let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
         let repair = self.repair_costs(&file.repair);
         Domain {
@@ -237,7 +239,7 @@ impl Loader<'_> {
             goal_words,
             repair,
             lexicon: Lexicon::new(file.lexicon),
-            implied: file.implied,
+            implied,
         }
     }
 

@@ -36,7 +36,7 @@ pub struct DomainFile {
     #[serde(default)]
     pub lexicon: IndexMap<String, Vec<String>>,
     #[serde(default)]
-    pub implied: IndexMap<String, Vec<String>>,
+    pub implied: IndexMap<Text, Vec<Text>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -161,11 +161,11 @@ pub struct GoalEntry {
     pub condition: Text,
     pub offered: Option<Text>,
     #[serde(default)]
-    pub cues: Vec<String>,
+    pub cues: Vec<Text>,
     #[serde(default)]
-    pub destination_verbs: Vec<String>,
+    pub destination_verbs: Vec<Text>,
     #[serde(default)]
-    pub yields_to: Vec<String>,
+    pub yields_to: Vec<Text>,
     #[serde(default)]
     pub phrases: Vec<Text>,
     pub subject: Option<Text>,

@@ -1,5 +1,6 @@
 //! What is wanted of a plan: rules, the words that goals are told in, and what repair may cost.
 
+use indexmap::IndexMap;
 use toml::Spanned;
 
 use super::*;
@@ -107,9 +108,9 @@ impl Loader<'_> {
                 .as_ref()
                 .map_or(Condition::TRUE, |offered| self.condition(offered, &parameters)),
             subject: entry.subject.as_ref().and_then(|s| self.parameter(s, &parameters)),
-            cues: entry.cues.clone(),
-            destination_verbs: entry.destination_verbs.clone(),
-            yields_to: entry.yields_to.clone(),
+            cues: self.stems(&entry.cues),
+            destination_verbs: self.stems(&entry.destination_verbs),
+            yields_to: entry.yields_to.iter().map(|word| word.get_ref().clone()).collect(),
             phrases: entry
                 .phrases
                 .iter()
@@ -127,6 +128,59 @@ impl Loader<'_> {
         })
     }
 
+    /// Stems of words. The words of an instruction are compared in lower case and one by one, so a stem that is written
+    /// otherwise would never match.
+    pub(super) fn stems(&mut self, texts: &[Spanned<String>]) -> Vec<String> {
+        for text in texts {
+            let stem = text.get_ref();
+            let words = plain_words(stem);
+            if words.as_slice() == std::slice::from_ref(stem) {
+                continue;
+            }
+            let position = content_position(self.text, text);
+            let message =
+                format!("`{stem}` never matches: it is compared with the beginning of single words in lower case");
+            let finding = Diagnostic::at(self.file, position, message);
+            self.findings.push(match words.first() {
+                Some(word) => finding.hint(format!("write `{word}`")),
+                None => finding.hint("write the beginning of a word, such as `open`"),
+            });
+        }
+        texts.iter().map(|text| text.get_ref().clone()).collect()
+    }
+
+    /// Words that speak of an object without naming it, by the end of its identifier.
+    pub(super) fn implied(
+        &mut self,
+        entries: &IndexMap<Spanned<String>, Vec<Spanned<String>>>,
+    ) -> IndexMap<String, Vec<String>> {
+        let mut implied = IndexMap::new();
+        for (name, stems) in entries {
+            let ending = name.get_ref();
+            if *ending != base_name(ending) {
+                let position = Position::of(self.text, name.span().start);
+                let message = format!(
+                    "`{ending}` is the end of no identifier: those are compared in lower case and without their number"
+                );
+                let finding = Diagnostic::at(self.file, position, message);
+                self.findings
+                    .push(finding.hint(format!("write `{}`", base_name(ending))));
+            }
+            implied.insert(ending.clone(), self.stems(stems));
+        }
+        implied
+    }
+
+    /// Reports goal words that yield to something that is none.
+    pub(super) fn yielding(&mut self, entries: &[words::GoalEntry], goal_words: &[GoalWord]) {
+        for word in entries.iter().flat_map(|entry| &entry.yields_to) {
+            if !goal_words.iter().any(|goal| goal.word == *word.get_ref()) {
+                let known = goal_words.iter().map(|goal| goal.word.as_str());
+                self.report_unknown(word, "goal word", word.get_ref(), known);
+            }
+        }
+    }
+
     /// `top of {place}` as the words before the hole, and the parameter.
     fn phrase(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Option<(String, usize)> {
         match text.get_ref().strip_suffix('}').and_then(|text| text.split_once('{')) {
@@ -139,5 +193,45 @@ impl Loader<'_> {
                 None
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::shipped_files;
+
+    /// The findings about `household` with `from` replaced in its words.
+    #[track_caller]
+    fn check(from: &str, to: &str, expected: &str) {
+        let mut files = shipped_files("household").unwrap();
+        assert!(files.words.contains(from), "{from}");
+        files.words = files.words.replacen(from, to, 1);
+        let findings = load(&files).map(drop).unwrap_err().to_string();
+        assert!(findings.contains(expected), "{from} -> {to}\n{findings}");
+    }
+
+    #[test]
+    fn words_that_can_never_match_are_refused() {
+        let cues = r#"cues = ["clos", "shut"]"#;
+        check(cues, r#"cues = ["Close"]"#, "hint: write `close`");
+        check(cues, r#"cues = ["turn off"]"#, "`turn off` never matches");
+        check(cues, r#"cues = ["!"]"#, "such as `open`");
+        check(
+            r#"destination_verbs = ["put""#,
+            r#"destination_verbs = ["Put""#,
+            "hint: write `put`",
+        );
+        check(
+            r#"bin = ["throw""#,
+            r#"bin = ["throw away""#,
+            "`throw away` never matches",
+        );
+        check("bin = [\"throw\"", "Bin_1 = [\"throw\"", "hint: write `bin`");
+        check(
+            cues,
+            "cues = [\"clos\"]\nyields_to = [\"openned\"]",
+            "unknown goal word `openned`",
+        );
     }
 }
