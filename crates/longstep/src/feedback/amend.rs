@@ -54,7 +54,7 @@ pub struct Amendment {
 /// let goal = goal::parse(&domain, &world, "put(mug, shelf)").unwrap();
 /// let outcome = solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
 /// let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };
-/// let amended = amend(&domain, &world, &steps.collect(), &[StepWish::Drop { step: 1 }], &goal.purpose(&domain));
+/// let amended = amend(&domain, &world, &plan, &[StepWish::Drop { step: 1 }], &goal.purpose(&domain));
 /// let Amended::Impossible { why, .. } = amended else { panic!("{amended:?}") };
 /// assert_eq!(why, ["step 3: Put(<mug_3>, <shelf_2>) needs that the mug is in hand"]);
 /// ```
