@@ -2,9 +2,7 @@
 
 use crate::effort;
 use crate::goal::Goal;
-use crate::model::Domain;
-use crate::model::Missing;
-use crate::model::{Ground, Voice, World, fact_text};
+use crate::model::{Domain, Ground, Missing, Voice, World, fact_text};
 use crate::plan::{Assumption, Violation};
 use crate::plan::{Step, tree};
 

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use super::footprint::{Contended, Footprint, Grounded};
 use super::{Makespan, actors, makespan};
 use crate::effort;
-use crate::model::Domain;
-use crate::model::{EntityId, State, World};
+use crate::model::{Domain, EntityId, State, World};
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, apply, check};
 

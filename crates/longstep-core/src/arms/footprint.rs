@@ -2,8 +2,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::model::Domain;
-use crate::model::{EntityId, Fact, State, World};
+use crate::model::{Domain, EntityId, Fact, State, World};
 use crate::plan::Step;
 use crate::search::{Formula, GroundAction, Literal, Operator, ground_step};
 

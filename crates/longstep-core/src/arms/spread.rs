@@ -3,8 +3,7 @@
 use super::compact::{Compacted, arranged, compact};
 use super::makespan;
 use crate::effort;
-use crate::model::Domain;
-use crate::model::{EntityId, Moment, World, holds};
+use crate::model::{Domain, EntityId, Moment, World, holds};
 use crate::plan::{Plan, Step};
 use crate::verify::{Purpose, VerifiedPlan, apply, check};
 

@@ -2,8 +2,7 @@
 
 use super::conditional::{AND, ELSE, IF, THEN};
 use super::{Goal, GoalError, GoalFact, JOINT, Written, parse};
-use crate::model::Domain;
-use crate::model::World;
+use crate::model::{Domain, World};
 
 /// How an answer can go on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,8 +3,7 @@
 use super::{Conditional, Goal, GoalFact, Written};
 use crate::call::Call;
 use crate::diagnostic::nearest;
-use crate::model::{Domain, FormPiece, GoalWord, GoalWordId, TypeId};
-use crate::model::{EntityId, Fact, World, ground};
+use crate::model::{Domain, EntityId, Fact, FormPiece, GoalWord, GoalWordId, TypeId, World, ground};
 
 /// Beginning of a question in a model's answer.
 pub const QUESTION: &str = "question: ";

@@ -2,8 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::model::Domain;
-use crate::model::World;
+use crate::model::{Domain, World};
 
 /// The name of every entity in PDDL, by its id.
 ///

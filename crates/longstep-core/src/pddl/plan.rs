@@ -5,8 +5,7 @@ use rustc_hash::FxHashMap;
 use super::object_names;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::domain::sexpr;
-use crate::model::Domain;
-use crate::model::{EntityId, World};
+use crate::model::{Domain, EntityId, World};
 use crate::plan::Step;
 use crate::search::GroundAction;
 

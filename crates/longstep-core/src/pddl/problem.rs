@@ -7,9 +7,9 @@ use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::domain::pddl::{Reader, Semantics, Written};
 use crate::domain::sexpr::{self, Expression};
-use crate::model::ENTITY_LIMIT;
-use crate::model::{Condition, Domain, PredicateId};
-use crate::model::{Entity, EntityId, Environment, Fact, State, Words, World};
+use crate::model::{
+    Condition, Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, PredicateId, State, Words, World,
+};
 use crate::search::Wanted;
 
 /// A planning task: a world, and what is wanted in it.

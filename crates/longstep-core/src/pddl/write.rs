@@ -7,8 +7,7 @@ use indexmap::IndexSet;
 use super::names::plain;
 use super::object_names;
 use crate::effort;
-use crate::model::{Domain, RuleTime};
-use crate::model::{Fact, World};
+use crate::model::{Domain, Fact, RuleTime, World};
 use crate::search::{Formula, GroundCondition, Literal, Wanted, ground_condition};
 
 /// Why a task cannot be written as a PDDL problem.

@@ -5,8 +5,7 @@ use super::resolve::Resolver;
 use super::written::{WrittenStep, predicate_word};
 use super::{StepId, Test, near};
 use crate::diagnostic::nearest;
-use crate::model::{Action, ActionId, Atom, Domain, PredicateId, StateWord, Term};
-use crate::model::{EntityId, Fact, ground};
+use crate::model::{Action, ActionId, Atom, Domain, EntityId, Fact, PredicateId, StateWord, Term, ground};
 
 /// What the word of a call in a condition means.
 enum Meaning {

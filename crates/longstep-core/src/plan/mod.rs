@@ -26,8 +26,7 @@ pub use violation::{Assumption, StepClaim, Violation};
 pub use written::{Written, WrittenNode, WrittenStep};
 
 use crate::call::Call;
-use crate::model::{ActionId, Domain};
-use crate::model::{EntityId, World};
+use crate::model::{ActionId, Domain, EntityId, World};
 
 /// One action with all its arguments, and what it is for.
 #[derive(Debug, Clone, PartialEq, Eq)]

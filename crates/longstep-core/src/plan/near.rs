@@ -4,8 +4,7 @@
 //! other signs, a beginning that only one name has, a slip of a letter or two. Numbers are never guessed: `<plate_3>`
 //! is not `<plate_4>`.
 
-use crate::model::{ActionId, Domain, base_name};
-use crate::model::{EntityId, World};
+use crate::model::{ActionId, Domain, EntityId, World, base_name};
 
 /// Letters and digits in lower case.
 fn bare(name: &str) -> String {

@@ -1,8 +1,7 @@
 //! A plan as lines for a person.
 
 use super::{Lane, LaneItem, Node, Plan, StepId, Test};
-use crate::model::Domain;
-use crate::model::{World, written_fact};
+use crate::model::{Domain, World, written_fact};
 
 /// A line of an [`outline`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

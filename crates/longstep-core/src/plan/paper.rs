@@ -7,8 +7,7 @@ use serde_json::Value;
 use super::{Node, Plan, StepId, Written, WrittenStep, read_tree, write_tree};
 use crate::call::{Call, NotACall};
 use crate::json::Path;
-use crate::model::Domain;
-use crate::model::{Ending, Environment, Fact, World, written_fact};
+use crate::model::{Domain, Ending, Environment, Fact, World, written_fact};
 
 /// A plan file: what the paper's model answers, and what `longstep plan --save` writes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

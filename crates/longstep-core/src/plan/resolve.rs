@@ -6,8 +6,7 @@ use super::{Assumption, StepClaim, Violation};
 use super::{LaneItem, Node, StepId, TaskCohesion, claims, near};
 use crate::call::Call;
 use crate::diagnostic::nearest;
-use crate::model::{ActionId, Domain};
-use crate::model::{EntityId, World};
+use crate::model::{ActionId, Domain, EntityId, World};
 use crate::world::fact_of;
 
 /// A step whose implicit arguments are not known yet.

@@ -3,8 +3,7 @@
 use super::tree::{self, Lane, LaneItem, Node, Test};
 use super::{Plan, StepId};
 use crate::call::Call;
-use crate::model::{Domain, Term};
-use crate::model::{EntityId, Fact, World};
+use crate::model::{Domain, EntityId, Fact, Term, World};
 
 /// A plan as it was written: its steps in reading order, and the tree over them.
 ///

@@ -2,8 +2,7 @@
 
 use super::compile::{Move, Reason, spoken_of};
 use super::target::Meant;
-use crate::model::Domain;
-use crate::model::{Fact, Moment, State, World, fact_text, holds};
+use crate::model::{Domain, Fact, Moment, State, World, fact_text, holds};
 use crate::plan::{Plan, Resolved, Step};
 use crate::search::GroundAction;
 use crate::verify::{Change, Purpose, Report, Violation, apply, broken_at_end, unmet};

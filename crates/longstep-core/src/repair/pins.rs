@@ -1,7 +1,6 @@
 //! What a repair leaves alone.
 
-use crate::model::ActionId;
-use crate::model::EntityId;
+use crate::model::{ActionId, EntityId};
 use crate::search::GroundAction;
 
 /// What a person settled about a draft: repair works around it, and gives up rather than undo it.

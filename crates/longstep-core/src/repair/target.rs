@@ -2,8 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::model::Domain;
-use crate::model::{EntityId, Fact, State, World, differences, subject_of};
+use crate::model::{Domain, EntityId, Fact, State, World, differences, subject_of};
 use crate::plan::Resolved;
 use crate::search::Wanted;
 use crate::verify::{Purpose, broken_at_end, can_be_brought_about, hides_places, places_claimed, wanted_at_end};

@@ -10,8 +10,9 @@ use rustc_hash::FxHashSet;
 
 use super::Wanted;
 use crate::effort;
-use crate::model::{Action, Atom, Condition, Domain, PredicateId, RuleTime, TypeId};
-use crate::model::{Bindings, EntityId, Moment, World, ever_candidates};
+use crate::model::{
+    Action, Atom, Bindings, Condition, Domain, EntityId, Moment, PredicateId, RuleTime, TypeId, World, ever_candidates,
+};
 
 /// Grounding that makes more effects than this is not done for a whole world.
 const BEARABLE: u64 = 300_000;

@@ -8,8 +8,10 @@ use super::formula::{Formula, Literal};
 use super::scope::{Asked, Scope};
 use super::{GroundAction, Wanted};
 use crate::effort;
-use crate::model::{Action, Atom, Condition, Domain, RuleTime, Slot, TypeId};
-use crate::model::{Bindings, EntityId, Fact, Moment, World, ever_candidates, ground as ground_atom, grounded_term};
+use crate::model::{
+    Action, Atom, Bindings, Condition, Domain, EntityId, Fact, Moment, RuleTime, Slot, TypeId, World, ever_candidates,
+    ground as ground_atom, grounded_term,
+};
 
 /// The units for one part of a condition: it is kept, and copied into smaller tasks.
 const PART: usize = 16;

@@ -11,8 +11,9 @@ use super::rules::{breaks_a_rule, broken_rules_at_end};
 use super::{Assumption, Missing, Violation};
 use super::{apply, unmet};
 use crate::effort;
-use crate::model::{Action, Domain, plain_words, singular};
-use crate::model::{ChangedLists, Difference, EntityId, Fact, State, World, ground};
+use crate::model::{
+    Action, ChangedLists, Difference, Domain, EntityId, Fact, State, World, ground, plain_words, singular,
+};
 use crate::plan::claims::told;
 use crate::plan::{DraftStep, Plan, Step};
 use crate::world::Claim;

@@ -8,8 +8,7 @@ use super::bind::{Learned, Turn, bind_way, bound, learn, nothing_fits};
 use super::claims;
 use super::{Assumption, Violation};
 use crate::effort;
-use crate::model::Domain;
-use crate::model::{Fact, World};
+use crate::model::{Domain, Fact, World};
 use crate::plan::{DraftStep, Lane, LaneItem, Node, Plan, Resolved, StepId, Test, tree};
 use crate::world::Claim;
 

@@ -3,8 +3,9 @@
 //! These are one-sided: "no" is certain, "yes" means that nothing unchanging speaks against it.
 
 use crate::effort;
-use crate::model::{ActionId, Condition, Domain, Effect, Term, TypeId};
-use crate::model::{Bindings, EntityId, Fact, World, ground, grounded_term};
+use crate::model::{
+    ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, ground, grounded_term,
+};
 
 /// Whether the condition can have the value in some state of this world, facts that actions change being free.
 pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {

@@ -1,9 +1,9 @@
 //! Rules that are broken, and rules that are set aside.
 
 use super::Purpose;
-use crate::model::Wanted;
-use crate::model::{Bindings, EntityId, State, World};
-use crate::model::{Condition, Domain, Rule, RuleTime, Term, broken_bindings};
+use crate::model::{
+    Bindings, Condition, Domain, EntityId, Rule, RuleTime, State, Term, Wanted, World, broken_bindings,
+};
 
 /// A rule that is set aside for whatever an entity is part of, because the goal asks for the opposite.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -8,9 +8,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::history::{Here, History, with_culprits};
 use super::{StepClaim, Violation, claims, unmet};
 use crate::effort;
-use crate::model::{Bindings, ChangedLists, Fact, Moment, State, World, ground, holds};
-use crate::model::{Domain, PredicateId, RuleTime};
-use crate::model::{apply_onto, broken_bindings, rests_on};
+use crate::model::{
+    Bindings, ChangedLists, Domain, Fact, Moment, PredicateId, RuleTime, State, World, apply_onto, broken_bindings,
+    ground, holds, rests_on,
+};
 use crate::plan::{Node, Plan, StepId, Test, tree};
 
 /// States that a plan may be in at one node; a plan that can be in more is refused rather than followed.

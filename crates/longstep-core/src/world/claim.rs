@@ -4,8 +4,7 @@ use rustc_hash::FxHashSet;
 
 use super::write::fact_of;
 use super::{Bindings, Difference, EntityId, Environment, Fact, Moment, State, World, differences, holds};
-use crate::model::Domain;
-use crate::model::{ground, subject_of};
+use crate::model::{Domain, ground, subject_of};
 
 /// A claimed environment, read as facts about the world's own entities.
 ///

@@ -7,8 +7,10 @@ use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::effort;
 use crate::json::{self, Path};
-use crate::model::{Derivation, Domain, Literal, RuleTime, TypeId, Unknown, base_name, ends_with};
-use crate::model::{ENTITY_LIMIT, ground, grounded_term, name_entities};
+use crate::model::{
+    Derivation, Domain, ENTITY_LIMIT, Literal, RuleTime, TypeId, Unknown, base_name, ends_with, ground, grounded_term,
+    name_entities,
+};
 
 /// After this many findings about an environment, the rest is not reported.
 const FINDINGS: usize = 100;

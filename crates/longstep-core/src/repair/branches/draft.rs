@@ -1,8 +1,7 @@
 //! The plan while it is changed: parts in blocks, both by number.
 
 use super::super::EditKind;
-use crate::model::Domain;
-use crate::model::{EntityId, World};
+use crate::model::{Domain, EntityId, World};
 use crate::plan::{DraftStep, LaneItem, Node, Plan, Resolved, Step, StepId, Test};
 
 /// Steps, and blocks, that a plan may have once what follows a branch is written into both sides. Blocks count for

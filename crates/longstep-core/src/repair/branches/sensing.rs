@@ -2,8 +2,7 @@
 
 use super::super::{Edit, EditKind, Pins, Repaired, Unwanted};
 use super::draft::{Draft, Item, Part, draft_step};
-use crate::model::{Atom, Condition, Domain, Effect, Term};
-use crate::model::{EntityId, Fact, Voice, World};
+use crate::model::{Atom, Condition, Domain, Effect, EntityId, Fact, Term, Voice, World};
 use crate::plan::{Plan, Step, Test};
 use crate::verify::{Purpose, Violation, check};
 

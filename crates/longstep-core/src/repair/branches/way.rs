@@ -2,8 +2,7 @@
 
 use super::super::{Pins, Reach, Unwanted};
 use super::draft::{Draft, Part};
-use crate::model::Domain;
-use crate::model::{Fact, State, World};
+use crate::model::{Domain, Fact, State, World};
 use crate::plan::{Node, Resolved, StepId, Test};
 use crate::verify::apply;
 

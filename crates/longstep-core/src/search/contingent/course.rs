@@ -3,8 +3,7 @@
 use std::rc::Rc;
 
 use crate::effort;
-use crate::model::Domain;
-use crate::model::{Fact, World};
+use crate::model::{Domain, Fact, World};
 use crate::plan::{Node, Plan, Step, StepId, Test};
 use crate::search::GroundAction;
 use crate::search::task::Task;

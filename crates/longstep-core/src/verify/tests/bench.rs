@@ -3,8 +3,7 @@
 
 use crate::domain::{self, Files};
 use crate::json::Path;
-use crate::model::Domain;
-use crate::model::{EntityId, Environment, Fact, World};
+use crate::model::{Domain, EntityId, Environment, Fact, World};
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId, Test};
 use crate::verify::{Purpose, Report, check};
 use crate::world::{self};

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use proptest::prelude::*;
 
 use super::bench::{Ask, Part, domain, fact, plan, world};
-use crate::model::Domain;
-use crate::model::{Environment, Fact, State, World};
+use crate::model::{Domain, Environment, Fact, State, World};
 use crate::plan::{LaneItem, Node, Plan, StepId, Test};
 use crate::verify::{Purpose, Violation, apply, check, unmet};
 use crate::world::Claim;
