@@ -1,10 +1,10 @@
 //! Properties that hold of every plan that somebody could write.
 
-use longstep::attempt::Attempt;
 use longstep::domain::Domain;
 use longstep::effort;
 use longstep::plan::{Draft, Node, Plan, PlanFile, Resolved, TaskCohesion, Written, resolve, script};
-use longstep::repair::{Outcome, Pins};
+use longstep::repair::Outcome;
+use longstep::report::Assessment;
 use longstep::verify::{Purpose, Violation, bind_tree, check};
 use longstep::world::World;
 
@@ -25,35 +25,35 @@ pub fn check_plan(scene: &Scene, file: PlanFile, with_repair: bool) {
         file,
         leniencies: Vec::new(),
     };
-    let attempt = Attempt::new(domain, world, draft, None);
-    let spent = effort::within(UNITS, || check_as_written(domain, world, &attempt));
-    if !with_repair || spent.exhausted || attempt.resolved.steps.len() > REPAIRED {
+    let assessment = Assessment::new(domain, world, draft, None);
+    let spent = effort::within(UNITS, || check_as_written(domain, world, &assessment));
+    if !with_repair || spent.exhausted || assessment.resolved.steps.len() > REPAIRED {
         return;
     }
-    let repair = effort::within(UNITS, || attempt.repair(domain, world, &Pins::default()));
+    let repair = effort::within(UNITS, || assessment.repair());
     if repair.exhausted {
         return;
     }
-    match &repair.result {
-        Outcome::Valid(plan) => check_again(domain, world, plan.plan(), &attempt.purpose),
+    match repair.result {
+        Outcome::Valid(plan) => check_again(domain, world, plan.plan(), &assessment.purpose),
         Outcome::Repaired(repaired) => {
             // What was given up is no longer claimed, and claims of steps go with the steps of the draft.
             let purpose = Purpose {
                 claim: None,
                 step_claims: Vec::new(),
-                ..attempt.purpose.clone()
+                ..assessment.purpose.clone()
             };
             check_again(domain, world, repaired.plan.plan(), &purpose);
         }
         Outcome::Unclear { why } | Outcome::GaveUp { why, .. } => assert!(!why.is_empty()),
         Outcome::ProvenUnsolvable { .. } => {}
     }
-    drop(attempt.repaired(domain, world, repair.result));
+    drop(assessment.repaired());
 }
 
-fn check_as_written(domain: &Domain, world: &World, attempt: &Attempt) {
-    let answer = attempt.verdict(domain, world);
-    match bind_tree(domain, world, &attempt.resolved, attempt.purpose.claim.as_ref()) {
+fn check_as_written(domain: &Domain, world: &World, assessment: &Assessment<'_>) {
+    let answer = assessment.verdict();
+    match bind_tree(domain, world, &assessment.resolved, assessment.purpose.claim.as_ref()) {
         Err(issues) => {
             assert!(!issues.is_empty(), "a plan is refused with a reason");
             assert_ne!(answer.status.exit_code(), 0);
@@ -62,9 +62,9 @@ fn check_as_written(domain: &Domain, world: &World, attempt: &Attempt) {
             }
         }
         Ok((plan, assumptions)) => {
-            check_bound(domain, world, &attempt.resolved, &plan);
+            check_bound(domain, world, &assessment.resolved, &plan);
             assumptions.iter().for_each(|open| drop(open.message(domain, world)));
-            let report = check(domain, world, plan.clone(), &attempt.purpose);
+            let report = check(domain, world, plan.clone(), &assessment.purpose);
             assert!(!report.endings.is_empty());
             let is_work = |violation: &Violation| matches!(violation, Violation::TooMuchWork);
             if report.violations.iter().any(is_work) {
@@ -74,11 +74,11 @@ fn check_as_written(domain: &Domain, world: &World, attempt: &Attempt) {
                 assert!(!violation.message(domain, world, plan.steps(), None).is_empty());
             }
             let is_valid = report.violations.is_empty();
-            if attempt.question().is_none() {
+            if assessment.question().is_none() {
                 assert_eq!(answer.status.exit_code() == 0, is_valid, "{:?}", report.violations);
             }
             if is_valid {
-                check_again(domain, world, &plan, &attempt.purpose);
+                check_again(domain, world, &plan, &assessment.purpose);
             }
         }
     }
