@@ -1,6 +1,6 @@
 //! Exit codes that are no verdict on a plan.
 
-/// What was checked is not as it should be.
+/// A plan, domain or recording that was checked is not valid.
 pub(crate) const NOT_VALID: u8 = 10;
 /// Input that cannot be read.
 pub(crate) const UNREADABLE: u8 = 30;

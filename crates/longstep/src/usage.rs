@@ -1,6 +1,6 @@
-//! What calls to a model cost.
+//! Cost of calls to a model.
 
-/// What a call cost, in tokens of the model in use.
+/// Cost of a call, in tokens of the model in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Usage {
     /// Model calls.

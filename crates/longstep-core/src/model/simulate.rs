@@ -15,7 +15,7 @@ use crate::effort;
 pub struct Missing {
     /// The fact; none when no fact could have helped.
     pub fact: Option<Fact>,
-    /// Whether it had to hold, or not to hold.
+    /// True if it had to hold, false if it must not.
     pub holds: bool,
     /// The step that took it away, counted from 0; none if it never was.
     pub undone_by: Option<usize>,

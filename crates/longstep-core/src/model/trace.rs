@@ -60,9 +60,9 @@ impl Trace {
 /// One way in which a plan can end.
 #[derive(Debug, Clone)]
 pub struct Ending {
-    /// What sensing told on the way, as far as it is still known; empty for a plan without sensing.
+    /// Outcomes of sensing on the way, as far as they are still known; empty for a plan without sensing.
     pub when: Vec<Fact>,
-    /// What each step changed, on one way that ends so.
+    /// Changes of each step, on one way that ends so.
     pub trace: Trace,
     /// The world after the last step.
     pub after: State,

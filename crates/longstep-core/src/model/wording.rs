@@ -18,10 +18,7 @@ pub fn written_fact(domain: &Domain, fact: Fact, name: &dyn Fn(EntityId) -> Stri
 
 /// The entity in whose entry a fact is written.
 pub fn subject_of(domain: &Domain, fact: Fact) -> EntityId {
-    let word = domain
-        .states
-        .iter()
-        .find(|word| word.atom.predicate == fact.predicate());
-    let place = word.and_then(|word| word.atom.terms.iter().position(|term| *term == Term::Variable(0)));
+    let place = state_word(domain, fact.predicate())
+        .and_then(|word| word.atom.terms.iter().position(|term| *term == Term::Variable(0)));
     fact.argument(place.unwrap_or(0))
 }

@@ -61,7 +61,7 @@ pub enum Violation {
     StepClaim {
         /// The step.
         step: usize,
-        /// What it says.
+        /// The claimed fact.
         fact: Fact,
     },
     /// A call with too few or too many arguments.
@@ -384,7 +384,7 @@ impl Violation {
     }
 }
 
-/// What a step says that holds after it.
+/// Fact that a step claims to hold after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepClaim {
     /// The step, from 0.

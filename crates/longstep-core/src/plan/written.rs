@@ -3,7 +3,7 @@
 use super::tree::{self, Lane, LaneItem, Node, Test};
 use super::{Plan, StepId};
 use crate::call::Call;
-use crate::model::{Domain, EntityId, Fact, Term, World};
+use crate::model::{Domain, EntityId, Fact, Term, World, state_word};
 
 /// A plan as it was written: its steps in reading order, and the tree over them.
 ///
@@ -161,9 +161,7 @@ impl Writer<'_> {
     /// The call that asks for a fact: the word of an environment with the entity in whose entry it stands first, or
     /// the predicate's own name where no environment says it.
     fn asked(&self, fact: Fact) -> Call {
-        let mut words = self.domain.states.iter();
-        let word = words.find(|word| word.atom.predicate == fact.predicate());
-        let Some(word) = word else {
+        let Some(word) = state_word(self.domain, fact.predicate()) else {
             return Call {
                 name: predicate_word(&self.domain.predicate(fact.predicate()).name),
                 arguments: self

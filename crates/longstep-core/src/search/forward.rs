@@ -58,7 +58,7 @@ pub(super) enum Straight {
     Solved {
         /// Its steps; none if everything wanted holds already.
         steps: Vec<GroundAction>,
-        /// Whether it is proven that no plan has fewer steps.
+        /// True if it is proven that no plan has fewer steps.
         shortest: bool,
         /// States expanded.
         expanded: usize,

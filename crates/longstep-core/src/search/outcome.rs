@@ -19,8 +19,8 @@ pub enum Outcome {
     },
     /// There is no plan that does whatever sensing tells.
     ProvenUnsolvable {
-        /// What sensing could tell with which there is no way, if one such thing is to blame; nothing if there is no way
-        /// whatever it tells.
+        /// Outcome of sensing with which there is no plan, if one is to blame; none if there is no plan whatever the
+        /// outcomes.
         when: Option<Fact>,
         /// States expanded.
         expanded: usize,

@@ -1,7 +1,7 @@
 //! From one instruction to the next.
 
 use super::write;
-use crate::model::{Domain, Ending, World};
+use crate::model::{Domain, Ending, World, state_word};
 
 impl World {
     /// The world after a plan that ended so, as the next instruction finds it.
@@ -13,7 +13,7 @@ impl World {
     /// knowledge that came with the first one is lost.
     #[must_use]
     pub fn after(&self, domain: &Domain, ending: &Ending) -> Self {
-        let said = |predicate| domain.states.iter().any(|word| word.atom.predicate == predicate);
+        let said = |predicate| state_word(domain, predicate).is_some();
         let mut next = self.clone();
         next.environment = write(domain, self, &ending.after);
         let before = self.state.iter().filter(|fact| said(fact.predicate()));

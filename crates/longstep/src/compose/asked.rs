@@ -3,6 +3,7 @@
 use crate::model::{Action, Domain, Term};
 use crate::plan::WrittenStep;
 use crate::world::{Entity, EntityId, Fact, World};
+use longstep_core::model::state_word;
 
 /// The parameters that a sensing call names in a composition: those that its call shows anyway, and those that its
 /// outcomes are about.
@@ -100,10 +101,7 @@ fn about(term: &Term, given: &[(usize, EntityId)]) -> Option<EntityId> {
 fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, EntityId)]) -> Check {
     let entity = |term: &Term| about(term, given);
     let outcomes = action.senses.iter().map(|outcome| {
-        let word = domain
-            .states
-            .iter()
-            .find(|word| word.atom.predicate == outcome.predicate)?;
+        let word = state_word(domain, outcome.predicate)?;
         // The entry of the environment in which the word stands comes first.
         let slots = 0..=word.parameters.len();
         let things = slots.map(|slot| {

@@ -14,7 +14,7 @@ pub use prompts::{Example, FeedbackExample, PartTexts, Prompts};
 #[derive(Debug, Clone)]
 pub struct Domain {
     pub(crate) domain: longstep_core::model::Domain,
-    /// What a model is told.
+    /// The texts of its `prompt/` folder.
     pub prompts: Prompts,
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use longstep_core::domain::Files;
 
-/// What a model is told about a domain.
+/// The texts with which a model is asked about a domain.
 #[derive(Debug, Clone, Default)]
 pub struct Prompts {
     /// The goal strategy's task: `prompt/goal.md`, rendered.
@@ -40,11 +40,11 @@ impl Example {
 /// A worked example for the model: a plan, what a person says about it, and the answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FeedbackExample {
-    /// What had been asked for.
+    /// The instruction that the plan is for.
     pub instruction: String,
     /// The steps, each a call and its sentence: `grasp_object(): grasp the mug`.
     pub plan: Vec<String>,
-    /// What the person says.
+    /// The person's words about the plan.
     pub says: String,
     /// `goal`, changes joined by ` & `, or `question: ...`.
     pub answer: String,

@@ -1,6 +1,7 @@
 //! The form of a direct answer: as worked examples show it, and as the schema of a request demands it.
 
 use indexmap::IndexMap;
+use longstep_core::model::state_word;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -245,11 +246,7 @@ fn tree(domain: &Domain, world: &World) -> TreeSchema {
 fn told_states(domain: &Domain, world: &World) -> Vec<String> {
     let mut all = Vec::new();
     for outcome in domain.actions.iter().flat_map(|action| &action.senses) {
-        let Some(word) = domain
-            .states
-            .iter()
-            .find(|word| word.atom.predicate == outcome.predicate)
-        else {
+        let Some(word) = state_word(domain, outcome.predicate) else {
             continue;
         };
         // The thing in whose entry the state stands comes first.

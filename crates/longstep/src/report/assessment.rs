@@ -28,7 +28,7 @@ pub struct Assessment<'a> {
     pub purpose: Purpose,
     /// What was read leniently, and what of the claim means nothing.
     notes: Vec<String>,
-    /// What a repair leaves as it is.
+    /// Steps that a repair keeps as they are.
     pins: Pins,
     simulation: OnceCell<Result<Simulation, Vec<Violation>>>,
     repair: OnceCell<Outcome>,

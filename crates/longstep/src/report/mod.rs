@@ -1,4 +1,4 @@
-//! What a plan or a goal comes to, as people and programs are told.
+//! Results for people and programs.
 //!
 //! An [`Assessment`] is a written plan: simulated once, repaired once. A [`Solution`] is a plan that search found. Both
 //! have an [`Answer`], the JSON that programs read and the text that people read are made of.
