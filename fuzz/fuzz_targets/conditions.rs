@@ -10,7 +10,7 @@ use longstep::json::Path;
 use longstep::pddl::{self, Problem};
 use longstep::search::{self, Limits, Outcome, Wanted};
 use longstep::verify::{apply, unmet};
-use longstep::world::{self, Environment, Moment, State, World, holds};
+use longstep::environment::{self, Environment, Moment, State, World, holds};
 
 const PDDL: &str = "(define (domain d) (:requirements :adl) (:types place item - thing)
   (:predicates (ready) (lit ?x - thing) (at ?x - item ?y - place) (link ?x ?y - thing))
@@ -117,7 +117,7 @@ fn all_hold(world: &World, state: &State, wanted: &[Wanted]) -> Option<bool> {
 }
 
 /// Returns whether something is missing for the condition, by both ways to find out.
-fn missing(world: &World, state: &State, condition: &Condition, mut bindings: Vec<world::EntityId>) -> Option<bool> {
+fn missing(world: &World, state: &State, condition: &Condition, mut bindings: Vec<environment::EntityId>) -> Option<bool> {
     let spent = effort::within(UNITS, || {
         let holds = holds(Moment { world, state }, condition, &mut bindings);
         (holds, unmet(world, state, condition, &mut bindings).is_empty())
@@ -146,7 +146,7 @@ fn as_rule(condition: &str) {
         Err(findings) => return drop(findings.to_string()),
     };
     let read = effort::within(UNITS, || {
-        world::read(&domain, environment, "environment", "", &Path::default())
+        environment::read(&domain, environment, "environment", "", &Path::default())
     });
     let Ok(world) = read.result else {
         return;

@@ -6,13 +6,13 @@ use std::sync::LazyLock;
 use libfuzzer_sys::fuzz_target;
 use longstep::domain::{self, Domain};
 use longstep::json::Path;
-use longstep::world::{self, Environment};
+use longstep::environment::{self, Environment};
 
 static HOUSEHOLD: LazyLock<Domain> = LazyLock::new(|| domain::shipped("household").expect("shipped").expect("valid"));
 
 fuzz_target!(|text: &str| {
     if let Ok(environment) = Environment::from_json(text)
-        && let Err(findings) = world::read(&HOUSEHOLD, &environment, "environment", text, &Path::default())
+        && let Err(findings) = environment::read(&HOUSEHOLD, &environment, "environment", text, &Path::default())
     {
         drop(findings.to_string());
     }

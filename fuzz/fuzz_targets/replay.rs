@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
-use longstep::prompt::{ChatRequest, Constraint, Message, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Message, Role};
 use longstep_llm::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, open};
 use serde_json::Value;
 

@@ -6,7 +6,7 @@ use longstep::plan::{Draft, Node, Plan, PlanFile, Resolved, TaskCohesion, Writte
 use longstep::repair::Outcome;
 use longstep::report::Assessment;
 use longstep::verify::{Purpose, Violation, bind_tree, check};
-use longstep::world::World;
+use longstep::environment::World;
 
 use crate::scenes::Scene;
 

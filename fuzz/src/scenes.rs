@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use longstep::domain::{self, Domain};
 use longstep::json::Path;
-use longstep::world::{self, Environment, World};
+use longstep::environment::{self, Environment, World};
 
 /// A domain and a world of it.
 pub struct Scene {
@@ -18,7 +18,7 @@ impl Scene {
     fn new(domain: &str, environment: &str) -> Self {
         let domain = domain::shipped(domain).expect("it is shipped").expect("it is valid");
         let environment = Environment::from_json(environment).expect("it is JSON");
-        let world = world::read(&domain, &environment, "scene", "", &Path::default()).expect("it is a world");
+        let world = environment::read(&domain, &environment, "scene", "", &Path::default()).expect("it is a world");
         Self { domain, world }
     }
 }

@@ -4,7 +4,7 @@ use libfuzzer_sys::arbitrary::{Result, Unstructured};
 use longstep::call::Call;
 use longstep::domain::{Action, Parameter};
 use longstep::plan::{Lane, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep};
-use longstep::world::{Environment, Words};
+use longstep::environment::{Environment, Words};
 
 use crate::scenes::Scene;
 

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use longstep::compose::{self, Composed, Said, Stored};
+use longstep::dialogue::{Finish, Usage};
 use longstep::domain::Domain;
-use longstep::prompt::{Finish, Usage};
+use longstep::environment::World;
 use longstep::report::{Answer, Status};
-use longstep::world::World;
 
 use crate::arguments::ComposeArguments;
 use crate::ask::{self, Waiting};

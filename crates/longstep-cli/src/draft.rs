@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 use longstep::domain::Domain;
+use longstep::environment::World;
 use longstep::json;
 use longstep::plan;
 use longstep::report::Assessment;
-use longstep::world::World;
 
 use crate::arguments::DraftArguments;
 use crate::failure::Failure;

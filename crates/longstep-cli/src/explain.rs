@@ -1,6 +1,6 @@
 //! `--explain-prompt`: what would be sent to a model, and what each part of it costs.
 
-use longstep::prompt::{Explanation, Message, Role};
+use longstep::dialogue::{Explanation, Message, Role};
 
 use crate::output::{self, Style, print_line};
 use crate::show;

@@ -1,8 +1,8 @@
 //! Errors as a person sees them: one line that says what and where, a hint, and the exit code.
 
 use longstep::diagnostic::Diagnostics;
+use longstep::dialogue::PromptError;
 use longstep::goal::GoalError;
-use longstep::prompt::PromptError;
 use longstep::session::ResumeError;
 use longstep_llm::{AdvanceError, FolderError, ModelError};
 

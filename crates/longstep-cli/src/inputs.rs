@@ -7,9 +7,9 @@ use std::path::Path;
 use anyhow::Result;
 use longstep::diagnostic::nearest;
 use longstep::domain::{self, Domain, Files};
+use longstep::environment::{self, Environment, World};
 use longstep::json;
 use longstep::plan::{self, PlanFile, TaskCohesion};
-use longstep::world::{self, Environment, World};
 use longstep_llm::{read_bounded, write_whole};
 
 use crate::failure::Failure;
@@ -143,10 +143,10 @@ pub(crate) fn read_world(
     text: &str,
     inside: &json::Path,
 ) -> Result<World> {
-    world::read(domain, environment, shown, text, inside).map_err(|findings| {
+    environment::read(domain, environment, shown, text, inside).map_err(|findings| {
         let fits = |name: &&str| {
             let other = domain::shipped(name).and_then(Result::ok);
-            other.is_some_and(|other| world::read(&other, environment, "", "", inside).is_ok())
+            other.is_some_and(|other| environment::read(&other, environment, "", "", inside).is_ok())
         };
         match domain::shipped_names()
             .into_iter()

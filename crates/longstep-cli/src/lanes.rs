@@ -1,12 +1,12 @@
 //! Plans whose actors work side by side: a column for each, a line for each unit of time.
 
-use longstep::arms::{self, Row};
 use longstep::domain::Domain;
+use longstep::environment::World;
 use longstep::plan::{Lane, Node, Plan, StepId};
 use longstep::report::Answer;
+use longstep::schedule::{self, Row};
 use longstep::verify::{Purpose, VerifiedPlan};
 use longstep::visible;
-use longstep::world::World;
 
 use crate::output::{Line, Style, composed};
 
@@ -25,7 +25,7 @@ pub(crate) fn side_by_side(
     purpose: &Purpose,
     answer: &mut Answer,
 ) -> Vec<Line> {
-    match arms::share(domain, world, plan, purpose) {
+    match schedule::share(domain, world, plan, purpose) {
         Some(compacted) => {
             answer.side_by_side(domain, world, &compacted);
             shown(world, compacted.plan.plan())
@@ -33,7 +33,7 @@ pub(crate) fn side_by_side(
         None => {
             let note = format!(
                 "no way was found to do it side by side: {}",
-                arms::makespan(plan.plan())
+                schedule::makespan(plan.plan())
             );
             answer.notes.push(note);
             Vec::new()
@@ -79,7 +79,7 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<L
         }
     }
     let mut lines = vec![heads];
-    for row in arms::timetable(lanes) {
+    for row in schedule::timetable(lanes) {
         match row {
             Row::Unit(steps) => {
                 *unit += 1;

@@ -1,7 +1,7 @@
 //! `longstep plan`: from an instruction to a verified plan.
 
 use anyhow::Result;
-use longstep::prompt::{self, Prepared};
+use longstep::dialogue::{self, Prepared};
 use longstep::report::{Answer, Status};
 use longstep::session::{Need, Session, Stuck, Trouble};
 use longstep_llm::advance;
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     session.instruct(instruction)?;
     if arguments.explain_prompt {
         if let Some(prepared) = session.explain(model.as_mut())? {
-            let explanation = prompt::explain(&prepared.costs, model.context_tokens(), model.counting());
+            let explanation = dialogue::explain(&prepared.costs, model.context_tokens(), model.counting());
             let Prepared {
                 request,
                 dropped,

@@ -1,9 +1,9 @@
 //! Answers for a person.
 
+use longstep::environment::Environment;
 use longstep::plan::OutlineLine;
 use longstep::report::{self, Answer, Status};
 use longstep::visible;
-use longstep::world::Environment;
 
 use crate::output::{self, Line, Style, print_line};
 

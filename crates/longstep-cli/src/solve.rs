@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 use longstep::domain::Domain;
+use longstep::environment::World;
 use longstep::goal::{self, Goal};
 use longstep::report::{Answer, Status};
-use longstep::world::World;
 use longstep::{pddl, report};
 
 use crate::arguments::SolveArguments;

@@ -11,11 +11,11 @@
 //! - [`goal`]: goals in the words of a domain. [`message`]: violations in sentences.
 //! - [`search`], [`repair`], [`arms`], [`pddl`]: plans from goals, from invalid plans, for several arms, and from problems.
 
-pub mod arms;
 pub mod call;
 pub mod diagnostic;
 pub mod domain;
 pub mod effort;
+pub mod environment;
 pub mod goal;
 pub mod json;
 pub mod message;
@@ -23,7 +23,7 @@ pub mod model;
 pub mod pddl;
 pub mod plan;
 pub mod repair;
+pub mod schedule;
 pub mod search;
 pub mod verify;
 pub mod visible;
-pub mod world;

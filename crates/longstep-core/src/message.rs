@@ -2,7 +2,7 @@
 
 use crate::effort;
 use crate::goal::Goal;
-use crate::model::{Domain, Ground, Missing, Voice, World, fact_text};
+use crate::model::{AssumptionSource, Domain, Missing, Voice, World, fact_text};
 use crate::plan::{Assumption, Violation};
 use crate::plan::{Step, tree};
 
@@ -238,9 +238,9 @@ impl Assumption {
             Self::Fact { fact, ground } => {
                 let text = fact_text(domain, world, *fact, true);
                 match ground {
-                    Ground::Derived => format!("{text} (its name says so)"),
-                    Ground::Default => format!("{text} (usual, the environment does not say)"),
-                    Ground::Unknown => format!("{text} (the environment does not say)"),
+                    AssumptionSource::Derived => format!("{text} (its name says so)"),
+                    AssumptionSource::Default => format!("{text} (usual, the environment does not say)"),
+                    AssumptionSource::Unknown => format!("{text} (the environment does not say)"),
                 }
             }
             Self::Argument {

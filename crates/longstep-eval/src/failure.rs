@@ -33,11 +33,11 @@
 use longstep::call::Call;
 use longstep::domain::Domain;
 use longstep::effort;
+use longstep::environment::World;
 use longstep::goal::{Goal, GoalFact};
 use longstep::plan;
 use longstep::repair::{Edit, EditKind, Outcome};
 use longstep::report::Assessment;
-use longstep::world::World;
 use serde::{Deserialize, Serialize};
 
 /// A kind of failure.

@@ -3,11 +3,11 @@
 use std::cell::OnceCell;
 
 use longstep::domain::Domain;
+use longstep::environment::{EntityId, World, differences, subject_of};
 use longstep::goal::Goal;
 use longstep::plan::Plan;
 use longstep::report;
 use longstep::verify::{Ending, Purpose, VerifiedPlan, check};
-use longstep::world::{EntityId, World, differences, subject_of};
 
 /// Why a plan is not what was wanted, in sentences; nothing if it is.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

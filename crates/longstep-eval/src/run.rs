@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use longstep::domain::Domain;
+use longstep::environment::{Voice, World};
 use longstep::session::{Event, ModelFacts, Need, Session, Settings, Strategy, Trouble};
 use longstep::verify::VerifiedPlan;
-use longstep::world::{Voice, World};
 use longstep_llm::{AdvanceError, ChatModel, Watch, advance};
 
 use crate::attempt::{Attempt, Edit, Key, Outcome, PlanLine, Timing, Wanted};

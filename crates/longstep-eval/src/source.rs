@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use longstep::prompt::{
+use longstep::dialogue::{
     ChatRequest, ConstraintKind, Counting, EstimatedTokens, Finish, Message, Reply, TokenCounter, Usage,
 };
 use longstep_llm::{ChatModel, ModelError, Watch};

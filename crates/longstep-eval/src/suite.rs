@@ -12,8 +12,8 @@ mod tests;
 
 use std::collections::BTreeMap;
 
+use longstep::environment::World;
 use longstep::goal::Goal;
-use longstep::world::World;
 
 pub use load::{Files, domain_name, load};
 pub use shipped::{shipped, shipped_names};

@@ -18,13 +18,13 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use longstep::dialogue::GoalDialogue;
 use longstep::domain::{self, Domain};
+use longstep::environment::{self, Environment, World, differences};
 use longstep::goal::Understanding;
 use longstep::json::Path;
-use longstep::prompt::GoalDialogue;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{self, Report};
-use longstep::world::{self, Environment, World, differences};
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open, understand};
 use serde_json::Value;
 
@@ -35,7 +35,7 @@ fn read(file: &str) -> Value {
 
 fn world_of(domain: &Domain, environment: &Value) -> World {
     let environment = Environment::from_json(&environment.to_string()).unwrap();
-    world::read(domain, &environment, "environment", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "environment", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// What came of an instruction.
@@ -131,7 +131,7 @@ fn household(model: &mut dyn ChatModel) {
             let instruction = step["instruction"].as_str().unwrap();
             let made = plan(model, &domain, &world, instruction);
             let right = made.report.as_ref().is_some_and(|report| {
-                let after = world::write(&domain, &world, &report.ending().after);
+                let after = environment::write(&domain, &world, &report.ending().after);
                 serde_json::to_value(after).unwrap() == step["recorded"]["environment_after"]
             });
             tally.count(&format!("{scene}: {instruction}"), &made, right);
@@ -151,7 +151,7 @@ fn reached(domain: &Domain, world: &World, report: &Report, fact: &str, any_plat
         other => &other.to_lowercase(),
     };
     let index = domain.predicates.iter().position(|p| p.name == predicate).unwrap();
-    let fits = |id: world::EntityId, name: &str| {
+    let fits = |id: environment::EntityId, name: &str| {
         let identifier = &world.entity(id).identifier;
         identifier == name || (any_plate && identifier.starts_with("<plate_") && name.starts_with("<plate_"))
     };

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use longstep::prompt::PromptError;
+use longstep::dialogue::PromptError;
 use longstep::session::{Need, Session};
 
 use crate::{ChatModel, FolderError, ModelError, SessionFolder, Watch};

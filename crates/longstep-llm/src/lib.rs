@@ -7,7 +7,7 @@
 //! that is busy is asked again.
 //!
 //! ```no_run
-//! use longstep::prompt::{ChatRequest, Constraint, Message, Role};
+//! use longstep::dialogue::{ChatRequest, Constraint, Message, Role};
 //! use longstep_llm::{ChatModel, ModelReference, OpenOptions, cache_directory, open};
 //!
 //! # fn main() -> Result<(), longstep_llm::ModelError> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use longstep::prompt::{ChatRequest, ConstraintKind, Reply, TokenCounter};
+use longstep::dialogue::{ChatRequest, ConstraintKind, Reply, TokenCounter};
 
 use crate::ModelError;
 
@@ -23,7 +23,7 @@ pub trait ChatModel: TokenCounter {
     /// # Errors
     ///
     /// A [`ModelError`] that says what failed, or [`ModelError::Stopped`]; a refused or cut-off answer is not an error
-    /// but a [`Finish`](longstep::prompt::Finish).
+    /// but a [`Finish`](longstep::dialogue::Finish).
     fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError>;
 
     /// How many tokens prompt and answer may have together; none if nobody knows.

@@ -1,9 +1,9 @@
 //! Carries out a goal dialogue with a model.
 
+use longstep::dialogue::{DialogueError, GoalDialogue, Turn};
 use longstep::domain::Domain;
+use longstep::environment::World;
 use longstep::goal::Understanding;
-use longstep::prompt::{DialogueError, GoalDialogue, Turn};
-use longstep::world::World;
 
 use crate::{ChatModel, ModelError, Watch};
 

@@ -9,9 +9,9 @@
 
 use longstep::compose::{self, Composed, Said, Stored};
 use longstep::domain::{self, Domain};
+use longstep::environment::{self, Environment, World};
 use longstep::json;
 use longstep::plan::{Node, PlanFile, Written, script};
-use longstep::world::{self, Environment, World};
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open};
 use serde_json::{Value, json};
 
@@ -30,7 +30,7 @@ fn scene(scene: &Value) -> (Domain, World, Vec<Stored>) {
     let domain = domain::shipped(scene["domain"].as_str().unwrap()).unwrap().unwrap();
     let text = scene["environment"].to_string();
     let environment = Environment::from_json(&text).unwrap();
-    let world = world::read(&domain, &environment, "environment", &text, &json::Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "environment", &text, &json::Path::default()).unwrap();
     let stored = scene["plans"].as_object().unwrap().iter().map(|(name, plan)| {
         let column = |column: usize| -> Vec<&Value> {
             plan["steps"].as_array().unwrap().iter().map(|step| &step[column]).collect()

@@ -7,7 +7,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use longstep::prompt::{ChatRequest, Constraint, Finish, Message, Reply, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role};
 use longstep_llm::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, open};
 
 const COLOURS: &str = r#"start: ("red" | "green" | "blue") (" and " ("red" | "green" | "blue"))?"#;

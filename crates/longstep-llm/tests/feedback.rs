@@ -6,15 +6,15 @@
 
 use std::path::{Path, PathBuf};
 
+use longstep::dialogue::{GoalDialogue, Round};
 use longstep::domain::{self, Domain, Files};
+use longstep::environment::{self, Claim, Environment, World};
 use longstep::feedback::{self, Amended, FeedbackDialogue, StepWish, Wish, amend};
 use longstep::goal::{self, Understanding};
 use longstep::json;
 use longstep::plan::{Plan, PlanFile, TaskCohesion, resolve};
-use longstep::prompt::{GoalDialogue, Round};
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{Purpose, bind, check};
-use longstep::world::{self, Claim, Environment, World};
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, open, understand};
 use serde_json::Value;
 
@@ -38,7 +38,8 @@ fn domain_named(name: &str) -> Domain {
 fn world_of(domain: &Domain, environment: &Value) -> World {
     let text = environment.to_string();
     let environment = Environment::from_json(&text).unwrap();
-    world::read(domain, &environment, "environment", &text, &json::Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "environment", &text, &json::Path::default())
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn model() -> Box<dyn ChatModel> {

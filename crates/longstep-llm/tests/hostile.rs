@@ -6,7 +6,7 @@ mod server;
 
 use std::time::Duration;
 
-use longstep::prompt::{ChatRequest, Constraint, Finish, Message, Reply, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role};
 use longstep_llm::{ChatModel, ModelError, OpenOptions, Progress, StopFlag, Watch, open};
 use server::{Hostile, Mode, Outcome, Place, Short, modes};
 

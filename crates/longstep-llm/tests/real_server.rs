@@ -6,7 +6,7 @@
 
 use std::time::{Duration, Instant};
 
-use longstep::prompt::{ChatRequest, Constraint, Finish, Message, Reply, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role};
 use longstep_llm::{ChatModel, ModelError, OpenOptions, Progress, Sampling, Watch, open};
 use serde_json::{Value, json};
 

@@ -9,17 +9,17 @@ use std::path::PathBuf;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use longstep::domain::{self, Domain};
+use longstep::environment::{self, Environment, World};
 use longstep::goal::{self, Goal};
 use longstep::json::Path;
 use longstep::plan::Plan;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify;
-use longstep::world::{self, Environment, World};
 
 fn scene(domain: &Domain, file: PathBuf) -> World {
     let text = std::fs::read_to_string(&file).unwrap();
     let environment = Environment::from_json(&text).unwrap();
-    world::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn example(name: &str) -> PathBuf {

@@ -10,15 +10,15 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use longstep::domain::{self, Domain};
+use longstep::environment::{self, Claim, EntityId, Environment, World};
 use longstep::json::Path;
 use longstep::plan::{Node, Plan, PlanFile, Step, StepId, TaskCohesion, Test, resolve};
 use longstep::repair::{Outcome, repair};
 use longstep::verify::{self, Purpose};
-use longstep::world::{self, Claim, EntityId, Environment, World};
 
 fn world_of(domain: &Domain, text: &str) -> World {
     let environment = Environment::from_json(text).unwrap();
-    world::read(domain, &environment, "environment", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "environment", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Carries the item to and fro between two places, a thousand steps.

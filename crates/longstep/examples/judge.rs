@@ -16,10 +16,10 @@ use std::io::Write;
 use std::path::Path;
 
 use longstep::domain::{self, Domain, Files};
+use longstep::environment::{self, Environment, Voice, World};
 use longstep::plan::{self, PlanFile, TaskCohesion};
 use longstep::report::Assessment;
 use longstep::verify::{bind_tree, check};
-use longstep::world::{self, Environment, Voice, World};
 use longstep::{goal, json, report};
 use serde_json::{Value, json};
 
@@ -42,7 +42,7 @@ fn answer(domains: &mut HashMap<String, Domain>, line: &str) -> Anyhow<Value> {
     let domain = load(domains, text("domain")?)?;
     let written = request["environment"].to_string();
     let environment = Environment::from_json(&written)?;
-    let world = world::read(domain, &environment, "environment", &written, &json::Path::default())?;
+    let world = environment::read(domain, &environment, "environment", &written, &json::Path::default())?;
     match text("command")? {
         "verify" => verify(domain, &world, text("plan")?),
         "solve" => solve(domain, &world, text("goal")?),
@@ -92,7 +92,7 @@ fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
                 .iter()
                 .map(|fact| Voice::Person.fact(domain, world, *fact, true))
                 .collect();
-            json!({"when": when, "after": world::write(domain, world, &ending.after)})
+            json!({"when": when, "after": environment::write(domain, world, &ending.after)})
         });
         answer["endings"] = endings.collect();
     }

@@ -13,13 +13,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use longstep::domain::{self, Domain, Files};
+use longstep::environment::{self, Environment, World};
 use longstep::goal::{self, Goal, GoalFact, Spoken};
 use longstep::json;
 use longstep::pddl::{self, Problem};
 use longstep::plan::{Plan, Step};
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{Purpose, check};
-use longstep::world::{self, Environment, World};
 use serde_json::json;
 
 type Anyhow<T> = Result<T, Box<dyn Error>>;
@@ -209,7 +209,8 @@ fn scenes() -> Anyhow<Vec<Scene>> {
             let domain = domain::load(files)?;
             let environment = Environment::from_json(text)?;
             // Most environments are worlds of one domain only.
-            if let Ok(world) = world::read(&domain, &environment, environment_name, text, &json::Path::default()) {
+            if let Ok(world) = environment::read(&domain, &environment, environment_name, text, &json::Path::default())
+            {
                 scenes.push(Scene {
                     name: format!("{domain_name}/{environment_name}"),
                     domain,

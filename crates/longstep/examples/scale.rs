@@ -8,13 +8,13 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use longstep::domain::{self, Domain};
+use longstep::environment::{self, Environment, World};
 use longstep::goal;
 use longstep::json::Path;
 use longstep::plan::{TaskCohesion, resolve};
 use longstep::repair::{self, repair};
 use longstep::search::{self, Limits};
 use longstep::verify::{Purpose, bind, check};
-use longstep::world::{self, Environment, World};
 
 /// VirtualHome and as many tools more as make 200 actions.
 fn large_domain() -> domain::Files {
@@ -144,7 +144,8 @@ fn main() {
     });
     let world = milliseconds("read the environment", || {
         let environment = Environment::from_json(&text).unwrap();
-        world::read(&domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+        environment::read(&domain, &environment, "environment", &text, &Path::default())
+            .unwrap_or_else(|e| panic!("{e}"))
     });
     let plan = errands(&world, 100, false);
     let violations = milliseconds("verify 100 steps", || verified(&domain, &world, &plan));

@@ -6,8 +6,8 @@
 //! The key types, in the order in which they meet:
 //!
 //! - [`domain::Domain`]: what a robot can do and what can be true, from a folder of PDDL and TOML.
-//! - [`world::Environment`] and [`world::World`]: one state of the world, as JSON and as facts.
-//! - [`prompt::GoalDialogue`]: asks a model for goals; the caller carries the messages.
+//! - [`environment::Environment`] and [`environment::World`]: one state of the world, as JSON and as facts.
+//! - [`dialogue::GoalDialogue`]: asks a model for goals; the caller carries the messages.
 //! - [`compose`]: plans put together from stored ones.
 //! - [`plan::read`]: the plan in the text of a model's reply, and what had to be forgiven to read it.
 //! - [`goal::Goal`]: what is wanted. [`search::solve`] finds the steps.
@@ -17,13 +17,13 @@
 //! ```
 //! use longstep::plan::{Plan, Step};
 //! use longstep::search::{Limits, Outcome};
-//! use longstep::{domain, goal, json, search, verify, world};
+//! use longstep::{domain, goal, json, search, verify, environment};
 //!
 //! let household = domain::shipped("household").unwrap()?;
 //! let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
 //!     "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
-//! let environment = world::Environment::from_json(text)?;
-//! let world = world::read(&household, &environment, "env.json", text, &json::Path::default())?;
+//! let environment = environment::Environment::from_json(text)?;
+//! let world = environment::read(&household, &environment, "env.json", text, &json::Path::default())?;
 //!
 //! let goal = goal::parse(&household, &world, "put(milk, fridge)")?;
 //! let outcome = search::solve(&household, &world, &goal.wanted(&household), &Limits::default());
@@ -35,16 +35,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub use longstep_core::{arms, call, diagnostic, effort, json, pddl, plan, repair, search, verify, visible, world};
+pub use longstep_core::{
+    call, diagnostic, effort, environment, json, pddl, plan, repair, schedule, search, verify, visible,
+};
 
 pub mod compose;
+pub mod dialogue;
 pub mod domain;
 pub mod feedback;
 pub mod goal;
 mod lint;
 mod load;
 mod model;
-pub mod prompt;
 pub mod report;
 pub mod session;
 mod usage;

@@ -5,11 +5,11 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
+use crate::dialogue::{check_example, render_goal_prompt};
 use crate::feedback::check_feedback_example;
 use crate::model::{
     Domain, Example, FeedbackExample, Files, PartTexts, Prompts, content_position, read_toml, shipped_files,
 };
-use crate::prompt::{check_example, render_goal_prompt};
 
 /// Reads a domain.
 ///

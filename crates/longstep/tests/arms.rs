@@ -9,15 +9,15 @@
     missing_docs
 )]
 
-use longstep::arms;
 use longstep::domain::{self, Domain, Files};
+use longstep::environment::{self, Environment, World};
 use longstep::goal;
 use longstep::json::Path;
 use longstep::plan::{self, Node};
 use longstep::repair::Outcome;
 use longstep::report;
 use longstep::report::Assessment;
-use longstep::world::{self, Environment, World};
+use longstep::schedule;
 use serde_json::{Value, json};
 
 fn dual() -> Domain {
@@ -27,7 +27,7 @@ fn dual() -> Domain {
 fn world_of(domain: &Domain, environment: &Value) -> World {
     let text = environment.to_string();
     let environment = Environment::from_json(&text).unwrap();
-    world::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// What is wrong with a plan, and the edits that mend it, each with its reason.
@@ -168,8 +168,8 @@ fn what_instructions_mean_can_be_reached() {
         let plan = solution
             .plan
             .unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
-        let shared = arms::share(&domain, &world, &plan, &goal.purpose(&domain));
-        let time = shared.map_or_else(|| arms::makespan(plan.plan()), |shared| shared.after);
+        let shared = schedule::share(&domain, &world, &plan, &goal.purpose(&domain));
+        let time = shared.map_or_else(|| schedule::makespan(plan.plan()), |shared| shared.after);
         println!("    {} steps, {time}", plan.steps().len());
     }
 }
@@ -273,7 +273,7 @@ fn two_robots_share_work_as_two_hands_do() {
     let told = |wanted: &str| {
         let goal = goal::parse(&domain, &world, wanted).unwrap();
         let plan = report::of_goal(&domain, &world, &goal, "", || 0.0).plan.unwrap();
-        let shared = arms::share(&domain, &world, &plan, &goal.purpose(&domain));
+        let shared = schedule::share(&domain, &world, &plan, &goal.purpose(&domain));
         (plan.steps().len(), shared)
     };
     // Only one of them may enter the vault, so the other one brings the letter.

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use longstep::domain::{self, Domain};
+use longstep::environment::{self, Environment, World};
 use longstep::json::Path;
 use longstep::plan::{self, PlanFile, TaskCohesion, Written, script};
 use longstep::report::Assessment;
 use longstep::report::{Answer, Status};
-use longstep::world::{self, Environment, World};
 
 fn kitchen() -> (Domain, World) {
     let domain = domain::shipped("household-checks").unwrap().unwrap();
@@ -16,7 +16,7 @@ fn kitchen() -> (Domain, World) {
         "object_states": {"<yoghurt>": "on_something(<counter>)", "<sponge>": "on_something(<counter>)"}
     }"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "kitchen.json", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "kitchen.json", text, &Path::default()).unwrap();
     (domain, world)
 }
 
@@ -206,7 +206,7 @@ fn the_published_branching_plan_is_read_and_every_line_of_its_verdict_has_a_reas
     let domain = domain::shipped("household-checks").unwrap().unwrap();
     let environment = r#"{"assets": ["<table>", "<trash_bin>", "<shelf_top>", "<shelf_bottom>"],
         "objects": ["<spam>"], "object_states": {"<spam>": "on_something(<table>)"}}"#;
-    let world = world::read(
+    let world = environment::read(
         &domain,
         &Environment::from_json(environment).unwrap(),
         "env.json",
@@ -224,8 +224,9 @@ fn the_published_branching_plan_is_read_and_every_line_of_its_verdict_has_a_reas
         .endings()
         .iter()
         .map(|ending| {
-            let told = |fact: &_| world::fact_text(&domain, &world, *fact, true);
-            let after = serde_json::to_string(&world::write(&domain, &world, &ending.after).object_states).unwrap();
+            let told = |fact: &_| environment::fact_text(&domain, &world, *fact, true);
+            let after =
+                serde_json::to_string(&environment::write(&domain, &world, &ending.after).object_states).unwrap();
             format!(
                 "{}: {after}",
                 ending.when.iter().map(told).collect::<Vec<_>>().join(", ")

@@ -12,13 +12,13 @@
 use std::path::PathBuf;
 
 use longstep::domain::{self, Domain};
+use longstep::environment::{self, Claim, Environment, World};
 use longstep::goal::{self, Goal};
 use longstep::json::Path;
 use longstep::plan::{self, PlanFile, TaskCohesion};
 use longstep::repair;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{self, Purpose, Report};
-use longstep::world::{self, Claim, Environment, World};
 use serde_json::Value;
 
 fn read(file: &str) -> Value {
@@ -34,7 +34,7 @@ fn domain(name: &str) -> Domain {
 fn world_of(domain: &Domain, environment: &Value) -> World {
     let text = environment.to_string();
     let environment = Environment::from_json(&text).unwrap();
-    world::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The scenes of the household domain, each with its instructions.
@@ -76,7 +76,7 @@ fn recorded_household_plans_verify_and_end_where_they_claim() {
             .map(|v| v.message(&domain, &world, report.plan.steps(), None))
             .collect();
         assert_eq!(messages, Vec::<String>::new(), "{name}");
-        let after = world::write(&domain, &world, &report.ending().after);
+        let after = environment::write(&domain, &world, &report.ending().after);
         assert_eq!(
             serde_json::to_value(after).unwrap(),
             recorded["environment_after"],
@@ -321,14 +321,14 @@ fn damaged_programs_are_mended() {
             .ending()
             .after
             .clone();
-        let mut claimed = world::write(&domain, &world, &after);
+        let mut claimed = environment::write(&domain, &world, &after);
         for words in claimed
             .asset_states
             .values_mut()
             .chain(claimed.object_states.values_mut())
         {
             let places = words.as_slice().iter().filter(|word| word.contains('<'));
-            *words = world::Words::Many(places.cloned().collect());
+            *words = environment::Words::Many(places.cloned().collect());
         }
         let purpose = Purpose {
             claim: Some(Claim::read(&domain, &world, &claimed)),
@@ -426,7 +426,7 @@ fn damaged_household_plans_are_mended() {
                 _ => None,
             };
             let good = plan.is_some_and(|plan| {
-                let after = world::write(&domain, &world, &plan.ending().after);
+                let after = environment::write(&domain, &world, &plan.ending().after);
                 serde_json::to_value(after).unwrap() == recorded["environment_after"]
             });
             all += 1;

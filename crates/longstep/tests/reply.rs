@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
+use longstep::environment::{Environment, Words};
 use longstep::plan::{Draft, LeniencyKind, PlanFile, TaskCohesion, Unreadable, read};
-use longstep::world::{Environment, Words};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;

@@ -4,11 +4,11 @@
 use std::collections::{HashMap, VecDeque};
 
 use longstep::domain::{self, Domain, Files, RuleTime};
+use longstep::environment::{self, EntityId, Environment, Moment, State, World, holds};
 use longstep::goal;
 use longstep::json::Path;
 use longstep::search::{self, Limits, Outcome, Wanted};
 use longstep::verify::{apply, broken_bindings, check, unmet};
-use longstep::world::{self, EntityId, Environment, Moment, State, World, holds};
 use proptest::prelude::*;
 
 /// Every action with every choice of arguments.
@@ -101,7 +101,8 @@ fn parcels(condition: &str) -> Domain {
 
 fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), TestCaseError> {
     let environment = Environment::from_json(environment).unwrap();
-    let world = world::read(domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
+    let world =
+        environment::read(domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
     let goal = goal::parse(domain, &world, goal).unwrap();
     let wanted = goal.wanted(domain);
     let expected = brute_force(domain, &world, &wanted);
@@ -178,7 +179,7 @@ fn a_rule_that_is_broken_at_the_start_does_not_forbid_every_plan() {
         "objects": ["<box>"], "object_states": {"<box>": "carried()"}}"#;
     compare_in(&domain, environment, "bring(box, desk)").unwrap();
     let environment = Environment::from_json(environment).unwrap();
-    let world = world::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
     let goal = goal::parse(&domain, &world, "bring(box, desk)").unwrap();
     let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
     assert!(

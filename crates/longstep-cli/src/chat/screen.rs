@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use longstep::domain::Domain;
+use longstep::environment::{Environment, World};
 use longstep::goal::Goal;
 use longstep::plan::{self, Plan};
 use longstep::session::{Ended, Need, Session};
 use longstep::verify::{Purpose, VerifiedPlan};
 use longstep::visible;
-use longstep::world::{Environment, World};
 use longstep_llm::session_directory;
 
 use crate::output::{Style, print_line, remark};

@@ -6,7 +6,7 @@ use super::{Atom, Condition, Effect, Term};
 use crate::diagnostic::{Diagnostic, Position, nearest};
 use crate::model::EntityId;
 
-/// Arguments that a fact can hold; see [`crate::world::Fact`].
+/// Arguments that a fact can hold; see [`crate::environment::Fact`].
 const ARITY_LIMIT: usize = 7;
 
 /// The requirements that are understood; others are refused rather than half obeyed.

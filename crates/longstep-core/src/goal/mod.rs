@@ -3,14 +3,14 @@
 //! A [`Goal`] is written `put(cup, shelf) & closed(door)`. [`parse`] reads one, search turns it into steps, and
 //! [`Goal::purpose`] is what verification holds the steps against.
 
-mod begun;
 mod conditional;
 mod language;
+mod partial_answer;
 
-pub use begun::{Begun, Next, ended};
 pub use conditional::Conditional;
 pub use conditional::{AND, ELSE, IF, NOT, THEN, Written};
 pub use language::{GoalError, JOINT, QUESTION, parse, read_form};
+pub use partial_answer::{Begun, Next, ended};
 
 use crate::model::{Domain, EntityId, Fact, FormPiece, GoalWordId, RuleTime, Voice, Wanted, World, written_fact};
 use crate::verify::{Purpose, Waiver, wanted_at_end};

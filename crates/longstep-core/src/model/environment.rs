@@ -9,7 +9,7 @@ use serde_json::Value;
 /// Reading and writing keep the order of everything and whether a state stood alone or in a list.
 ///
 /// ```
-/// use longstep_core::world::Environment;
+/// use longstep_core::environment::Environment;
 /// let text = r#"{"assets":["<table>"],"asset_states":{},"objects":["<cup>"],"object_states":{"<cup>":"on_something(<table>)"}}"#;
 /// let environment = Environment::from_json(text).unwrap();
 /// assert_eq!(serde_json::to_string(&environment).unwrap(), text);

@@ -23,7 +23,7 @@ impl Fact {
     /// The fact that `predicate` holds of `arguments`, of which there are at most seven.
     ///
     /// ```
-    /// use longstep_core::{domain::PredicateId, world::{EntityId, Fact}};
+    /// use longstep_core::{domain::PredicateId, environment::{EntityId, Fact}};
     /// let on = Fact::new(PredicateId::new(3), [EntityId::new(5), EntityId::new(8)]);
     /// assert_eq!((on.predicate().index(), on.argument(1).index()), (3, 8));
     /// ```

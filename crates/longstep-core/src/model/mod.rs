@@ -45,4 +45,4 @@ pub use trace::{Change, Ending, StepId, Trace};
 pub use wanted::Wanted;
 pub use wording::{state_word, subject_of, written_fact};
 pub(crate) use world::ENTITY_LIMIT;
-pub use world::{Entity, Ground, World};
+pub use world::{AssumptionSource, Entity, World};

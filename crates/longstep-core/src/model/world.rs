@@ -24,7 +24,7 @@ pub struct Entity {
 
 /// Why something is taken to hold that the environment does not say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Ground {
+pub enum AssumptionSource {
     /// Its name says so.
     Derived,
     /// It is usual.
@@ -43,7 +43,7 @@ pub struct World {
     /// What holds, assumptions included.
     pub state: State,
     /// What of it is assumed, and why.
-    pub(crate) assumed: rustc_hash::FxHashMap<Fact, Ground>,
+    pub(crate) assumed: rustc_hash::FxHashMap<Fact, AssumptionSource>,
     /// The environment that it was read from.
     pub environment: Environment,
 }
@@ -110,7 +110,7 @@ impl World {
     }
 
     /// Why the fact is assumed at the start, if it is.
-    pub fn assumed(&self, fact: Fact) -> Option<Ground> {
+    pub fn assumed(&self, fact: Fact) -> Option<AssumptionSource> {
         self.assumed.get(&fact).copied()
     }
 
@@ -118,7 +118,7 @@ impl World {
     pub fn known(&self) -> State {
         let mut known = self.state.clone();
         for (fact, ground) in &self.assumed {
-            if *ground == Ground::Unknown {
+            if *ground == AssumptionSource::Unknown {
                 known.set(*fact, false);
             }
         }

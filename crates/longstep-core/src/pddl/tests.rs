@@ -1,12 +1,12 @@
 use super::*;
 use crate::domain::{self};
+use crate::environment::{self};
 use crate::goal;
 use crate::json::Path;
 use crate::model::{Domain, Environment};
 use crate::plan::{Plan, Step};
 use crate::search::{Limits, Outcome, solve};
 use crate::verify::{Purpose, check};
-use crate::world::{self};
 
 const SHELVES: &str = "(define (domain shelves) (:requirements :adl) (:types object thing place - object)
   (:constants hand - place) (:predicates (at ?x - thing ?p - place) (heavy ?x - thing) (dark))
@@ -146,7 +146,7 @@ fn names_are_legal_and_tell_entities_apart() {
     let household = domain::shipped("household").unwrap().unwrap();
     let environment = r#"{"assets": ["<Shelf Top>", "<shelf_top>", "shelf_top", "<7up>", "<café>", "<shelf_top-2>"]}"#;
     let environment = Environment::from_json(environment).unwrap();
-    let world = world::read(&household, &environment, "", "", &Path::default()).unwrap();
+    let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
     assert_eq!(
         object_names(&household, &world),
         [
@@ -169,7 +169,7 @@ fn check_round_trip(domain: &str, environment: &str, goals: &[&str]) {
     let domain = domain::shipped(domain).unwrap().unwrap();
     let text = read(&format!("examples/environments/{environment}.json"));
     let environment = Environment::from_json(&text).unwrap();
-    let world = world::read(&domain, &environment, "", &text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "", &text, &Path::default()).unwrap();
     let bare = domain::from_pddl("domain.pddl", &pddl).unwrap();
     let length = |outcome| match outcome {
         Outcome::Solved { plan, .. } => Some(plan.steps().len()),
@@ -219,7 +219,7 @@ fn problems_that_are_written_mean_the_same_when_read_back() {
 fn a_rule_for_every_state_cannot_be_said() {
     let mut domain = domain::shipped("household").unwrap().unwrap();
     let environment = Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>", "<jug>"]}"#).unwrap();
-    let world = world::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
     let rule = domain.rules.iter_mut().find(|rule| rule.name == "one-hand").unwrap();
     rule.time = crate::domain::RuleTime::Always;
     let error = write_problem(&domain, &world, &[], "p").unwrap_err();

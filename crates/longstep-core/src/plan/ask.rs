@@ -3,7 +3,7 @@
 use super::Violation;
 use super::resolve::Resolver;
 use super::written::{WrittenStep, predicate_word};
-use super::{StepId, Test, near};
+use super::{StepId, Test, fuzzy_names};
 use crate::diagnostic::nearest;
 use crate::model::{Action, ActionId, Atom, Domain, EntityId, Fact, PredicateId, StateWord, Term, ground};
 
@@ -93,7 +93,7 @@ impl Resolver<'_> {
             };
             return Some(Meaning::Holds(atom, arity));
         }
-        let near = near::action(domain, name, count)?;
+        let near = fuzzy_names::action(domain, name, count)?;
         Some(match domain.action(near).senses.is_empty() {
             true => Meaning::Acts,
             false => Meaning::Senses,

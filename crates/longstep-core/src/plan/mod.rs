@@ -2,7 +2,7 @@
 
 mod ask;
 pub(crate) mod claims;
-mod near;
+mod fuzzy_names;
 mod outline;
 mod paper;
 mod read;

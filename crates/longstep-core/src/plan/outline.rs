@@ -20,9 +20,9 @@ pub struct OutlineLine {
 ///
 /// ```
 /// use longstep_core::plan::{Plan, outline};
-/// use longstep_core::{domain, world};
+/// use longstep_core::{domain, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
-/// let world = world::read(&household, &Default::default(), "", "", &Default::default()).unwrap();
+/// let world = environment::read(&household, &Default::default(), "", "", &Default::default()).unwrap();
 /// assert!(outline(&household, &world, &Plan::default()).is_empty());
 /// ```
 pub fn outline(domain: &Domain, world: &World, plan: &Plan) -> Vec<OutlineLine> {

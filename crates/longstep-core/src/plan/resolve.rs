@@ -3,11 +3,11 @@
 use super::tree::Lane;
 use super::written::{Written, WrittenNode, WrittenStep};
 use super::{Assumption, StepClaim, Violation};
-use super::{LaneItem, Node, StepId, TaskCohesion, claims, near};
+use super::{LaneItem, Node, StepId, TaskCohesion, claims, fuzzy_names};
 use crate::call::Call;
 use crate::diagnostic::nearest;
+use crate::environment::fact_of;
 use crate::model::{ActionId, Domain, EntityId, World};
-use crate::world::fact_of;
 
 /// A step whose implicit arguments are not known yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -72,11 +72,11 @@ impl Resolved {
 ///
 /// ```
 /// use longstep_core::plan::{TaskCohesion, resolve};
-/// use longstep_core::{domain, json, world};
+/// use longstep_core::{domain, json, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
-/// let environment = world::Environment::from_json(text).unwrap();
-/// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(text).unwrap();
+/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let written = TaskCohesion {
 ///     task_sequence: vec!["Walk(<desk_1>)".to_owned(), "grab(<mug>)".to_owned(), "Fly(<mug_2>)".to_owned()],
 ///     ..TaskCohesion::default()
@@ -224,7 +224,7 @@ impl Resolver<'_> {
         let actor = self
             .world
             .find(&lane.actor)
-            .or_else(|| near::entity(self.world, &lane.actor));
+            .or_else(|| fuzzy_names::entity(self.world, &lane.actor));
         if actor.is_none() {
             let known = self.world.entities().map(|(_, entity)| entity.identifier.as_str());
             self.issues.push(Violation::UnknownActor {
@@ -263,7 +263,7 @@ impl Resolver<'_> {
     }
 
     pub(super) fn entity(&mut self, step: Option<usize>, name: &str) -> Option<EntityId> {
-        let found = self.world.find(name).or_else(|| near::entity(self.world, name));
+        let found = self.world.find(name).or_else(|| fuzzy_names::entity(self.world, name));
         match found {
             Some(entity) => self.read_as(step, name, &self.world.entity(entity).identifier),
             None => {
@@ -281,7 +281,7 @@ impl Resolver<'_> {
     fn action(&mut self, step: usize, call: &Call) -> Option<ActionId> {
         let mut actions = self.domain.action_ids();
         let exact = actions.find(|(_, action)| action.call == call.name).map(|(id, _)| id);
-        let found = exact.or_else(|| near::action(self.domain, &call.name, call.arguments.len()));
+        let found = exact.or_else(|| fuzzy_names::action(self.domain, &call.name, call.arguments.len()));
         match found {
             Some(id) => self.read_as(Some(step), &call.name, &self.domain.action(id).call),
             None => self.unknown_action(step, &call.name),

@@ -1,6 +1,6 @@
 //! What can be wrong with a plan.
 
-use crate::model::{EntityId, Fact, Ground, Missing};
+use crate::model::{AssumptionSource, EntityId, Fact, Missing};
 
 /// A finding about a plan. Steps count from 0.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -217,7 +217,7 @@ pub enum Assumption {
         /// The fact.
         fact: Fact,
         /// Why it is assumed.
-        ground: Ground,
+        ground: AssumptionSource,
     },
     /// An argument that the plan does not show and that could be another.
     Argument {

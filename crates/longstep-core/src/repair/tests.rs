@@ -7,12 +7,12 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::domain::{self, Files};
+use crate::environment::{self, Claim};
 use crate::json::Path;
 use crate::model::{ActionId, EntityId, Environment, Moment, State, holds};
 use crate::plan::{Plan, PlanFile, TaskCohesion, resolve};
 use crate::search::{self, Limits};
 use crate::verify::{Report, apply, can_apply, unmet};
-use crate::world::{self, Claim};
 use crate::{goal, verify};
 
 const KITCHEN: &str = r#"{
@@ -23,7 +23,7 @@ const KITCHEN: &str = r#"{
 
 fn world_of(domain: &Domain, text: &str) -> World {
     let environment = Environment::from_json(text).unwrap();
-    world::read(domain, &environment, "env.json", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "env.json", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn written(calls: &[&str]) -> TaskCohesion {
@@ -41,7 +41,10 @@ fn claim(domain: &Domain, world: &World, entries: &[(&str, &str)]) -> Option<Cla
             true => &mut environment.asset_states,
             false => &mut environment.object_states,
         };
-        states.insert((*identifier).to_owned(), world::Words::Many(vec![(*word).to_owned()]));
+        states.insert(
+            (*identifier).to_owned(),
+            environment::Words::Many(vec![(*word).to_owned()]),
+        );
     }
     (!entries.is_empty()).then(|| Claim::read(domain, world, &environment))
 }
@@ -231,7 +234,7 @@ fn plans_with_hidden_arguments_are_repaired_too() {
     };
     let inserted: Vec<_> = repaired.edits.iter().map(|edit| edit.told(6)).collect();
     assert_eq!(inserted.len(), 8, "{inserted:?}");
-    let after = world::write(&domain, &world, &repaired.plan.ending().after);
+    let after = environment::write(&domain, &world, &repaired.plan.ending().after);
     assert_eq!(after.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);
     assert_eq!(after.object_states["<fridge_handle>"].as_slice(), ["closed()"]);
 }
@@ -499,7 +502,7 @@ proptest! {
         let search::Outcome::Solved { plan, .. } = found else { panic!("{found:?}") };
         let after = verify::check(&domain, &world, plan.clone(), &Purpose::default()).ending().after.clone();
         let purpose = Purpose {
-            claim: Some(Claim::read(&domain, &world, &world::write(&domain, &world, &after))),
+            claim: Some(Claim::read(&domain, &world, &environment::write(&domain, &world, &after))),
             ..Purpose::default()
         };
         let draft = resolve(&domain, &world, &TaskCohesion::new(&domain, &world, &plan));

@@ -56,12 +56,12 @@ const TOO_MUCH: &str =
 /// states, not seconds.
 ///
 /// ```
-/// use longstep_core::{domain, goal, json, search, verify, world};
+/// use longstep_core::{domain, goal, json, search, verify, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
-/// let environment = world::Environment::from_json(r#"{
+/// let environment = environment::Environment::from_json(r#"{
 ///     "assets": ["<table>", "<shelf>"], "asset_states": {},
 ///     "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#).unwrap();
-/// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(cup, shelf)").unwrap();
 /// let outcome = search::solve(&household, &world, &goal.wanted(&household), &search::Limits::default());
 /// let search::Outcome::Solved { plan, shortest, .. } = outcome else { panic!() };

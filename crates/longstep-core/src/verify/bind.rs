@@ -11,12 +11,12 @@ use super::rules::{breaks_a_rule, broken_rules_at_end};
 use super::{Assumption, Missing, Violation};
 use super::{apply, unmet};
 use crate::effort;
+use crate::environment::Claim;
 use crate::model::{
     Action, ChangedLists, Difference, Domain, EntityId, Fact, State, World, ground, plain_words, singular,
 };
 use crate::plan::claims::told;
 use crate::plan::{DraftStep, Plan, Step};
-use crate::world::Claim;
 
 /// States that are looked at before the best choice so far is taken.
 const LIMIT: usize = 20_000;

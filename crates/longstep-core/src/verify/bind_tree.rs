@@ -8,9 +8,9 @@ use super::bind::{Learned, Turn, bind_way, bound, learn, nothing_fits};
 use super::claims;
 use super::{Assumption, Violation};
 use crate::effort;
+use crate::environment::Claim;
 use crate::model::{Domain, Fact, World};
 use crate::plan::{DraftStep, Lane, LaneItem, Node, Plan, Resolved, StepId, Test, tree};
-use crate::world::Claim;
 
 /// More ways are not looked at; a step that none of them did is then bound by its words alone.
 const WAYS: usize = 256;

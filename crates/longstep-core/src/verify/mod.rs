@@ -8,7 +8,7 @@ mod bind_tree;
 mod claims;
 mod history;
 mod lanes;
-mod possible;
+mod reachability;
 mod rules;
 #[cfg(test)]
 mod tests;
@@ -18,7 +18,7 @@ pub use bind::bind;
 pub use bind::{Candidate, candidates};
 pub(crate) use bind::{bind_as_far, claimed_places};
 pub use bind_tree::bind_tree;
-pub use possible::{can_apply, can_be_brought_about};
+pub use reachability::{can_apply, can_be_brought_about};
 pub use rules::Waiver;
 pub(crate) use rules::{broken_at_end, wanted_at_end};
 pub use walk::STATES;
@@ -27,9 +27,9 @@ pub use crate::model::{Change, Ending, Missing, Trace, apply, broken_bindings, u
 pub use crate::plan::{Assumption, StepClaim, Violation};
 
 use crate::effort;
+use crate::environment::Claim;
 use crate::model::{ActionId, Domain, EntityId, Fact, Moment, State, Wanted, World, differences, holds, subject_of};
 use crate::plan::{Plan, Step};
-use crate::world::Claim;
 use walk::{Walk, Way};
 
 /// What a plan is for, as far as it is known.

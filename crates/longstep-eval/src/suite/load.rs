@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use longstep::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use longstep::domain::Domain;
+use longstep::environment::{self, Environment, World};
 use longstep::goal::{self, Goal};
 use longstep::json::Path;
-use longstep::world::{self, Environment, World};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -166,7 +166,7 @@ fn keep<T>(read: Result<T, Diagnostic>, faults: &mut Vec<Diagnostic>) -> Option<
 
 fn read_scene(domain: &Domain, file: &str, text: &str, faults: &mut Vec<Diagnostic>) -> Option<World> {
     match Environment::from_json(text) {
-        Ok(environment) => match world::read(domain, &environment, file, text, &Path::default()) {
+        Ok(environment) => match environment::read(domain, &environment, file, text, &Path::default()) {
             Ok(world) => Some(world),
             Err(found) => {
                 faults.extend(found.0);

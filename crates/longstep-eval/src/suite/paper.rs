@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 
 use longstep::diagnostic::{Diagnostic, Diagnostics};
 use longstep::domain::Domain;
+use longstep::environment::{self, Environment, World};
 use longstep::goal;
 use longstep::json::Path;
-use longstep::world::{self, Environment, World};
 use serde::Deserialize;
 
 use super::{Case, Expected, Step, Suite};
@@ -85,7 +85,7 @@ fn read(domain: &Domain, file: &str, scenario: &Scenario) -> Result<(World, Expe
         Diagnostics(vec![Diagnostic::whole(file, message)])
     };
     let environment = Environment::from_json(&text).map_err(|error| fault(error.to_string()))?;
-    let world = world::read(domain, &environment, file, &text, &Path::default())?;
+    let world = environment::read(domain, &environment, file, &text, &Path::default())?;
     let mut goals = Vec::new();
     for facts in alternatives(&scenario.goal) {
         let text = facts.join(" & ");

@@ -7,7 +7,7 @@ use llama_cpp_2::sampling::LlamaSampler;
 use llguidance::api::TopLevelGrammar;
 use llguidance::earley::SlicedBiasComputer;
 use llguidance::{Matcher, ParserFactory};
-use longstep::prompt::Constraint;
+use longstep::dialogue::Constraint;
 use toktrie::{InferenceCapabilities, TokEnv, TokTrie, TokenId, TokenizerEnv};
 
 use crate::ModelError;

@@ -19,7 +19,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use longstep::prompt::{ChatRequest, ConstraintKind, Counting, Message, Reply, Role, TokenCounter};
+use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, Role, TokenCounter};
 
 use crate::{ChatModel, ModelError, OpenOptions, Progress, Watch};
 use worker::Setting;

@@ -2,7 +2,7 @@
 
 use llama_cpp_2::model::{LlamaChatMessage, LlamaChatTemplate, LlamaModel};
 use llama_cpp_2::token::LlamaToken;
-use longstep::prompt::{ChatRequest, Message, Role};
+use longstep::dialogue::{ChatRequest, Message, Role};
 
 /// A conversation as tokens.
 #[derive(Debug, Clone, PartialEq, Eq)]

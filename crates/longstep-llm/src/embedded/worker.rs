@@ -8,7 +8,7 @@ use llama_cpp_2::model::LlamaModel;
 use llama_cpp_2::model::params::LlamaModelParams;
 use llama_cpp_2::token::LlamaToken;
 use llguidance::Matcher;
-use longstep::prompt::{ChatRequest, Constraint, Finish, Message, Reply, Role, Usage};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role, Usage};
 
 use super::engine::{Engine, backend};
 use super::file::not_loaded;

@@ -12,7 +12,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use longstep::prompt::{ChatRequest, ConstraintKind, Counting, Message, Reply, TokenCounter};
+use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, TokenCounter};
 
 use crate::whole_file::append;
 use crate::{ChatModel, ModelError, Watch};

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use longstep::prompt::{ChatRequest, ConstraintKind, Counting, EstimatedTokens, Message, Reply, TokenCounter};
+use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, EstimatedTokens, Message, Reply, TokenCounter};
 
 use super::difference;
 use super::wire::{Line, VERSION, WireHead, WireReply, WireRequest};

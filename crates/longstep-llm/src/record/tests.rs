@@ -1,4 +1,4 @@
-use longstep::prompt::{Constraint, EstimatedTokens, Finish, Role, Usage};
+use longstep::dialogue::{Constraint, EstimatedTokens, Finish, Role, Usage};
 use serde_json::json;
 
 use super::*;

@@ -1,6 +1,6 @@
 //! The lines of a recording.
 
-use longstep::prompt::{ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, Role, Usage};
+use longstep::dialogue::{ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, Role, Usage};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! A streamed answer, put together from its events in the words of each dialect.
 
-use longstep::prompt::{Finish, Reply, Usage};
+use longstep::dialogue::{Finish, Reply, Usage};
 use serde_json::Value;
 
 use super::endpoint::Kind;

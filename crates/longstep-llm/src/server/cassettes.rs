@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use longstep::prompt::{ChatRequest, Constraint, Finish, Message, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Role};
 use serde::Deserialize;
 use serde_json::{Value, json};
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use longstep::prompt::{ChatRequest, Reply};
+use longstep::dialogue::{ChatRequest, Reply};
 use reqwest::header::RETRY_AFTER;
 use reqwest::{RequestBuilder, Response};
 use serde_json::Value;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use longstep::prompt::{Counting, EstimatedTokens, Message, Role, TokenCounter, Usage};
+use longstep::dialogue::{Counting, EstimatedTokens, Message, Role, TokenCounter, Usage};
 use tiktoken_rs::CoreBPE;
 use tiktoken_rs::tokenizer::{Tokenizer as Family, get_tokenizer};
 

@@ -1,6 +1,6 @@
 //! How a server wants to be asked; learnt from what it rejects.
 
-use longstep::prompt::{ChatRequest, Constraint, Message, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Message, Role};
 use serde_json::{Map, Value, json};
 
 use super::endpoint::Kind;

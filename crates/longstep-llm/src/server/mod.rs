@@ -18,7 +18,7 @@ mod secret;
 
 use std::cell::{OnceCell, RefCell};
 
-use longstep::prompt::{ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, TokenCounter};
+use longstep::dialogue::{ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, TokenCounter};
 
 use crate::call::{Call, GivenUp};
 use crate::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, Watch};

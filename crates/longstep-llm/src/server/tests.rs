@@ -2,7 +2,7 @@ use std::io::{Read, Write};
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
-use longstep::prompt::{Finish, Message, Role};
+use longstep::dialogue::{Finish, Message, Role};
 use serde_json::{Value, json};
 
 use super::endpoint::Kind;

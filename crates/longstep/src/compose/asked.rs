@@ -1,8 +1,8 @@
 //! What can be asked in a composition: sensing actions with the things that they are about.
 
+use crate::environment::{Entity, EntityId, Fact, World};
 use crate::model::{Action, Domain, Term};
 use crate::plan::WrittenStep;
-use crate::world::{Entity, EntityId, Fact, World};
 use longstep_core::model::state_word;
 
 /// The parameters that a sensing call names in a composition: those that its call shows anyway, and those that its

@@ -1,13 +1,13 @@
 //! A composition as one plan, verified and mended like any other.
 
 use super::Inlined;
+use crate::environment::World;
 use crate::model::Domain;
 use crate::plan::{Draft, PlanFile, TaskCohesion};
 use crate::repair::Outcome;
 use crate::report::Answer;
 use crate::report::Assessment;
 use crate::verify::VerifiedPlan;
-use crate::world::World;
 
 /// A composition with the steps of its plans, resolved in the world as it is now.
 #[derive(Debug, Clone)]

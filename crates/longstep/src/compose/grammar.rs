@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use super::asked::Check;
 use super::menu::{Menu, Offered};
+use crate::dialogue::{TreeForms, closed, tree_schema};
 use crate::goal::{QUESTION, quoted};
-use crate::prompt::{TreeForms, closed, tree_schema};
 
 /// Parts of one block at most: what is longer is a model that cannot stop.
 const MOST: usize = 6;

@@ -5,11 +5,11 @@ use std::rc::Rc;
 use super::asked::{called, spelled_out};
 use super::{Misfit, Recalled, Stored};
 use crate::diagnostic::nearest;
+use crate::dialogue::actors;
+use crate::environment::World;
 use crate::model::Domain;
 use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Test};
 use crate::plan::{StepId, Written, WrittenNode, WrittenStep};
-use crate::prompt::actors;
-use crate::world::World;
 
 /// The steps of a composition, those of its stored plans included: a script of 20 kB can name a plan of 1,000 steps
 /// 2,000 times.

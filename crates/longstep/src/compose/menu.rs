@@ -5,10 +5,10 @@
 
 use super::asked::{Check, called, checks};
 use super::{Recalled, Stored};
+use crate::dialogue::actors;
+use crate::environment::World;
 use crate::goal::{Spoken, cannot_be_told, conditions};
 use crate::model::{Domain, plain_words, singular};
-use crate::prompt::actors;
-use crate::world::World;
 
 /// What a composition can be made of here.
 #[derive(Debug, Clone, PartialEq, Eq)]

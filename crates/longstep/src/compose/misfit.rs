@@ -1,7 +1,7 @@
 //! What keeps a composition from becoming a plan, before anything is simulated.
 
+use crate::environment::World;
 use crate::report::{Answer, Status, ViolationAnswer};
-use crate::world::World;
 
 /// A part of a composition that cannot be put in its place.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

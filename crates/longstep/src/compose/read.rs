@@ -2,8 +2,8 @@
 
 use super::request::asks;
 use crate::diagnostic::Position;
+use crate::dialogue::in_schema;
 use crate::plan::{self, Unreadable, Written, script, write_tree};
-use crate::prompt::in_schema;
 use serde_json::json;
 
 /// What was said.

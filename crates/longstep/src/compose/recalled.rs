@@ -1,11 +1,11 @@
 //! A stored plan as it was when it was made: every argument known.
 
 use super::{Misfit, Stored};
+use crate::environment::{self, World};
 use crate::json::Path;
 use crate::model::Domain;
 use crate::plan::{Draft, Plan, Step, Written};
 use crate::report::Assessment;
-use crate::world::{self, World};
 
 /// A stored plan, bound in the world that it was made for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -33,7 +33,7 @@ impl Recalled {
             why,
         };
         let own = match &stored.file.environment_before {
-            Some(environment) => world::read(domain, environment, "environment_before", "", &Path::default())
+            Some(environment) => environment::read(domain, environment, "environment_before", "", &Path::default())
                 .map_err(|findings| unusable(joined(findings.0.iter().map(|finding| finding.message.clone()))))?,
             None => world.clone(),
         };
@@ -77,7 +77,7 @@ impl Recalled {
     }
 }
 
-fn things<'a>(domain: &'a Domain, step: &'a Step) -> impl Iterator<Item = crate::world::EntityId> + 'a {
+fn things<'a>(domain: &'a Domain, step: &'a Step) -> impl Iterator<Item = crate::environment::EntityId> + 'a {
     let actor = domain.action(step.action).actor;
     let arguments = step.arguments.iter().enumerate();
     arguments

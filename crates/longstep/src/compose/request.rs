@@ -5,10 +5,10 @@ use super::examples::{EXAMPLES, Example};
 use super::grammar::{grammar, schema};
 use super::menu::Menu;
 use super::read::in_json;
+use crate::dialogue::{ChatRequest, Constraint, ConstraintKind, Message, Role, Round, plain_line};
+use crate::environment::World;
 use crate::goal::QUESTION;
 use crate::model::Domain;
-use crate::prompt::{ChatRequest, Constraint, ConstraintKind, Message, Role, Round, plain_line};
-use crate::world::World;
 
 /// Tokens for a script; the longest that the grammar allows and anybody wants is shorter.
 const SCRIPT_TOKENS: u32 = 512;

@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 
 use super::*;
+use crate::dialogue::{Constraint, ConstraintKind};
 use crate::domain::{Domain, shipped};
+use crate::environment::{self, Environment, World};
 use crate::json::Path;
 use crate::plan::{PlanFile, script};
-use crate::prompt::{Constraint, ConstraintKind};
 use crate::report::Answer;
-use crate::world::{self, Environment, World};
 
 /// A domain, its world now, and stored plans: file name, what is handled, `call: explanation` for each step.
 struct Scene {
@@ -19,7 +19,7 @@ struct Scene {
 
 fn world_of(domain: &Domain, environment: &Value) -> World {
     let environment = Environment::from_json(&environment.to_string()).unwrap();
-    world::read(domain, &environment, "", "", &Path::default()).unwrap()
+    environment::read(domain, &environment, "", "", &Path::default()).unwrap()
 }
 
 fn scene(domain: &str, now: &Value, plans: &[(&str, &str, &Value, &[&str])]) -> Scene {

@@ -2,13 +2,13 @@
 
 use super::StepWish;
 use super::apply::{Applied, apply, completed, reopened};
+use crate::environment::{State, World, fact_text};
 use crate::goal::GoalFact;
 use crate::model::Domain;
 use crate::plan::{Plan, Resolved};
 use crate::repair::{Edit, Outcome, repair_pinned};
 use crate::search::Wanted;
 use crate::verify::{Purpose, Report, VerifiedPlan, Violation, bind, check, unmet};
-use crate::world::{State, World, fact_text};
 
 /// So many changes besides each wish are made without asking, and one more.
 const OTHERS: usize = 2;
@@ -45,12 +45,12 @@ pub struct Amendment {
 /// ```
 /// use longstep::feedback::{Amended, StepWish, amend};
 /// use longstep::search::{Limits, Outcome, solve};
-/// use longstep::{domain, goal, json, plan, world};
+/// use longstep::{domain, goal, json, plan, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>", "<shelf_2>"], "objects": ["<mug_3>"],
 ///     "object_states": {"<mug_3>": "ON(<desk_1>)"}, "asset_properties": {"<shelf_2>": ["NOT_OPENABLE"]}}"#;
-/// let environment = world::Environment::from_json(text).unwrap();
-/// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(text).unwrap();
+/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let goal = goal::parse(&domain, &world, "put(mug, shelf)").unwrap();
 /// let outcome = solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
 /// let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };

@@ -2,10 +2,10 @@
 
 use super::StepWish;
 use super::difference::unwanted;
+use crate::environment::{EntityId, World};
 use crate::model::{ActionId, Domain, plain_words, singular};
 use crate::plan::{DraftStep, Plan, Resolved, Step};
 use crate::repair::Pins;
-use crate::world::{EntityId, World};
 
 /// A plan after the wishes, not verified yet.
 pub(super) struct Applied {

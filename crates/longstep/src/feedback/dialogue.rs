@@ -8,13 +8,13 @@ use super::grammar::{GOAL, MOST, grammar, schema};
 use super::heard::{Heard, what_for};
 use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
+use crate::dialogue::{
+    ChatRequest, Constraint, ConstraintKind, DialogueError, Message, Reply, Role, Usage, object, one_line, whole,
+};
+use crate::environment::World;
 use crate::goal::QUESTION;
 use crate::model::{Domain, plain_words};
 use crate::plan::{Plan, Step};
-use crate::prompt::{
-    ChatRequest, Constraint, ConstraintKind, DialogueError, Message, Reply, Role, Usage, object, one_line, whole,
-};
-use crate::world::World;
 
 /// Tokens for the answer of a model under a grammar, and of a server.
 const GRAMMAR_TOKENS: u32 = 128;

@@ -8,11 +8,11 @@ use crate::repair::{Pins, Reach, Unwanted};
 ///
 /// ```
 /// use longstep::plan::{TaskCohesion, resolve};
-/// use longstep::{domain, feedback, json, verify, world};
+/// use longstep::{domain, feedback, json, verify, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
-/// let environment = world::Environment::from_json(text).unwrap();
-/// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(text).unwrap();
+/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let read = |calls: &[&str]| {
 ///     let task_sequence = calls.iter().map(|call| (*call).to_owned()).collect();
 ///     resolve(&domain, &world, &TaskCohesion { task_sequence, ..TaskCohesion::default() })

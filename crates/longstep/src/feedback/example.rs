@@ -5,9 +5,9 @@ use serde_json::json;
 use super::grammar::GOAL;
 use super::language::{Form, JOINT, action_of, form};
 use crate::call::Call;
+use crate::dialogue::{ConstraintKind, Message, Role};
 use crate::goal::QUESTION;
 use crate::model::{Domain, FeedbackExample};
-use crate::prompt::{ConstraintKind, Message, Role};
 
 /// Whether the example's answer is one that a model could give: changes of the example's plan, in calls of this domain.
 pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample) -> Result<(), String> {

@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 
 use super::language::{JOINT, everyday};
 use super::offer::{Called, Offers};
+use crate::environment::World;
 use crate::goal::{QUESTION, quoted};
 use crate::model::Domain;
-use crate::world::World;
 
 /// The word for feedback that is about what is wanted.
 pub(super) const GOAL: &str = "goal";

@@ -1,9 +1,9 @@
 //! What the words of a person name for certain: actions by their calls, steps by their numbers, things.
 
+use crate::environment::{EntityId, World};
 use crate::goal::{Spoken, parts};
 use crate::model::{ActionId, Domain, plain_words, singular};
 use crate::plan::{Plan, Step};
-use crate::world::{EntityId, World};
 
 /// What words about a plan name.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -3,8 +3,8 @@
 use super::StepWish;
 use crate::call::Call;
 use crate::diagnostic::nearest;
+use crate::environment::{EntityId, World};
 use crate::model::{ActionId, Domain};
-use crate::world::{EntityId, World};
 
 /// Why a text is no wish about the steps of a plan.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -109,11 +109,11 @@ pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
 ///
 /// ```
 /// use longstep::feedback::{StepWish, parse};
-/// use longstep::{domain, json, world};
+/// use longstep::{domain, json, environment};
 /// let domain = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<shelf>"], "objects": ["<tea>"]}"#;
-/// let environment = world::Environment::from_json(text).unwrap();
-/// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(text).unwrap();
+/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let wishes = parse(&domain, &world, "drop 3 & insert move_object() after 4", 7).unwrap();
 /// assert_eq!(wishes[0], StepWish::Drop { step: 2 });
 /// assert_eq!(wishes[1].before(), Some(4));

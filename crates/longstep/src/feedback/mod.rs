@@ -25,8 +25,8 @@ pub use difference::pins;
 pub(crate) use example::check_feedback_example;
 pub use language::{WishError, parse, written};
 
+use crate::environment::EntityId;
 use crate::model::ActionId;
-use crate::world::EntityId;
 
 /// One thing that a person wants changed about the steps of a plan. All numbers are those of the plan that the person
 /// saw, from 0, whatever else is wished for beside it.

@@ -1,10 +1,10 @@
 //! Which changes of a plan make sense to write after what a person said.
 
 use super::heard::Heard;
+use crate::environment::{EntityId, State, World};
 use crate::model::{ActionId, Domain};
 use crate::plan::{DraftStep, Plan};
 use crate::verify::{apply, can_apply, candidates, unmet};
-use crate::world::{EntityId, State, World};
 
 /// An action with what its call shows.
 pub(super) type Called = (ActionId, Vec<Option<EntityId>>);

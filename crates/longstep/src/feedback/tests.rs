@@ -2,13 +2,13 @@
 
 use super::heard::{Heard, what_for};
 use super::*;
+use crate::dialogue::{ConstraintKind, Finish, Reply, Usage};
 use crate::domain::{self, Domain};
+use crate::environment::{self, Environment, World};
 use crate::json::Path;
 use crate::plan::{Plan, TaskCohesion, resolve};
-use crate::prompt::{ConstraintKind, Finish, Reply, Usage};
 use crate::repair::Reach;
 use crate::search::{self, Limits, Outcome};
-use crate::world::{self, Environment, World};
 use crate::{goal, verify};
 
 const DEN: &str = r#"{
@@ -33,7 +33,7 @@ struct Scene {
 fn scene(name: &str, environment: &str, wanted: &str) -> Scene {
     let domain = domain::shipped(name).unwrap().unwrap();
     let read = Environment::from_json(environment).unwrap();
-    let world = world::read(&domain, &read, "env.json", environment, &Path::default()).unwrap();
+    let world = environment::read(&domain, &read, "env.json", environment, &Path::default()).unwrap();
     let goal = goal::parse(&domain, &world, wanted).unwrap();
     let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {

@@ -2,8 +2,8 @@
 
 use super::mention::{DETERMINERS, among};
 use super::{Goal, GoalFact, Spoken};
+use crate::environment::{EntityId, Fact, Moment, Voice, World, holds};
 use crate::model::{Domain, base_name, head, singular};
-use crate::world::{EntityId, Fact, Moment, Voice, World, holds};
 
 /// Articles that speak of no certain thing.
 const ANY: &str = "a an";

@@ -1,12 +1,12 @@
 //! Goals that depend on what sensing tells: how they are written, read, offered and understood.
 
 use super::*;
+use crate::dialogue::{Constraint, ConstraintKind, Finish, GoalDialogue, Reply, Turn, Usage};
 use crate::domain;
 use crate::domain::Domain;
+use crate::environment::World;
+use crate::environment::{self, Environment};
 use crate::json::Path;
-use crate::prompt::{Constraint, ConstraintKind, Finish, GoalDialogue, Reply, Turn, Usage};
-use crate::world::World;
-use crate::world::{self, Environment};
 
 fn kitchen() -> (Domain, World) {
     let domain = domain::shipped("household-checks").unwrap().unwrap();
@@ -14,7 +14,7 @@ fn kitchen() -> (Domain, World) {
         "object_states": {"<milk>": ["on_something(<table>)"], "<sponge>": ["on_something(<table>)"],
         "<fridge_handle>": ["closed()"]}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "", text, &Path::default()).unwrap();
     (domain, world)
 }
 

@@ -1,8 +1,8 @@
 //! What an instruction speaks of after a person said something about the answer to it.
 
 use super::{GoalFact, QUESTION, Spoken, parse, unknown_thing};
+use crate::environment::{EntityId, World};
 use crate::model::{Domain, head, plain_words, singular};
-use crate::world::{EntityId, World};
 
 /// What an instruction and the words after it come to together. The words win.
 #[derive(Debug, Clone, Default)]

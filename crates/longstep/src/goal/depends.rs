@@ -3,8 +3,8 @@
 use longstep_core::model::state_word;
 
 use super::Spoken;
+use crate::environment::{Fact, World};
 use crate::model::{Domain, plain_words};
-use crate::world::{Fact, World};
 
 /// Words that begin a condition.
 const CONDITIONAL: &str = "if unless whether when whenever depending depends provided case";
@@ -191,15 +191,15 @@ pub(super) fn is_word_of_outcomes(domain: &Domain, word: &str) -> bool {
 mod tests {
     use super::*;
     use crate::domain;
+    use crate::environment::{self, Environment};
     use crate::json::Path;
-    use crate::world::{self, Environment};
 
     #[track_caller]
     fn check(domain: &str, instruction: &str, expected: &str) {
         let domain = domain::shipped(domain).unwrap().unwrap();
         let text = r#"{"assets": ["<table>", "<fridge>"], "objects": ["<milk>", "<sponge>", "<fridge_handle>"]}"#;
         let environment = Environment::from_json(text).unwrap();
-        let world = world::read(&domain, &environment, "", "", &Path::default()).unwrap();
+        let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
         let spoken = Spoken::of(&domain, &world, instruction);
         let shown = |depends: Dependence| {
             let text = super::super::GoalFact::Plain(depends.fact).everyday(&domain, &world);

@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use super::depends::Dependence;
 use super::{GoalFact, Offer};
 use super::{IF, JOINT, NOT, QUESTION, THEN};
+use crate::environment::{EntityId, World};
 use crate::model::{Domain, FormPiece, GoalWord};
-use crate::world::{EntityId, World};
 use longstep_core::model::written_fact;
 
 /// Where in an answer a goal stands.

@@ -11,8 +11,8 @@ use super::depends::{Clauses, is_word_of_outcomes};
 use super::negated::asserted;
 use super::{Conditional, Goal, GoalFact};
 use crate::effort;
+use crate::environment::{EntityId, World};
 use crate::model::{Domain, base_name, ends_with, head, plain_words, singular};
-use crate::world::{EntityId, World};
 
 /// What was made of a model's answer.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,10 +4,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Goal, GoalFact, Spoken};
 use crate::effort;
+use crate::environment::{Bindings, EntityId, Fact, Moment, State, World, holds};
 use crate::model::{Domain, GoalWord, GoalWordId, base_name};
 use crate::search::{self, Limits, Outcome};
 use crate::verify;
-use crate::world::{Bindings, EntityId, Fact, Moment, State, World, holds};
 
 /// Words that lead to where something goes, and to where it comes from.
 const TOWARDS: &str = "on onto in into inside to atop upon at under by beside";

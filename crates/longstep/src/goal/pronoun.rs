@@ -1,8 +1,8 @@
 //! "Put it back": what an instruction leaves to the one before it.
 
 use super::mention::Spoken;
+use crate::environment::{EntityId, World};
 use crate::model::{Domain, plain_words};
-use crate::world::{EntityId, World};
 
 /// Words that stand for one thing, and for several.
 const ONE: [&str; 1] = ["it"];
@@ -25,10 +25,10 @@ pub struct SpelledOut {
 /// None where there is no such pronoun, or where `before` does not tell what it means: "it" is one thing.
 ///
 /// ```
-/// use longstep::{domain, goal, json, world};
+/// use longstep::{domain, goal, json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
-/// let environment = world::Environment::from_json(r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#).unwrap();
-/// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#).unwrap();
+/// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
 /// let pen = world.find("<pen>").unwrap();
 /// let spelled = goal::spelled_out(&household, &world, "Now put it on the desk", &[pen]).unwrap();
 /// assert_eq!(spelled.text, "Now put the pen on the desk");
@@ -68,8 +68,8 @@ pub fn spelled_out(domain: &Domain, world: &World, instruction: &str, before: &[
 mod tests {
     use super::*;
     use crate::domain;
+    use crate::environment::{self, Environment};
     use crate::json::Path;
-    use crate::world::{self, Environment};
 
     #[track_caller]
     fn check(instruction: &str, before: &[&str], expected: Option<&str>) {
@@ -77,7 +77,7 @@ mod tests {
         let text =
             r#"{"assets": ["<desk>", "<shelf>", "<drawer>"], "objects": ["<pen>", "<ruler>", "<drawer_handle>"]}"#;
         let environment = Environment::from_json(text).unwrap();
-        let world = world::read(&household, &environment, "", "", &Path::default()).unwrap();
+        let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
         let before: Vec<_> = before.iter().map(|name| world.find(name).unwrap()).collect();
         let spelled = spelled_out(&household, &world, instruction, &before);
         assert_eq!(

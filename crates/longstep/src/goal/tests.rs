@@ -3,9 +3,9 @@
 use super::*;
 use crate::domain;
 use crate::domain::Domain;
+use crate::environment::{self, Environment};
+use crate::environment::{EntityId, World};
 use crate::json::Path;
-use crate::world::{self, Environment};
-use crate::world::{EntityId, World};
 
 fn flat() -> (Domain, World) {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
@@ -17,7 +17,7 @@ fn flat() -> (Domain, World) {
             "<mug_6>": ["ON(<desk_1>)"], "<mug_7>": ["ON(<shelf_2>)"], "<mug_8>": ["ON(<shelf_2>)"],
             "<tray_9>": ["ON(<desk_1>)"], "<apple_10>": ["ON(<tray_9>)"], "<pillow_11>": ["ON(<sofa_3>)"]}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "flat", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "flat", text, &Path::default()).unwrap();
     (domain, world)
 }
 
@@ -257,7 +257,7 @@ fn who_throws_something_away_speaks_of_the_bins() {
     let domain = domain::shipped("household-dual").unwrap().unwrap();
     let text = r#"{"assets": ["<bench>", "<scrap_bin>", "<cabin>"], "objects": ["<rag>", "<left>", "<right>"]}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "shed", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "shed", text, &Path::default()).unwrap();
     let spoken = Spoken::of(&domain, &world, "Throw the rag away");
     let names: Vec<&str> = spoken
         .entities
@@ -313,7 +313,7 @@ fn check_kitchen(instruction: &str, said: &str, expected: &[&str]) {
         "object_states": {"<milk>": "inside_something(<fridge>)", "<brush>": "on_something(<table>)",
             "<fridge_handle>": "closed()"}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "kitchen", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "kitchen", text, &Path::default()).unwrap();
     let said = match said {
         "" => Goal::default(),
         said => parse(&domain, &world, said).unwrap(),

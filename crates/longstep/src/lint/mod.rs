@@ -131,7 +131,7 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     findings.extend(names::findings(domain, &reach, &places));
     findings.extend(explanations::findings(domain, &reach, &places));
     findings.extend(
-        crate::prompt::broken_parts(domain)
+        crate::dialogue::broken_parts(domain)
             .into_iter()
             .map(|diagnostic| Finding {
                 lint: Lint::BrokenPrompt,

@@ -68,11 +68,11 @@ impl Default for PartTexts {
     /// The library's own, which have no examples.
     fn default() -> Self {
         let own = [
-            ("role.md", include_str!("../prompt/parts/role.md")),
-            ("actions.md", include_str!("../prompt/parts/actions.md")),
-            ("environment.md", include_str!("../prompt/parts/environment.md")),
-            ("format.md", include_str!("../prompt/parts/format.md")),
-            ("query.md", include_str!("../prompt/parts/query.md")),
+            ("role.md", include_str!("../dialogue/parts/role.md")),
+            ("actions.md", include_str!("../dialogue/parts/actions.md")),
+            ("environment.md", include_str!("../dialogue/parts/environment.md")),
+            ("format.md", include_str!("../dialogue/parts/format.md")),
+            ("query.md", include_str!("../dialogue/parts/query.md")),
             ("plans.toml", ""),
         ];
         let source = |(name, text): (&str, &str)| {

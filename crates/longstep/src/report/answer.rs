@@ -4,14 +4,14 @@
 
 use serde::Serialize;
 
-use crate::arms::Compacted;
+use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, LeftOut};
 use crate::model::Domain;
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
 use crate::repair::Edit;
+use crate::schedule::Compacted;
 use crate::usage::Usage;
 use crate::verify::{Ending, Report, Violation};
-use crate::world::{self, Claim, Environment, State, Voice, World};
 
 /// What came of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -228,7 +228,7 @@ impl Answer {
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
         answer.plan.task_cohesion = TaskCohesion::new(domain, world, &report.plan);
-        let environment = |ending: &Ending| world::write(domain, world, &ending.after);
+        let environment = |ending: &Ending| environment::write(domain, world, &ending.after);
         (answer.plan.environment_after, answer.plan.endings) =
             plan::endings(domain, world, &report.endings, environment);
         answer.outline = plan::outline(domain, world, &report.plan);
@@ -380,7 +380,7 @@ fn words_by_entity(domain: &Domain, world: &World, state: &State) -> Vec<Vec<Str
             .iter()
             .filter(|word| word.atom.predicate == fact.predicate())
         {
-            let (subject, text) = world::word_for(word, world, fact);
+            let (subject, text) = environment::word_for(word, world, fact);
             all[subject.index()].push(text);
         }
     }

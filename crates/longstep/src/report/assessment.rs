@@ -5,12 +5,12 @@ use std::cell::OnceCell;
 
 use super::feedback::feedback;
 use super::{Answer, Claims, EditAnswer, Status, compare_claims};
+use crate::environment::{Claim, Voice, World};
 use crate::goal::Spoken;
 use crate::model::Domain;
 use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
-use crate::world::{Claim, Voice, World};
 
 /// More changes than this are counted rather than told in a hint.
 const TOLD: usize = 4;
@@ -46,11 +46,11 @@ impl<'a> Assessment<'a> {
     /// summary.
     ///
     /// ```
-    /// use longstep::{domain, json, plan, report::Assessment, world};
+    /// use longstep::{domain, json, plan, report::Assessment, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let text = r#"{"objects": ["<pen>"], "assets": ["<desk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-    /// let environment = world::Environment::from_json(text).unwrap();
-    /// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let environment = environment::Environment::from_json(text).unwrap();
+    /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
     /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#);
     /// let assessment = Assessment::new(&household, &world, draft.unwrap(), None);
     /// let answer = assessment.verdict();
@@ -245,11 +245,11 @@ impl<'a> Assessment<'a> {
     /// The feedback for a model about the plan, with the smallest change that mends it.
     ///
     /// ```
-    /// use longstep::{domain, json, plan, report::Assessment, world};
+    /// use longstep::{domain, json, plan, report::Assessment, environment};
     /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
     /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
-    /// let environment = world::Environment::from_json(text).unwrap();
-    /// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let environment = environment::Environment::from_json(text).unwrap();
+    /// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
     /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["Grab(<mug_2>)"]}}"#).unwrap();
     /// let feedback = Assessment::new(&domain, &world, draft, None).feedback();
     /// assert!(feedback.contains("step 1: Grab(<mug_2>) needs that <mug_2> is within reach"));

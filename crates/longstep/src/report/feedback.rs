@@ -1,11 +1,11 @@
 //! What a model is told about its plan.
 
+use crate::environment::{Voice, World};
 use crate::model::Domain;
 use crate::plan::Step;
 use crate::repair::Edit;
 use crate::verify::Violation;
 use crate::visible;
-use crate::world::{Voice, World};
 
 /// A turn of feedback: what is wrong, in the model's own identifiers, and the smallest change that mends it if one is
 /// known.

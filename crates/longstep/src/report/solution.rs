@@ -1,11 +1,11 @@
 //! From what is wanted to an answer: a plan searched for and verified, or why there is none.
 
 use super::{Answer, Status};
+use crate::environment::{Voice, World};
 use crate::goal::Goal;
 use crate::model::Domain;
 use crate::search::{self, Limits, Outcome, Wanted};
 use crate::verify::{Purpose, VerifiedPlan, check};
-use crate::world::{Voice, World};
 
 /// Milliseconds since some moment. The library has no clock of its own: who wants to know how long things take gives
 /// one, and who does not gives `|| 0.0`.
@@ -23,11 +23,11 @@ pub struct Solution {
 /// Plans for a goal and verifies the plan; `summary` says in words what is asked for.
 ///
 /// ```
-/// use longstep::{domain, goal, json, report, world};
+/// use longstep::{domain, goal, json, report, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-/// let environment = world::Environment::from_json(text).unwrap();
-/// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(text).unwrap();
+/// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
 /// let solution = report::of_goal(&household, &world, &goal, "the pen belongs on the shelf", || 0.0);
 /// assert_eq!(solution.plan.unwrap().steps().len(), 6);

@@ -1,11 +1,11 @@
 //! What has been accepted.
 
 use super::StepRecord;
+use crate::environment::{EntityId, World};
 use crate::goal::Goal;
 use crate::model::Domain;
 use crate::plan::{self, PlanFile, Step, TaskCohesion};
 use crate::verify::{Ending, VerifiedPlan};
-use crate::world::{EntityId, World};
 
 /// An instruction that was carried through.
 #[derive(Debug, Clone)]

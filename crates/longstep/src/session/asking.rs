@@ -1,8 +1,8 @@
 //! A model is asked, and answers.
 
 use super::{Event, OutOfTurn, Session, Stage, Stuck, Trouble, Turn, direct, goal};
+use crate::dialogue::{DialogueError, Finish, Prepared, PromptError, Reply, TokenCounter};
 use crate::feedback::{FeedbackDialogue, Wish};
-use crate::prompt::{DialogueError, Finish, Prepared, PromptError, Reply, TokenCounter};
 
 use super::Strategy;
 use goal::GoalAsking;

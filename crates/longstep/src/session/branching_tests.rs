@@ -2,10 +2,10 @@
 
 use super::tests::{goals, reply};
 use super::{Entry, Event, Log, ModelFacts, Need, Session, Settings};
+use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain::{self, Domain};
+use crate::environment::{self, Environment};
 use crate::json::Path;
-use crate::prompt::{ConstraintKind, EstimatedTokens};
-use crate::world::{self, Environment};
 
 const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<trash_bin>"], "objects": ["<cheese>"],
     "object_states": {"<cheese>": "on_something(<worktop>)"}}"#;
@@ -17,7 +17,7 @@ fn checks() -> Domain {
 fn session() -> Session {
     let domain = checks();
     let environment = Environment::from_json(LARDER).unwrap();
-    let world = world::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
     let model = ModelFacts {
         name: "script".to_owned(),
         kind: ConstraintKind::JsonSchema,

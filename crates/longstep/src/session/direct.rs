@@ -2,12 +2,12 @@
 
 use super::asking::{Asking, What, unusable};
 use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn, sentence};
+use crate::dialogue::{
+    DialogueError, Exchange, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query, whole,
+};
 use crate::feedback;
 use crate::model::Domain;
 use crate::plan;
-use crate::prompt::{
-    DialogueError, Exchange, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query, whole,
-};
 use crate::repair::Outcome;
 use crate::report::Assessment;
 use crate::report::Status;

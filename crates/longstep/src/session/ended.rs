@@ -1,8 +1,8 @@
 //! How a plan came out that can end in several ways.
 
 use super::{Accepted, Event, OutOfTurn, Session, Stage};
+use crate::environment::{Environment, Fact, Voice, World};
 use crate::model::Domain;
-use crate::world::{Environment, Fact, Voice, World};
 
 /// A way in which an accepted plan may have ended.
 #[derive(Debug, Clone, PartialEq)]

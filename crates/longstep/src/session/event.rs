@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::Settings;
+use crate::dialogue::{Message, Role, Usage};
+use crate::environment::Environment;
 use crate::plan::PlanFile;
-use crate::prompt::{Message, Role, Usage};
-use crate::world::Environment;
 
 /// The version of the log that this library writes, and the newest that it reads.
 pub const VERSION: u32 = 1;

@@ -2,14 +2,14 @@
 
 use super::asking::{Asking, What, unusable};
 use super::{Event, Proposal, Session, Stage, Stuck, Trouble, Turn, sentence};
-use crate::feedback::{Amended, StepWish, amend};
-use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
-use crate::prompt::{
+use crate::dialogue::{
     DialogueError, GoalDialogue, PartCost, Prepared, PromptError, Reply, Round, TokenCounter, Turn as DialogueTurn,
 };
+use crate::environment::World;
+use crate::feedback::{Amended, StepWish, amend};
+use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
 use crate::report;
 use crate::report::{Answer, EditAnswer};
-use crate::world::World;
 
 /// A conversation about goals.
 #[derive(Debug, Clone)]

@@ -5,11 +5,11 @@ use serde_json::json;
 
 use super::tests::{MOVE_PEN, direct, edits, goals, household, pen_plan, reply, text_of};
 use super::{Log, ModelFacts, Need, RepairPolicy, Session, Settings, Stage, replay};
+use crate::dialogue::{ConstraintKind, EstimatedTokens, Message, Prepared, Role};
+use crate::environment::{self, Environment};
 use crate::json::Path;
 use crate::plan::Plan;
-use crate::prompt::{ConstraintKind, EstimatedTokens, Message, Prepared, Role};
 use crate::verify::{Purpose, check};
-use crate::world::{self, Environment};
 
 const INJECTED: [&str; 46] = [
     // Markers of templates.
@@ -80,7 +80,7 @@ fn session(settings: Settings, called: &str) -> Session {
         "object_states": {"<pen>": "on_something(<desk>)", called: "on_something(<desk>)", "<cupboard_handle>": "closed()"},
     });
     let environment = Environment::from_json(&environment.to_string()).unwrap();
-    let world = world::read(&household, &environment, "", "", &Path::default()).unwrap();
+    let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
     let model = ModelFacts {
         name: "script".to_owned(),
         kind: ConstraintKind::JsonSchema,

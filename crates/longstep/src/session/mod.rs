@@ -9,14 +9,14 @@
 //! later from where the session was ([`Session::resume`]): a session is a function of what it was given.
 //!
 //! ```
-//! use longstep::prompt::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
+//! use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
 //! use longstep::session::{ModelFacts, Need, Session, Settings};
-//! use longstep::{domain, json, world};
+//! use longstep::{domain, json, environment};
 //!
 //! let household = domain::shipped("household").unwrap().unwrap();
 //! let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-//! let environment = world::Environment::from_json(text)?;
-//! let world = world::read(&household, &environment, "env.json", text, &json::Path::default())?;
+//! let environment = environment::Environment::from_json(text)?;
+//! let world = environment::read(&household, &environment, "env.json", text, &json::Path::default())?;
 //! let model = ModelFacts { name: "mine".to_owned(), kind: ConstraintKind::JsonSchema, context: None };
 //! let mut session = Session::new("household", household, world, Settings::default(), model, || 0.0);
 //!
@@ -63,12 +63,12 @@ pub use why::{Why, why};
 
 use std::sync::Arc;
 
+use crate::dialogue::{ConstraintKind, Counting, Message, Prepared, PromptError, Round, TokenCounter, Usage};
+use crate::environment::World;
 use crate::model::Domain;
 use crate::plan::PlanFile;
-use crate::prompt::{ConstraintKind, Counting, Message, Prepared, PromptError, Round, TokenCounter, Usage};
 use crate::report::Answer;
 use crate::report::Stopwatch;
-use crate::world::World;
 
 use stage::{Stage, Turn, sentence};
 

@@ -7,14 +7,14 @@ use serde_json::Value;
 
 use super::{Accepted, Event, Log, ModelFacts, OutOfTurn, Session, Stage, StepRecord};
 use crate::diagnostic::Diagnostics;
+use crate::dialogue::{ConstraintKind, Message, Role};
+use crate::environment;
 use crate::goal::{self, Goal};
 use crate::json::Path;
 use crate::model::Domain;
 use crate::plan::{Plan, PlanFile, Step, resolve};
-use crate::prompt::{ConstraintKind, Message, Role};
 use crate::report::Stopwatch;
 use crate::verify::{Purpose, check};
-use crate::world;
 
 /// Why a session cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -245,7 +245,7 @@ fn begin(domain: Arc<Domain>, log: &Log, now: Stopwatch) -> Result<Session, Resu
         kind: ConstraintKind::Grammar,
         context: None,
     };
-    let world = world::read(&domain, environment, "environment", "", &Path::default())?;
+    let world = environment::read(&domain, environment, "environment", "", &Path::default())?;
     let mut session = Session::new(name, domain, world, *settings, model, now);
     session.events.clear();
     Ok(session)

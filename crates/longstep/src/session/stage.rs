@@ -3,8 +3,8 @@
 use super::Ended;
 use super::asking::Asking;
 use super::ended::Left;
+use crate::dialogue::{Prepared, Round, Usage};
 use crate::goal::Goal;
-use crate::prompt::{Prepared, Round, Usage};
 use crate::report::{Answer, Status};
 use crate::verify::{Purpose, VerifiedPlan};
 

@@ -3,10 +3,10 @@
 use std::sync::{Arc, LazyLock};
 
 use super::{Entry, Event, Log, LogError, ModelFacts, Need, RepairPolicy, Session, Settings, Strategy, replay};
+use crate::dialogue::{ConstraintKind, EstimatedTokens, Finish, PromptError, Reply, Usage};
 use crate::domain::{self, Domain};
+use crate::environment::{self, Environment};
 use crate::json::Path;
-use crate::prompt::{ConstraintKind, EstimatedTokens, Finish, PromptError, Reply, Usage};
-use crate::world::{self, Environment};
 
 const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>", "<ruler>", "<cupboard_handle>"],
     "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "inside_something(<cupboard>)",
@@ -22,7 +22,7 @@ pub(super) fn household() -> Arc<Domain> {
 fn session(settings: Settings) -> Session {
     let household = household();
     let environment = Environment::from_json(SCENE).unwrap();
-    let world = world::read(&household, &environment, "", "", &Path::default()).unwrap();
+    let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
     let model = ModelFacts {
         name: "script".to_owned(),
         kind: ConstraintKind::JsonSchema,

@@ -2,11 +2,11 @@
 
 use rustc_hash::FxHashSet;
 
+use crate::environment::{Voice, World};
 use crate::goal::Goal;
 use crate::model::Domain;
 use crate::plan::{Plan, StepId};
 use crate::verify::{Purpose, check};
-use crate::world::{Voice, World};
 
 /// What a step of a plan brings about, and what would be wrong without it, as sentences.
 ///
@@ -15,11 +15,11 @@ use crate::world::{Voice, World};
 /// ```
 /// use longstep::plan::StepId;
 /// use longstep::report;
-/// use longstep::{domain, goal, json, session, world};
+/// use longstep::{domain, goal, json, session, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-/// let environment = world::Environment::from_json(text).unwrap();
-/// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(text).unwrap();
+/// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
 /// let plan = report::of_goal(&household, &world, &goal, "", || 0.0).plan.unwrap();
 /// let why = session::why(&household, &world, plan.plan(), &goal.purpose(&household), Some(&goal), StepId::new(1));

@@ -10,10 +10,10 @@ pub use draw::{Draw, Drawn};
 use std::path::PathBuf;
 
 use longstep::domain::{self, Domain};
+use longstep::environment::{self, Claim, Environment, World};
 use longstep::json::Path;
 use longstep::plan::{self, PlanFile};
 use longstep::verify::{self, Purpose};
-use longstep::world::{self, Claim, Environment, World};
 use serde_json::Value;
 
 /// The household scenes of the paper.
@@ -34,7 +34,8 @@ pub fn world_of(domain: &Domain, environment: &Value) -> World {
 }
 
 fn read_anew(domain: &Domain, environment: &Environment) -> World {
-    world::read(domain, environment, "environment", "", &Path::default()).unwrap_or_else(|error| panic!("{error}"))
+    environment::read(domain, environment, "environment", "", &Path::default())
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Whether the world is as a recorded environment says, fact by fact.
@@ -81,7 +82,7 @@ impl Recomputation {
         };
         let verified = verify::check(domain, &world, steps, &purpose).into_verified();
         let verified = verified.unwrap_or_else(|report| panic!("{:?}", report.violations));
-        self.environment = world::write(domain, &world, &verified.ending().after);
+        self.environment = environment::write(domain, &world, &verified.ending().after);
         assert_eq!(json(claimed), json(&self.environment), "claimed after");
         assert_eq!(json(&carried.environment), json(&self.environment), "carried");
     }

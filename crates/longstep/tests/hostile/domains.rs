@@ -103,9 +103,9 @@ fn ruled(time: &str, parcels: usize) -> Work {
         "object_states": at});
     let text = environment.to_string();
     Box::new(move || {
-        let environment = longstep::world::Environment::from_json(&text).unwrap();
+        let environment = longstep::environment::Environment::from_json(&text).unwrap();
         let inside = longstep::json::Path::default();
-        let Ok(world) = longstep::world::read(&domain, &environment, "environment", &text, &inside) else {
+        let Ok(world) = longstep::environment::read(&domain, &environment, "environment", &text, &inside) else {
             return false;
         };
         let Ok(goal) = longstep::goal::parse(&domain, &world, "bring(<o1>, <b>)") else {
@@ -137,7 +137,7 @@ fn loaded(change: fn(&mut Files)) -> Work {
     change(&mut files);
     Box::new(move || {
         if let Ok(domain) = domain::load(&files) {
-            let _ = longstep::prompt::fixed_parts(&domain);
+            let _ = longstep::dialogue::fixed_parts(&domain);
             domain::lint(&domain, &files);
         }
         false

@@ -1,11 +1,11 @@
 //! Goals: read, solved, offered to a model; instructions, and the prompts for them.
 
+use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue, direct_request};
 use longstep::domain::Domain;
+use longstep::environment::World;
 use longstep::goal::{self, Spoken};
-use longstep::prompt::{ConstraintKind, EstimatedTokens, GoalDialogue, direct_request};
 use longstep::report;
 use longstep::report::Status;
-use longstep::world::World;
 use serde_json::Value;
 
 use super::{LARGEST, Row, Work, fill, many, nest, shipped, world_of};

@@ -23,8 +23,8 @@ mod readers;
 
 use longstep::domain::{self, Domain};
 use longstep::effort;
+use longstep::environment::{self, Environment, World};
 use longstep::json::Path;
-use longstep::world::{self, Environment, World};
 use serde_json::{Value, json};
 
 /// The bytes of an input.
@@ -111,7 +111,7 @@ fn world_of(domain: &Domain, environment: &Value) -> World {
     let text = environment.to_string();
     assert!(text.len() <= LARGEST, "an environment of {} bytes", text.len());
     let environment = Environment::from_json(&text).unwrap();
-    world::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Reads an environment; tells nothing about it.
@@ -120,7 +120,7 @@ fn read_environment(domain: &str, environment: &Value) -> Work {
     assert!(text.len() <= LARGEST, "an environment of {} bytes", text.len());
     Box::new(move || {
         if let Ok(environment) = Environment::from_json(&text) {
-            let _ = world::read(&domain, &environment, "environment", &text, &Path::default());
+            let _ = environment::read(&domain, &environment, "environment", &text, &Path::default());
         }
         false
     })

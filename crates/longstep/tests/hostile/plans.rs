@@ -1,10 +1,10 @@
 //! Plans, verified and repaired: as replies, as scripts, composed of stored ones.
 
-use longstep::arms;
 use longstep::compose::{self, Composed, Said, Stored};
 use longstep::plan::{self, Draft, PlanFile, TaskCohesion, script};
 use longstep::report::Assessment;
 use longstep::report::Status;
+use longstep::schedule;
 use serde_json::{Value, json};
 
 use super::{LARGEST, Row, Work, fill, many, shipped, world_of};
@@ -138,7 +138,7 @@ fn side_by_side() -> Work {
         let shared = found
             .plan
             .as_ref()
-            .and_then(|plan| arms::share(&domain, &world, plan, &goal.purpose(&domain)));
+            .and_then(|plan| schedule::share(&domain, &world, plan, &goal.purpose(&domain)));
         drop(shared);
         found.answer.status == Status::Verified
     })

@@ -4,11 +4,11 @@ use proptest::prelude::*;
 
 use super::super::{EditKind, Outcome, Pins, Reach, Unwanted, repair, repair_pinned};
 use crate::domain::{self};
+use crate::environment::{self, Claim};
 use crate::json::Path;
 use crate::model::{Domain, Environment, World};
 use crate::plan::{Step, StepId, TaskCohesion, resolve, script};
 use crate::verify::{Purpose, bind_tree};
-use crate::world::{self, Claim};
 
 const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<compost_bin>", "<freezer>"],
     "objects": ["<cheese>", "<soup>", "<freezer_handle>", "<rag>"],
@@ -18,7 +18,7 @@ const LARDER: &str = r#"{"assets": ["<worktop>", "<shelf>", "<compost_bin>", "<f
 fn larder() -> (Domain, World) {
     let domain = domain::shipped("household-checks").unwrap().unwrap();
     let environment = Environment::from_json(LARDER).unwrap();
-    let world = world::read(&domain, &environment, "", LARDER, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "", LARDER, &Path::default()).unwrap();
     (domain, world)
 }
 

@@ -13,7 +13,7 @@ use indexmap::IndexMap;
 use rustc_hash::FxHashMap;
 
 use super::bound::{Bounds, outcome};
-use super::course::{Course, Then};
+use super::policy::{Course, Then};
 use crate::effort;
 use crate::search::GroundAction;
 use crate::search::bits::Bits;

@@ -6,12 +6,12 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::domain::{self};
+use crate::environment::{self};
 use crate::goal::{self, Goal};
 use crate::json::Path;
 use crate::model::{ActionId, Environment, Moment, State, ground, holds};
 use crate::plan::Node;
 use crate::verify::{apply, check as verify};
-use crate::world::{self};
 
 /// Worlds with more states are not looked at.
 const STATES: usize = 6_000;
@@ -183,7 +183,7 @@ proptest! {
     fn the_worst_case_is_the_best_there_is(text in scene(), parts in proptest::collection::vec(part(), 1..=2)) {
         let domain = domain::shipped("household-checks").unwrap().unwrap();
         let environment = Environment::from_json(&text).unwrap();
-        let world = world::read(&domain, &environment, "", &text, &Path::default()).unwrap();
+        let world = environment::read(&domain, &environment, "", &text, &Path::default()).unwrap();
         let goal: Goal = goal::parse(&domain, &world, &parts.join(" & ")).unwrap();
         let wanted = goal.wanted(&domain);
         // Sensing that the goal does not speak of is left out here, since every outcome doubles the states.

@@ -10,12 +10,12 @@ mod and_or;
 mod bound;
 #[cfg(test)]
 mod brute_force;
-mod course;
+mod policy;
 #[cfg(test)]
 mod tests;
 
 use self::and_or::{Manner, Search, TooFar};
-use self::course::Course;
+use self::policy::Course;
 use super::task::Task;
 use super::{Asked, Found, Limits, Outcome, Scope, Wanted, cheapest, forward, relevance, task};
 use crate::effort;
@@ -121,7 +121,7 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
     };
     let mut tally = Tally::default();
     let solved = |task: &Task, course: &Course, shortest: bool, expanded: usize| {
-        let plan = course::plan(domain, world, task, course);
+        let plan = policy::plan(domain, world, task, course);
         plan.map_or_else(
             || Outcome::GaveUp {
                 why: "the plan that was found branches too deep".to_owned(),

@@ -1,12 +1,12 @@
 use super::*;
 use crate::domain;
+use crate::environment::{self};
 use crate::goal;
 use crate::json::Path;
 use crate::model::Environment;
 use crate::plan::Plan;
 use crate::plan::{Node, Test};
 use crate::verify::check as verify;
-use crate::world::{self};
 
 fn scene(states: &str) -> (crate::model::Domain, World) {
     let checks = domain::shipped("household-checks").unwrap().unwrap();
@@ -31,7 +31,7 @@ fn scene(states: &str) -> (crate::model::Domain, World) {
         );
     }
     let text = serde_json::to_string(&environment).unwrap();
-    let world = world::read(&checks, &environment, "", &text, &Path::default()).unwrap();
+    let world = environment::read(&checks, &environment, "", &text, &Path::default()).unwrap();
     (checks, world)
 }
 
@@ -50,7 +50,7 @@ fn shown(domain: &crate::model::Domain, world: &World, plan: &Plan, nodes: &[Nod
     ) -> String {
         match t {
             Test::Sense(id) => step(id),
-            Test::Holds(fact) => crate::world::Voice::Person.fact(domain, world, *fact, true),
+            Test::Holds(fact) => crate::environment::Voice::Person.fact(domain, world, *fact, true),
             Test::Not(inner) => format!("not {}", test(domain, world, inner, step)),
             Test::All(parts) | Test::Any(parts) => {
                 let parts: Vec<String> = parts.iter().map(|part| test(domain, world, part, step)).collect();
@@ -96,7 +96,7 @@ fn check(states: &str, text: &str, expected: &str) {
             format!("{more}{}", shown(&domain, &world, plan, plan.body()))
         }
         Outcome::ProvenUnsolvable { when, .. } => {
-            let when = when.map(|fact| crate::world::Voice::Person.fact(&domain, &world, fact, true));
+            let when = when.map(|fact| crate::environment::Voice::Person.fact(&domain, &world, fact, true));
             format!("unsolvable: {when:?}")
         }
         Outcome::GaveUp { why, .. } => format!("gave up: {why}"),

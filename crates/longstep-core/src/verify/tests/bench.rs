@@ -2,11 +2,11 @@
 //! to be felt.
 
 use crate::domain::{self, Files};
+use crate::environment::{self};
 use crate::json::Path;
 use crate::model::{Domain, EntityId, Environment, Fact, World};
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId, Test};
 use crate::verify::{Purpose, Report, check};
-use crate::world::{self};
 
 const PDDL: &str = "
 (define (domain bench)
@@ -126,7 +126,7 @@ pub(super) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
         states.join(", ")
     );
     let environment = Environment::from_json(&text).unwrap();
-    world::read(domain, &environment, "env.json", &text, &Path::default()).unwrap()
+    environment::read(domain, &environment, "env.json", &text, &Path::default()).unwrap()
 }
 
 /// A part of a plan in a few words: `press left 1`, `feel 2`, `[...]` for what stands in it.

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use proptest::prelude::*;
 
 use super::bench::{Ask, Part, domain, fact, plan, world};
+use crate::environment::Claim;
 use crate::model::{Domain, Environment, Fact, State, World};
 use crate::plan::{LaneItem, Node, Plan, StepId, Test};
 use crate::verify::{Purpose, Violation, apply, check, unmet};
-use crate::world::Claim;
 
 /// What can be found out about a plan, in whatever order.
 #[derive(Debug, Default, PartialEq, Eq)]

@@ -2,10 +2,10 @@
 
 use super::super::*;
 use crate::domain;
+use crate::environment::{self};
 use crate::json::Path;
 use crate::model::Environment;
 use crate::plan::{TaskCohesion, resolve};
-use crate::world::{self};
 
 const KITCHEN: &str = r#"{
     "assets": ["<desk_1>", "<oven_2>", "<shelf_3>"],
@@ -28,7 +28,7 @@ fn report(domain: &Domain, world: &World, calls: &[&str], object: Option<&str>) 
 fn check_messages(calls: &[&str], expected: &[&str]) {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let environment = Environment::from_json(KITCHEN).unwrap();
-    let world = world::read(&domain, &environment, "env.json", KITCHEN, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", KITCHEN, &Path::default()).unwrap();
     let report = report(&domain, &world, calls, None);
     let messages: Vec<_> = report
         .violations
@@ -98,7 +98,7 @@ fn what_a_verdict_rests_on_is_listed() {
     let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<box>"], "objects": ["<box_lever>"], "object_states": {"<box_lever>": "closed()"}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
     let calls = ["move_hand()", "grasp_object()", "open_by_slide()", "release_object()"];
     let report = report(&domain, &world, &calls, Some("<box_lever>"));
     assert_eq!(report.violations, vec![]);
@@ -111,7 +111,7 @@ fn where_calls_do_not_say_where_the_claim_does() {
     let domain = domain::shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<table>", "<bin>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
     let told = |calls: &[&str]| -> Vec<String> {
         let written = TaskCohesion {
             task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
@@ -120,7 +120,7 @@ fn where_calls_do_not_say_where_the_claim_does() {
         };
         let resolved = resolve(&domain, &world, &written);
         let purpose = Purpose {
-            claim: Some(world::Claim::read(&domain, &world, &environment)),
+            claim: Some(environment::Claim::read(&domain, &world, &environment)),
             ..Purpose::default()
         };
         let (plan, _) = bind(
@@ -154,7 +154,7 @@ fn a_hand_is_no_place() {
     let domain = domain::shipped("household-dual").unwrap().unwrap();
     let text = r#"{"assets": ["<table>"], "objects": ["<cup>"], "object_states": {"<cup>": "inside_hand(right)"}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
     let calls = ["move_object(right)", "attach_to_plane(right)", "release_object(right)"];
     let written = TaskCohesion {
         task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
@@ -176,7 +176,7 @@ fn a_claim_promises_nothing_of_what_it_is_silent_about() {
     let text = r#"{"assets": ["<room_1>", "<desk_2>"], "objects": ["<mug_4>"],
         "asset_states": {"<desk_2>": ["INSIDE(<room_1>)"]}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
     let claimed = Environment::from_json(r#"{"assets": ["<desk_2>"], "objects": []}"#).unwrap();
     let claim = Claim::read(&domain, &world, &claimed);
     assert_eq!(claim.promises(&domain, &world), vec![]);
@@ -188,7 +188,7 @@ fn what_an_effect_depends_on_decides_what_can_come_about() {
     let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
         "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
     let inside = |place: &str| {
         let claimed =
             format!(r#"{{"objects": ["<milk>"], "object_states": {{"<milk>": "inside_something({place})"}}}}"#);
@@ -208,7 +208,7 @@ fn a_hidden_argument_of_sensing_is_what_a_later_condition_asks() {
     let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>", "<sponge>"],
         "object_states": {"<cup>": "on_something(<table>)", "<sponge>": "on_something(<shelf>)"}}"#;
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
+    let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
     for place in ["<table>", "<shelf>"] {
         let script = format!("move_hand()\ncheck_cleanness()\nif clean(\"{place}\"):\n    pass\n");
         let written = TaskCohesion::from_written(crate::plan::script::read(&script).unwrap());

@@ -55,7 +55,7 @@ impl fmt::Display for Makespan {
 /// longer one counts, and sensing is a step like any other.
 ///
 /// ```
-/// use longstep_core::arms::{Makespan, makespan};
+/// use longstep_core::schedule::{Makespan, makespan};
 /// use longstep_core::plan::Plan;
 /// assert_eq!(makespan(&Plan::default()), Makespan::Exact(0));
 /// ```
@@ -112,9 +112,9 @@ pub enum Row {
 /// ever, as verification would tell, the first of them goes on.
 ///
 /// ```
-/// use longstep_core::arms::{Row, timetable};
+/// use longstep_core::schedule::{Row, timetable};
 /// use longstep_core::plan::{Lane, LaneItem, StepId};
-/// use longstep_core::world::EntityId;
+/// use longstep_core::environment::EntityId;
 /// let step = |number| LaneItem::Step(StepId::new(number));
 /// let lane = |actor, items| Lane { actor: EntityId::new(actor), items };
 /// let sync = || LaneItem::Sync("handed over".to_owned());

@@ -2,13 +2,13 @@
 
 use serde_json::Value;
 
-use crate::domain::{Domain, shipped};
-use crate::json::Path;
-use crate::prompt::{
+use crate::dialogue::{
     ChatRequest, Constraint, EstimatedTokens, Exchange, PromptError, Role, Round, TokenCounter, direct_request,
     direct_schema,
 };
-use crate::world::{self, Environment, World};
+use crate::domain::{Domain, shipped};
+use crate::environment::{self, Environment, World};
+use crate::json::Path;
 
 fn attic(domain: &Domain, trunks: usize) -> World {
     let trunk = |n: usize| format!("<trunk_{n}>");
@@ -22,7 +22,7 @@ fn attic(domain: &Domain, trunks: usize) -> World {
         "object_states": states,
     });
     let environment = Environment::from_json(&environment.to_string()).unwrap();
-    world::read(domain, &environment, "", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
+    environment::read(domain, &environment, "", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn told(count: usize) -> Vec<Exchange> {
@@ -166,7 +166,7 @@ fn calls_with_arguments_are_listed_while_they_are_few() {
     let domain = shipped("virtualhome").unwrap().unwrap();
     let text =
         r#"{"assets": ["<den_1>"], "objects": ["<kite_2>"], "object_states": {"<kite_2>": ["INSIDE(<den_1>)"]}}"#;
-    let few = world::read(
+    let few = environment::read(
         &domain,
         &Environment::from_json(text).unwrap(),
         "",

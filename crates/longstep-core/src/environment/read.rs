@@ -2,7 +2,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::{Bindings, Entity, EntityId, Environment, Fact, Ground, Moment, Words, World, holds};
+use super::{AssumptionSource, Bindings, Entity, EntityId, Environment, Fact, Moment, Words, World, holds};
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::effort;
@@ -179,7 +179,7 @@ impl EnvironmentReader<'_> {
                 if holds(moment, &default.when, &mut bindings) {
                     let fact = ground(&default.atom, &bindings);
                     if world.state.set(fact, true) {
-                        world.assumed.insert(fact, Ground::Default);
+                        world.assumed.insert(fact, AssumptionSource::Default);
                     }
                 }
             }
@@ -190,7 +190,7 @@ impl EnvironmentReader<'_> {
                 for entity in world.of_kind(predicate.parameters[0].kind).to_vec() {
                     let fact = Fact::new(crate::model::PredicateId::new(index), [entity]);
                     if !denied.contains(&fact) && world.state.set(fact, true) {
-                        world.assumed.insert(fact, Ground::Unknown);
+                        world.assumed.insert(fact, AssumptionSource::Unknown);
                     }
                 }
             }
@@ -421,7 +421,7 @@ fn derive(
     let open = |fact: &Fact| !denied.contains(fact) && !told.contains(&fact.predicate().index());
     for (fact, _) in follows.iter().filter(|(fact, holds)| *holds && open(fact)) {
         if world.state.set(*fact, true) {
-            world.assumed.insert(*fact, Ground::Derived);
+            world.assumed.insert(*fact, AssumptionSource::Derived);
         }
     }
     follows

@@ -32,7 +32,7 @@ pub enum Counting {
 /// Counts characters and takes so many for a token: what is left where nobody offers a tokenizer.
 ///
 /// ```
-/// use longstep::prompt::{EstimatedTokens, Message, Role, TokenCounter};
+/// use longstep::dialogue::{EstimatedTokens, Message, Role, TokenCounter};
 /// let mut counter = EstimatedTokens::default();
 /// assert_eq!(counter.message_tokens(&Message::new(Role::User, "put the cup on the shelf")), 11);
 /// ```

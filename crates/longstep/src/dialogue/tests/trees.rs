@@ -3,17 +3,17 @@
 use serde_json::{Value, json};
 
 use super::requests::check_strict;
+use crate::dialogue::{EstimatedTokens, Role, broken_parts, direct_request, direct_schema, fixed_parts};
 use crate::domain::{Domain, load, shipped, shipped_files};
+use crate::environment::{self, Environment, World};
 use crate::json::Path;
 use crate::plan::{self, Node};
-use crate::prompt::{EstimatedTokens, Role, broken_parts, direct_request, direct_schema, fixed_parts};
-use crate::world::{self, Environment, World};
 
 fn larder(domain: &Domain) -> World {
     let text = json!({"assets": ["<bench>", "<scrap_bin>"], "objects": ["<cream>"],
         "object_states": {"<cream>": "on_something(<bench>)"}});
     let environment = Environment::from_json(&text.to_string()).unwrap();
-    world::read(domain, &environment, "", "", &Path::default()).unwrap()
+    environment::read(domain, &environment, "", "", &Path::default()).unwrap()
 }
 
 fn all_told(domain: &Domain) -> String {

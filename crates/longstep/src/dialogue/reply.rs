@@ -9,9 +9,9 @@ use super::forms::{actors, has_trees, senses};
 use super::query::contained_json;
 use super::tree_schema::{TreeForms, TreeSchema, closed, in_schema, tree_schema};
 use crate::call::Call;
+use crate::environment::{EntityId, Environment, World};
 use crate::model::{Action, Domain, Term, TypeId};
 use crate::plan::{PlanFile, TaskCohesion, write_tree};
-use crate::world::{EntityId, Environment, World};
 
 /// A whole answer, every key there.
 #[derive(Debug, Serialize)]
@@ -144,11 +144,11 @@ const BYTES: usize = 12_000;
 /// since strict servers take no schema that refers to itself.
 ///
 /// ```
-/// use longstep::{domain, json, prompt, world};
+/// use longstep::{domain, json, dialogue, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
-/// let environment = world::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
-/// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
-/// let schema = prompt::direct_schema(&household, &world);
+/// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
+/// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let schema = dialogue::direct_schema(&household, &world);
 /// let calls = &schema["properties"]["task_cohesion"]["properties"]["task_sequence"]["items"]["enum"];
 /// assert_eq!(calls[0], "move_object()");
 /// ```

@@ -3,7 +3,7 @@
 use minijinja::context;
 use serde_json::json;
 
-use super::told::size;
+use super::template_context::size;
 use super::{ConstraintKind, Message, Role, template};
 use crate::goal::{Written, read_form};
 use crate::model::{Domain, Example, GoalWord, StateWord};

@@ -3,9 +3,9 @@
 use rustc_hash::FxHashSet;
 
 use super::example::scene_text;
+use crate::environment::{EntityId, Fact, World};
 use crate::goal::Offer;
 use crate::model::Domain;
-use crate::world::{EntityId, Fact, World};
 
 /// The scene: every object with where it is, and every place that a goal or an object's line can speak of.
 pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {

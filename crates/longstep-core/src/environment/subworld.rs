@@ -16,12 +16,12 @@ impl World {
     /// identifiers ([`World::find`], [`crate::goal::Goal::carried`]).
     ///
     /// ```
-    /// use longstep_core::{domain, json, world};
+    /// use longstep_core::{domain, json, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup_1>", "<cup_2>"],
     ///     "object_states": {"<cup_1>": "on_something(<shelf>)", "<cup_2>": "on_something(<table>)"}}"#;
-    /// let environment = world::Environment::from_json(text).unwrap();
-    /// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let environment = environment::Environment::from_json(text).unwrap();
+    /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
     /// let keep = ["<cup_2>", "<table>"].map(|identifier| world.find(identifier).unwrap());
     /// let part = world.narrowed(&household, &keep);
     /// assert_eq!(part.environment.objects, ["<cup_2>"]);
@@ -109,9 +109,9 @@ impl Environment {
 mod tests {
     use super::*;
     use crate::domain::shipped;
+    use crate::environment::read;
     use crate::json::Path;
     use crate::model::fact_text;
-    use crate::world::read;
 
     const TEXT: &str = r#"{"assets": ["<hut>", "<loft>"], "objects": ["<rope_1>", "<rope_2>", "<loft_handle>", "<axe>"],
         "object_states": {"<rope_1>": "on_something(<hut>)", "<rope_2>": ["inside_something(<loft>)"],

@@ -2,17 +2,17 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::domain::{Domain, shipped};
-use crate::goal::{self, Understanding};
-use crate::json::Path;
-use crate::plan::{read, resolve};
-use crate::prompt::{
+use crate::dialogue::{
     ChatRequest, ConstraintKind, EstimatedTokens, Finish, GoalDialogue, Reply, TokenCounter, Turn, Usage,
     direct_request, focus,
 };
+use crate::domain::{Domain, shipped};
+use crate::environment::{self, Claim, Environment, Words, World};
+use crate::goal::{self, Understanding};
+use crate::json::Path;
+use crate::plan::{read, resolve};
 use crate::search::{Limits, Outcome, solve};
 use crate::verify::{Purpose, bind, check as verify};
-use crate::world::{self, Claim, Environment, Words, World};
 
 const ROOM: u64 = 4000;
 
@@ -45,7 +45,7 @@ fn depot(domain: &Domain) -> World {
         "objects": (0..3_980).map(thing).collect::<Vec<_>>(), "object_states": object_states,
     });
     let environment = Environment::from_json(&environment.to_string()).unwrap();
-    let world = world::read(domain, &environment, "", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
+    let world = environment::read(domain, &environment, "", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(world.entities().count(), 5_000);
     world
 }
@@ -192,7 +192,7 @@ fn a_reply_about_a_part_leaves_the_rest_of_the_world_as_it_was() {
     };
     let report = verify(&domain, &depot, plan, &purpose);
     assert!(report.violations.is_empty());
-    let carried = world::write(&domain, &depot, &report.ending().after);
+    let carried = environment::write(&domain, &depot, &report.ending().after);
     let mut expected = depot.environment.clone();
     expected.object_states["<teapot_9999>"] = Words::Many(vec![format!("ON({bench})")]);
     assert_eq!(carried, expected);

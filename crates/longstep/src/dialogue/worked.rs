@@ -10,6 +10,7 @@ use super::query::{contained_json, query_text};
 use super::reply::{AnswerText, StateLists};
 use super::{Message, Role};
 use crate::diagnostic::{Diagnostic, Position};
+use crate::environment::{self, Environment, World};
 use crate::model::Domain;
 use crate::model::Source;
 use crate::plan::{self, Draft, PlanFile, TaskCohesion, script};
@@ -17,7 +18,6 @@ use crate::report::Assessment;
 use crate::report::{self, Solution};
 use crate::report::{Answer, Status};
 use crate::verify::VerifiedPlan;
-use crate::world::{self, Environment, World};
 use crate::{goal, json};
 
 #[derive(Debug, Deserialize)]
@@ -76,7 +76,7 @@ fn at<T>(source: &Source, place: &Spanned<T>, message: impl Into<String>) -> Dia
 
 fn answer(domain: &Domain, source: &Source, entry: &Entry) -> Result<AnswerText, Diagnostic> {
     let place = &entry.instruction;
-    let world = world::read(domain, &entry.environment, "", "", &json::Path::default()).map_err(|findings| {
+    let world = environment::read(domain, &entry.environment, "", "", &json::Path::default()).map_err(|findings| {
         let told: Vec<&str> = findings.0.iter().map(|finding| finding.message.as_str()).collect();
         at(
             source,
@@ -171,7 +171,7 @@ fn told(answer: &Answer) -> String {
 
 /// The answer that shows a plan. The environment afterwards is the simulated one.
 fn shown(domain: &Domain, world: &World, plan: &VerifiedPlan, summary: &str) -> AnswerText {
-    let after = world::write(domain, world, &plan.ending().after);
+    let after = environment::write(domain, world, &plan.ending().after);
     let cohesion = TaskCohesion::new(domain, world, plan.plan());
     AnswerText::new(domain, &cohesion, world, StateLists::of(&after), summary, "")
 }

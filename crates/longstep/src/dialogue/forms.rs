@@ -1,7 +1,7 @@
 //! What plans of a domain can have besides steps in a row: branches and loops where it senses, lanes where it has actors.
 
+use crate::environment::{EntityId, World};
 use crate::model::Domain;
-use crate::world::{EntityId, World};
 
 /// Whether some action tells what nobody knows yet, so that a plan can branch on it.
 pub(crate) fn senses(domain: &Domain) -> bool {

@@ -12,13 +12,13 @@ use super::{
     ChatRequest, Constraint, ConstraintKind, Finish, Message, PartCost, Reply, Role, Round, TokenCounter, Usage, scene,
 };
 use crate::effort;
+use crate::environment::{EntityId, World};
 use crate::goal::{
     self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Spoken, Understanding, Ways, ended,
     grammar_of, offers, offers_on, schema_of, understand_spoken,
 };
 use crate::model::{Domain, plain_words};
 use crate::search;
-use crate::world::{EntityId, World};
 
 /// Goals in one answer at most.
 const GOAL_LIMIT: usize = 6;

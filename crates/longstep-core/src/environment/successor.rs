@@ -34,16 +34,16 @@ impl World {
 #[cfg(test)]
 mod tests {
     use crate::domain::{self};
+    use crate::environment::{self};
     use crate::goal;
     use crate::json::Path;
     use crate::model::Domain;
     use crate::model::{Environment, World};
     use crate::search::{Limits, Outcome, solve};
     use crate::verify::{VerifiedPlan, check};
-    use crate::world::{self};
 
     fn read(domain: &Domain, environment: &Environment) -> World {
-        world::read(domain, environment, "", "", &Path::default()).unwrap()
+        environment::read(domain, environment, "", "", &Path::default()).unwrap()
     }
 
     fn plan(domain: &Domain, world: &World, text: &str) -> VerifiedPlan {

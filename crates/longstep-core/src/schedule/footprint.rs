@@ -141,17 +141,17 @@ impl Footprint {
 /// step that makes a fact what it is already.
 ///
 /// ```
-/// use longstep_core::{arms, domain, json, plan::Step, world};
+/// use longstep_core::{schedule, domain, json, plan::Step, environment};
 /// let domain = domain::shipped("household-dual").unwrap().unwrap();
 /// let text = r#"{"assets": ["<bench>", "<rack>"], "objects": ["<jar>"], "object_states": {"<jar>": "on_something(<bench>)"}}"#;
-/// let environment = world::Environment::from_json(text).unwrap();
-/// let world = world::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(text).unwrap();
+/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let (move_hand, _) = domain.action_ids().find(|(_, action)| action.name == "move-hand").unwrap();
 /// let to = |hand: &str, place: &str| {
 ///     let arguments = [hand, place].map(|name| world.find(name).unwrap()).to_vec();
 ///     Step::explained(&domain, &world, move_hand, arguments)
 /// };
-/// let both = |one, other| arms::independent(&domain, &world, &world.state, &one, &other);
+/// let both = |one, other| schedule::independent(&domain, &world, &world.state, &one, &other);
 /// assert!(both(to("right", "<jar>"), to("left", "<rack>")));
 /// assert!(!both(to("right", "<jar>"), to("right", "<rack>")));
 /// assert!(!both(to("right", "<jar>"), to("left", "<jar>")), "both reach for one thing");

@@ -29,7 +29,7 @@ pub struct PartShare {
 /// Works out what each part of a prompt has of the whole.
 ///
 /// ```
-/// use longstep::prompt::{Counting, PartCost, explain};
+/// use longstep::dialogue::{Counting, PartCost, explain};
 /// let costs = [PartCost { name: "role", tokens: 30 }, PartCost { name: "query", tokens: 90 }];
 /// let explanation = explain(&costs, Some(4000), Counting::Exact("a tokenizer".to_owned()));
 /// assert_eq!((explanation.total, explanation.parts[1].per_mille), (120, 750));

@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::domain;
+use crate::environment::{self};
 use crate::goal;
 use crate::json::Path;
 use crate::model::{Environment, World};
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId, TaskCohesion, Test, resolve};
 use crate::search::{Limits, Outcome, solve};
 use crate::verify::{Purpose, VerifiedPlan, bind, check};
-use crate::world::{self};
 
 /// A bench with two things on it, a rack, and a locker with a jar in it.
 const ROOM: &str = r#"{
@@ -22,7 +22,8 @@ const ROOM: &str = r#"{
 fn room(text: &str) -> (Domain, World) {
     let domain = domain::shipped("household-dual").unwrap().unwrap();
     let environment = Environment::from_json(text).unwrap();
-    let world = world::read(&domain, &environment, "room", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"));
+    let world =
+        environment::read(&domain, &environment, "room", text, &Path::default()).unwrap_or_else(|e| panic!("{e}"));
     (domain, world)
 }
 
@@ -45,7 +46,7 @@ fn check_time(goal: &str, expected: (usize, u64)) {
     let time = shared.as_ref().map_or(makespan(plan.plan()), |shared| shared.after);
     assert_eq!((plan.steps().len(), time.units()), expected, "{goal}");
     if let Some(shared) = shared {
-        let after = |plan: &VerifiedPlan| world::write(&domain, &world, &plan.ending().after);
+        let after = |plan: &VerifiedPlan| environment::write(&domain, &world, &plan.ending().after);
         assert_eq!(after(&shared.plan), after(&plan), "{goal}");
         assert_eq!(shared.before, makespan(plan.plan()), "{goal}");
         assert_eq!(shared.after, makespan(shared.plan.plan()), "{goal}");

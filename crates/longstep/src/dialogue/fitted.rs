@@ -3,8 +3,8 @@
 use super::dialogue::ANSWER_TOKENS;
 use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, PromptError, Round, TokenCounter, focus};
 use crate::effort;
+use crate::environment::World;
 use crate::model::Domain;
-use crate::world::World;
 
 /// Entities of a scene at most, unless the instruction names more. Goals are offered for pairs of things: a grammar for a
 /// hundred has some 70 KiB where nothing is named, and a model that is shown more reads none of it well.
@@ -40,11 +40,11 @@ impl GoalDialogue {
     /// instruction can concern ([`focus`]).
     ///
     /// ```
-    /// use longstep::prompt::{ConstraintKind, EstimatedTokens, GoalDialogue};
-    /// use longstep::{domain, json, world};
+    /// use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue};
+    /// use longstep::{domain, json, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
-    /// let environment = world::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
-    /// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+    /// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
+    /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
     /// let (text, kind) = ("Put the cup on the table", ConstraintKind::JsonSchema);
     /// let mut counter = EstimatedTokens::default();
     /// let fitted = GoalDialogue::fitted(&household, &world, text, &[], kind, Some(4000), &mut counter).unwrap();

@@ -6,7 +6,7 @@
 use minijinja::{Value, context};
 
 use super::dialogue::TOO_MUCH_WORK;
-use super::{Message, OverBudget, Role, template, told, worked};
+use super::{Message, OverBudget, Role, template, template_context, worked};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::model::Domain;
 
@@ -91,9 +91,9 @@ pub enum PromptError {
 /// nothing of it happens when a domain is loaded.
 ///
 /// ```
-/// use longstep::{domain, prompt};
+/// use longstep::{domain, dialogue};
 /// let household = domain::shipped("household").unwrap().unwrap();
-/// let parts = prompt::fixed_parts(&household).unwrap();
+/// let parts = dialogue::fixed_parts(&household).unwrap();
 /// assert_eq!(parts.len(), 5);
 /// assert!(parts[1].messages[0].text.contains("- grasp_object(): "));
 /// ```
@@ -161,10 +161,10 @@ fn text_part(domain: &Domain, name: PartName) -> Result<Vec<Message>, Diagnostic
 /// Renders a file of `prompt/` with what the domain says, and with `more`, whose texts have `more_size` bytes.
 pub(super) fn render(domain: &Domain, file: &str, more: Value, more_size: usize) -> Result<String, Diagnostic> {
     let source = domain.prompts.parts.source(file);
-    let given = told::size(domain) + more_size;
+    let given = template_context::size(domain) + more_size;
     let variables = match more.is_undefined() {
-        true => told::context(domain),
-        false => context! { ..more, ..told::context(domain) },
+        true => template_context::context(domain),
+        false => context! { ..more, ..template_context::context(domain) },
     };
     template::render(&source.text, variables, given)
         .map(|text| text.trim().to_owned())

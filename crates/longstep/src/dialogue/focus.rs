@@ -4,9 +4,9 @@ use std::cmp::Reverse;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use crate::environment::{EntityId, World};
 use crate::goal::Spoken;
 use crate::model::{Domain, PredicateId, base_name, plain_words, singular};
-use crate::world::{EntityId, World};
 
 /// Of a kind of which the instruction means one thing without saying which, so many are taken to be needed.
 const CANDIDATES: usize = 12;
@@ -42,13 +42,13 @@ pub struct Focus {
 /// a place that is named come first. Of a great many things that are all meant only the first are needed.
 ///
 /// ```
-/// use longstep::{domain, json, prompt, world};
+/// use longstep::{domain, json, dialogue, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<jar>", "<cup>"],
 ///     "object_states": {"<cup>": "on_something(<shelf>)", "<jar>": "on_something(<table>)"}}"#;
-/// let environment = world::Environment::from_json(text).unwrap();
-/// let world = world::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
-/// let focus = prompt::focus(&household, &world, "Bring me the cup");
+/// let environment = environment::Environment::from_json(text).unwrap();
+/// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let focus = dialogue::focus(&household, &world, "Bring me the cup");
 /// let names: Vec<&str> = focus.ranked.iter().map(|id| world.entity(*id).name.as_str()).collect();
 /// assert_eq!(names, ["cup", "shelf", "table", "jar"]);
 /// assert_eq!(focus.needed, 2);
@@ -240,8 +240,8 @@ fn named(domain: &Domain, world: &World, instruction: &str, near: &Nearness) -> 
 mod tests {
     use super::*;
     use crate::domain::shipped;
+    use crate::environment::{Environment, read};
     use crate::json::Path;
-    use crate::world::{Environment, read};
 
     const BOAT: &str = r#"{"assets": ["<deck>", "<cabin>", "<galley_table>", "<locker>", "<trash_bin>"],
         "asset_states": {"<galley_table>": "on_something(<cabin>)"},

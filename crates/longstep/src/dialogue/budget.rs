@@ -70,7 +70,7 @@ impl OverBudget {
 /// rounds of this instruction and the newest turn are never dropped.
 ///
 /// ```
-/// use longstep::prompt::{Conversation, EstimatedTokens, Exchange, fit};
+/// use longstep::dialogue::{Conversation, EstimatedTokens, Exchange, fit};
 /// let pair = |text: &str| Exchange { said: text.to_owned(), replied: "done".to_owned() };
 /// let history = [pair("the first instruction"), pair("the second")];
 /// let conversation = Conversation { fixed: &[], history: &history, rounds: &[], now: "the third" };

@@ -19,9 +19,9 @@ mod query;
 mod reply;
 mod scene;
 mod template;
+mod template_context;
 #[cfg(test)]
 mod tests;
-mod told;
 mod tree_schema;
 mod worked;
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::dialogue::{Message, PartName, PromptError, Role, broken_parts, fixed_parts};
 use crate::domain::{Domain, Files, load, shipped, shipped_files, shipped_names, starter};
 use crate::plan;
-use crate::prompt::{Message, PartName, PromptError, Role, broken_parts, fixed_parts};
 
 fn household(file: &str, text: &str) -> Domain {
     let mut files = shipped_files("household").unwrap();

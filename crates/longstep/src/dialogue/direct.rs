@@ -7,8 +7,8 @@ use super::{
     direct_schema, fit, fixed_parts, focus,
 };
 use crate::diagnostic::Diagnostics;
+use crate::environment::World;
 use crate::model::Domain;
-use crate::world::World;
 
 /// Tokens for the steps of an answer; the environments come on top.
 const STEP_TOKENS: u64 = 1500;
@@ -32,11 +32,11 @@ pub struct Prepared {
 /// goes in this order: the history, oldest pair first; then entities that the instruction hardly concerns ([`focus`]).
 ///
 /// ```
-/// use longstep::prompt::{EstimatedTokens, direct_request};
-/// use longstep::{domain, json, world};
+/// use longstep::dialogue::{EstimatedTokens, direct_request};
+/// use longstep::{domain, json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
-/// let environment = world::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
-/// let world = world::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
+/// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
+/// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
 /// let mut counter = EstimatedTokens::default();
 /// let prepared =
 ///     direct_request(&household, &world, "Put the cup on the table", &[], &[], Some(8000), &mut counter).unwrap();
