@@ -1,8 +1,7 @@
-//! A robot's domain with its prompts, from a folder or from the domains that are shipped.
+//! Robot domains with their prompts: shipped ones, and ones loaded from a folder.
 //!
-//! A domain is a folder: `domain.pddl` holds the semantics, `domain.toml` the words, `prompt/` what a model is told.
-//! [`load`] reads the three together and reports everything on which they disagree. [`from_pddl`] makes do with the PDDL
-//! alone.
+//! A domain is a folder: `domain.pddl` holds the semantics, `domain.toml` the vocabulary, `prompt/` the texts for a
+//! model. [`load`] reads all three and reports every contradiction between them. [`from_pddl`] needs the PDDL only.
 
 pub use crate::lint::{Finding, Lint, lint};
 pub use crate::load::{from_pddl, load, shipped};

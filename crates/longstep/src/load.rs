@@ -1,4 +1,4 @@
-//! Domains with their prompts, from files.
+//! Loading of domains with their prompts.
 
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -11,19 +11,18 @@ use crate::model::{
     Domain, Example, FeedbackExample, Files, PartTexts, Prompts, content_position, read_toml, shipped_files,
 };
 
-/// Reads a domain.
+/// Loads a domain from the contents of its files.
 ///
 /// # Errors
 ///
-/// Everything that is wrong with the files or on which they disagree, at once, each with file, line and
-/// column. (A file that is not even PDDL or TOML hides what the rest of it would have shown.)
+/// All errors in the files and all contradictions between them, each with file, line and column. A syntax error in PDDL
+/// or TOML hides errors in the rest of that file.
 pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     let (domain, mut findings) = longstep_core::domain::load_with_findings(files);
     let domain = domain.map(|domain| Domain {
         domain,
         prompts: Prompts::default(),
     });
-    // The prompts are checked against the domain that they are for.
     let prompts = prompts_of(domain.as_ref(), files, &mut findings);
     match (domain, prompts) {
         (Some(domain), Some(prompts)) if findings.is_empty() => Ok(Domain { prompts, ..domain }),
@@ -31,21 +30,21 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     }
 }
 
-/// The shipped domain of that name, or none if there is no such domain.
+/// Loads the shipped domain of that name. Returns none if there is no such domain.
 ///
 /// # Errors
 ///
-/// None for the domains as they are shipped; the tests load each of them.
+/// None in practice: the tests load every shipped domain.
 pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
     Some(load(&shipped_files(name)?))
 }
 
-/// Reads a `domain.pddl` that has no `domain.toml` beside it, as [`longstep_core::domain::from_pddl`] does; its prompts
-/// are the library's own.
+/// Loads a `domain.pddl` without a `domain.toml`, as [`longstep_core::domain::from_pddl`] does, with the default
+/// prompts of this library.
 ///
 /// # Errors
 ///
-/// Everything that cannot be read, at once, with its place.
+/// All errors in the file, each with its position.
 pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
     let domain = longstep_core::domain::from_pddl(file, text)?;
     Ok(Domain {
@@ -54,8 +53,8 @@ pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
     })
 }
 
-/// Reads `prompt/` and checks it against the domain; findings are added to those that there are. None if it, or the
-/// domain, cannot be read.
+/// Reads `prompt/`, checks it against the domain, and appends to `findings`. Returns none if the folder or the domain
+/// cannot be read.
 fn prompts_of(domain: Option<&Domain>, files: &Files, findings: &mut Vec<Diagnostic>) -> Option<Prompts> {
     findings.extend(files.unknown_parts());
     let examples_file = files.prompt_path("examples.toml");

@@ -1,15 +1,15 @@
-//! Cost of calls to a model.
+//! Token counts of model calls.
 
-/// Cost of a call, in tokens of the model in use.
+/// Token counts of model calls, in tokens of the model in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Usage {
-    /// Model calls.
+    /// Number of calls.
     pub calls: u32,
-    /// Tokens of the prompt, those from the cache included.
+    /// Prompt tokens, including those from the prefix cache.
     pub prompt_tokens: u64,
-    /// Tokens of the prompt that needed no computation.
+    /// Prompt tokens that came from the prefix cache.
     pub cached_tokens: u64,
-    /// Tokens of the answer.
+    /// Generated tokens.
     pub completion_tokens: u64,
 }
 

@@ -1,15 +1,15 @@
-//! What can be asked in a composition: sensing actions with the things that they are about.
+//! Sensing calls that a composition can contain, and the conditions that follow them.
 
 use crate::environment::{Entity, EntityId, Fact, World};
 use crate::model::{Action, Domain, Term};
 use crate::plan::WrittenStep;
 use longstep_core::model::state_word;
 
-/// The parameters that a sensing call names in a composition: those that its call shows anyway, and those that its
-/// outcomes are about.
+/// Returns the parameters of a sensing call in a composition: the explicit ones of the action, then those that its
+/// outcomes mention.
 ///
-/// A plan's own steps may hide what they look at, since it is what the step before has grasped. A composition has no
-/// such step before: it says it.
+/// In a plan, the previous steps determine the parameters that a call hides. A composition has no such steps, so its
+/// calls name them.
 pub(super) fn asked_of(action: &Action) -> Vec<usize> {
     let mut all = action.explicit.clone();
     for term in action.senses.iter().flat_map(|outcome| &outcome.terms) {
@@ -22,8 +22,7 @@ pub(super) fn asked_of(action: &Action) -> Vec<usize> {
     all
 }
 
-/// A call of the composition in the words of the world: identifiers for everyday names, and what the action's call
-/// hides by the parameter's name.
+/// Replaces everyday names by identifiers and attaches hidden parameters under their names.
 pub(super) fn spelled_out(domain: &Domain, world: &World, step: &WrittenStep) -> WrittenStep {
     let mut step = step.clone();
     for argument in &mut step.call.arguments {
@@ -46,21 +45,21 @@ pub(super) fn spelled_out(domain: &Domain, world: &World, step: &WrittenStep) ->
     step
 }
 
-/// A sensing call about things of the world, and the conditions that can be asked after it.
+/// A sensing call with its arguments, and the conditions that can be tested after it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Check {
-    /// The action's word.
+    /// Name of the action's call.
     pub(super) call: String,
-    /// What it is about, as a model calls it.
+    /// Arguments, by the names that the model sees.
     pub(super) things: Vec<String>,
-    /// For each outcome, the state's word and what it is about. Empty where the environment has no word for one of
-    /// them: then the call itself is asked.
+    /// For each outcome, the state word and its arguments. Empty if the environment has no word for one of the
+    /// outcomes; the condition is then the call itself.
     pub(super) outcomes: Vec<(String, Vec<String>)>,
-    /// For each outcome, what it says.
+    /// For each outcome, its description.
     pub(super) says: Vec<String>,
 }
 
-/// Every sensing call that tells of a fact that is worth asking for, in the order of the domain and the world.
+/// Returns every sensing call with an outcome that satisfies `worth`, in the order of the domain and the world.
 pub(super) fn checks(domain: &Domain, world: &World, worth: impl Fn(Fact) -> bool) -> Vec<Check> {
     let mut all = Vec::new();
     for action in domain.actions.iter().filter(|action| !action.senses.is_empty()) {
@@ -87,7 +86,7 @@ pub(super) fn checks(domain: &Domain, world: &World, worth: impl Fn(Fact) -> boo
     all
 }
 
-/// What a term of an outcome is, given what the call is about.
+/// Resolves a term of an outcome to an entity, given the arguments of the call.
 fn about(term: &Term, given: &[(usize, EntityId)]) -> Option<EntityId> {
     match term {
         Term::Variable(slot) => given
@@ -102,7 +101,7 @@ fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, Entit
     let entity = |term: &Term| about(term, given);
     let outcomes = action.senses.iter().map(|outcome| {
         let word = state_word(domain, outcome.predicate)?;
-        // The entry of the environment in which the word stands comes first.
+        // Slot 0 is the entity whose environment entry holds the word.
         let slots = 0..=word.parameters.len();
         let things = slots.map(|slot| {
             let place = word.atom.terms.iter().position(|term| *term == Term::Variable(slot))?;
@@ -123,7 +122,8 @@ fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, Entit
     }
 }
 
-/// How a model calls a thing: by its everyday name, where that can stand in both notations.
+/// Returns the name by which the model sees an entity: its everyday name if both notations can contain it, else its
+/// identifier.
 pub(super) fn called(entity: &Entity) -> String {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_' | '\'');
     match entity.name.chars().all(plain) {

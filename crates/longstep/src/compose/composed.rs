@@ -1,4 +1,4 @@
-//! A composition as one plan, verified and mended like any other.
+//! A composition as one plan, which is verified and repaired like any other.
 
 use super::Inlined;
 use crate::environment::World;
@@ -9,17 +9,17 @@ use crate::report::Answer;
 use crate::report::Assessment;
 use crate::verify::VerifiedPlan;
 
-/// A composition with the steps of its plans, resolved in the world as it is now.
+/// A composition with its stored plans inlined, resolved in the current world.
 #[derive(Debug, Clone)]
 pub struct Composed<'a> {
-    /// The composition as a plan that somebody wrote.
+    /// The assessment of the resulting plan.
     pub assessment: Assessment<'a>,
-    /// For each step: the stored plan that it comes from.
+    /// For each step, the name of the stored plan that it comes from.
     origins: Vec<Option<String>>,
 }
 
 impl<'a> Composed<'a> {
-    /// Resolves a composition; `instruction` is what was asked for.
+    /// Resolves a composition. `instruction` becomes the summary of the plan.
     pub fn new(domain: &'a Domain, world: &'a World, inlined: Inlined, instruction: &str) -> Self {
         let file = PlanFile {
             task_cohesion: TaskCohesion::from_written(inlined.written),
@@ -39,7 +39,7 @@ impl<'a> Composed<'a> {
         }
     }
 
-    /// The answer to the composition as it stands. What is wrong is told with the stored plans that it is about.
+    /// Returns the answer without repair. Each violation message names the stored plans of the steps that it mentions.
     pub fn verdict(&self) -> Answer {
         let mut answer = self.assessment.verdict();
         for violation in &mut answer.violations {
@@ -57,12 +57,12 @@ impl<'a> Composed<'a> {
         answer
     }
 
-    /// The composition as it stands, if it is valid.
+    /// Returns the plan without repair, if it is valid.
     pub fn verified(&self) -> Option<VerifiedPlan> {
         self.assessment.verified()
     }
 
-    /// The answer after the least change that makes it valid, if there is one; else what is wrong with it.
+    /// Returns the answer after the cheapest repair, or the verdict without repair if there is none.
     pub fn mended(&self) -> Answer {
         match self.assessment.repair() {
             Outcome::Repaired(_) => self.assessment.repaired(),

@@ -1,13 +1,13 @@
-//! Worked examples of compositions, of things that no domain of ours has.
+//! Few-shot examples of compositions. Their objects occur in no shipped domain.
 
-/// A list of stored plans, a wish, and the composition for it.
+/// Stored plans, an instruction, and the composition that it asks for.
 pub(super) struct Example {
-    /// Name, summary, and the lane it fits into.
+    /// For each plan: name, summary, and lane ("" if none).
     pub(super) plans: &'static [(&'static str, &'static str, &'static str)],
-    /// The check, and for each of its outcomes the condition and what it says.
+    /// Sensing calls; for each outcome, the condition and its description.
     pub(super) checks: &'static [(&'static str, &'static [(&'static str, &'static str)])],
     pub(super) wish: &'static str,
-    /// The script, or `question: ...`.
+    /// A script, or `question: ...`.
     pub(super) answer: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! What a model may write: a grammar for the script, and a JSON schema for the tree.
+//! Structured output for compositions: a grammar for the script and a JSON schema for the tree.
 
 use serde_json::{Value, json};
 
@@ -7,19 +7,19 @@ use super::menu::{Menu, Offered};
 use crate::dialogue::{TreeForms, closed, tree_schema};
 use crate::goal::{QUESTION, quoted};
 
-/// Parts of one block at most: what is longer is a model that cannot stop.
+/// Maximum parts of a block. It stops a model that repeats itself.
 const MOST: usize = 6;
 
-/// How deep branches may stand in each other.
+/// Maximum nesting of branches.
 const DEPTH: usize = 2;
 
-/// Plans of one lane that are listed in every order at most, each once; of more, any can come at any time.
+/// Maximum plans of a lane for which the grammar lists every order. With more, it permits repetitions.
 const LISTED: usize = 4;
 
-/// A grammar in llguidance's Lark dialect for the script of a composition, or a question.
+/// Returns a grammar in llguidance's Lark dialect for the script of a composition, or for a question.
 ///
-/// Every line is written out with its indentation, so that nothing but the stored plans, the checks and the lanes that
-/// there are can be said. A check and the branch on what it told are one piece, and nothing is checked again within it.
+/// Every line is spelled out with its indentation, so only stored plans, checks and lanes that exist can be written. A
+/// check and the branch on its outcome form one rule, and no check repeats inside its own branch.
 pub(super) fn grammar(menu: &Menu) -> String {
     let question = format!("question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n", quoted(QUESTION));
     if menu.plans.is_empty() {
@@ -41,7 +41,7 @@ pub(super) fn grammar(menu: &Menu) -> String {
     text.push_str(&match (forks.is_empty(), menu.fork_wanted) {
         (true, _) => format!("whole: plan0 (\"\\n\" plan0){{0,{}}}\n", MOST - 1),
         (false, false) => format!("whole: part (\"\\n\" part){{0,{}}}\npart: plan0 | {forks}\n", MOST - 1),
-        // What the person says asks for it, so it is there.
+        // The instruction asks for a branch or lanes, so the grammar requires one.
         (false, true) => format!(
             "whole: (plan0 \"\\n\"){{0,{n}}} ({forks}) (\"\\n\" part){{0,{n}}}\npart: plan0 | {forks}\n",
             n = MOST - 2
@@ -54,7 +54,7 @@ fn any(alternatives: impl Iterator<Item = String>) -> String {
     alternatives.collect::<Vec<_>>().join("\n  | ")
 }
 
-/// Branches on every check, and within each those on the others.
+/// Returns the rules for a branch on each check, with branches on the other checks nested inside.
 fn branches(menu: &Menu) -> String {
     let mut text = String::new();
     let all = 0..menu.checks.len();
@@ -88,7 +88,7 @@ fn branches(menu: &Menu) -> String {
     text
 }
 
-/// The check in one line, and in the lines after it the branch on what it told.
+/// Returns the rule for a check in one line and the branch on its outcome in the next lines.
 fn branch(menu: &Menu, index: usize, depth: usize, block: &str) -> String {
     let check = &menu.checks[index];
     let margin = "    ".repeat(depth);
@@ -104,7 +104,7 @@ fn branch(menu: &Menu, index: usize, depth: usize, block: &str) -> String {
             .map(|condition| quoted(&format!("{margin}{word} {condition}:\n")));
         format!("({}) {block}", any(lines))
     };
-    // With two outcomes, whatever is not the one is the other.
+    // With two outcomes, `else` covers the second.
     let elif = match conditions.len() {
         0..=2 => String::new(),
         _ => format!(" (\"\\n\" {})?", one_of("elif")),
@@ -116,7 +116,7 @@ fn branch(menu: &Menu, index: usize, depth: usize, block: &str) -> String {
     )
 }
 
-/// Lanes side by side: two that have plans, the one or the other first.
+/// Returns the rule for parallel lanes: each ordered pair of two lanes that have plans.
 fn sides(menu: &Menu) -> String {
     let lane = |lane: &String| {
         let fitting = menu.plans.iter().filter(|plan| plan.lane.as_ref() == Some(lane));
@@ -134,7 +134,7 @@ fn sides(menu: &Menu) -> String {
     format!("sides: {}\n", any(pairs))
 }
 
-/// What can stand in a lane: some of the plans, each once, in any order.
+/// Returns the possible contents of a lane: a non-empty subset of its plans, in any order.
 fn orders<'a>(plans: &[&'a Offered]) -> Vec<String> {
     let line = |plan: &Offered| format!("        {}()", plan.name);
     if plans.len() > LISTED {
@@ -158,7 +158,7 @@ fn orders<'a>(plans: &[&'a Offered]) -> Vec<String> {
     all
 }
 
-/// A JSON schema for a whole answer of a server: the tree of the composition, or a question.
+/// Returns a JSON schema for the answer of a server: the tree of a composition, or a question.
 pub(super) fn schema(menu: &Menu) -> Value {
     let plain = |word: &str, things: &[String]| format!("{word}({})", things.join(", "));
     let plans = menu.plans.iter().map(|plan| format!("{}()", plan.name));
@@ -187,13 +187,13 @@ pub(super) fn schema(menu: &Menu) -> Value {
 }
 
 impl Check {
-    /// The call as a script has it: `check_date("spam")`.
+    /// Returns the call in script notation: `check_date("spam")`.
     pub(super) fn script(&self) -> String {
         script_call(&self.call, &self.things)
     }
 
-    /// What can be asked after it, for each outcome. Where the environment has no words for the outcomes, the call is
-    /// asked itself: the first outcome makes it hold, and each other one makes it not.
+    /// Returns one condition for each outcome. If the environment has no words for the outcomes, these are the call
+    /// itself (the first outcome) and its negation (every other outcome).
     pub(super) fn conditions(&self) -> Vec<String> {
         if self.outcomes.is_empty() {
             return vec![self.script(), format!("not {}", self.script())];

@@ -1,4 +1,4 @@
-//! A composition with every stored plan's steps in place of its name.
+//! Inlining of stored plans into a composition.
 
 use std::rc::Rc;
 
@@ -11,28 +11,28 @@ use crate::model::Domain;
 use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Test};
 use crate::plan::{StepId, Written, WrittenNode, WrittenStep};
 
-/// The steps of a composition, those of its stored plans included: a script of 20 kB can name a plan of 1,000 steps
-/// 2,000 times.
+/// Maximum number of steps after inlining. Without it, a script of 20 kB could call a plan of 1,000 steps 2,000 times.
 const LONGEST: usize = 2_000;
 
-/// A composition as one plan.
+/// A composition with its stored plans inlined.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Inlined {
-    /// The plan, not resolved yet: its things are those of the stored plans, by identifier.
+    /// The plan before resolution. Steps of stored plans name their arguments by identifier.
     pub written: Written,
-    /// For each step of the plan, in reading order and with the sensing steps of conditions: the stored plan that it
-    /// comes from.
+    /// For each step, the stored plan that it comes from. Steps are in reading order and include the sensing steps of
+    /// conditions.
     pub origins: Vec<Option<String>>,
 }
 
-/// Puts the steps of stored plans in place of their names.
+/// Replaces calls of stored plans by the steps of these plans.
 ///
-/// A remark before them says which plan they come from, or, in a plain list of steps, each of them does. Each stored plan was bound in the world that it was made for,
-/// so all of its arguments are given, by identifier; whether those things are here is for resolving to find out.
+/// A remark before the steps names their plan; in a linear plan, each explanation names it instead. A stored plan was
+/// bound in its own world, so its steps have all arguments, by identifier. Resolution checks later that these entities
+/// exist in the current world.
 ///
 /// # Errors
 ///
-/// Everything that does not fit, in the order of the composition.
+/// Every misfit, without duplicates, in the order of the composition.
 pub fn inline(
     domain: &Domain,
     world: &World,
@@ -70,7 +70,6 @@ pub fn inline(
             origins: inliner.origins,
         }),
         false => {
-            // A name that is wrong twice is told once.
             let mut told: Vec<Misfit> = Vec::new();
             misfits.into_iter().for_each(|misfit| {
                 if !told.contains(&misfit) {
@@ -82,8 +81,8 @@ pub fn inline(
     }
 }
 
-/// A plain list of steps is the common case and stays one: where its steps come from is told in their explanations, not
-/// in remarks between them.
+/// Names the stored plan in each step's explanation. Without remarks between the steps, a linear plan stays a list of
+/// steps, which is the common case.
 fn tell_in_steps(written: &mut Written, origins: &[Option<String>]) {
     written.body.retain(|node| matches!(node, Node::Step(_)));
     for (step, origin) in written.steps.iter_mut().zip(origins) {
@@ -98,7 +97,7 @@ struct Inliner<'a> {
     world: &'a World,
     composition: &'a Written,
     recalled: Vec<(&'a Stored, Result<Rc<Recalled>, Misfit>)>,
-    /// The steps of the whole, without those in conditions.
+    /// The steps of the result, without the sensing steps of conditions.
     steps: Vec<WrittenStep>,
     origins: Vec<Option<String>>,
     misfits: Vec<Misfit>,
@@ -143,8 +142,8 @@ impl<'a> Inliner<'a> {
         vec![node]
     }
 
-    /// The stored plan that a call means, if it means one that can be used; nothing if it is an action's call. What it
-    /// should mean and does not is told.
+    /// Finds the stored plan that a call names. Returns none for the call of an action; a misuse of a stored plan is
+    /// recorded as a misfit.
     fn meant(&mut self, step: &WrittenStep) -> Option<(String, Rc<Recalled>)> {
         let name = &step.call.name;
         let (plan, recalled) = self.recalled.iter().find(|(plan, _)| plan.name == *name)?;
@@ -160,7 +159,7 @@ impl<'a> Inliner<'a> {
         }
     }
 
-    /// A step that the composition does itself.
+    /// Adds a step that belongs to the composition itself.
     fn own(&mut self, step: &WrittenStep) -> Option<StepId> {
         let calls = self.domain.actions.iter().map(|action| action.call.as_str());
         if !calls.clone().any(|call| call == step.call.name) {
@@ -182,7 +181,7 @@ impl<'a> Inliner<'a> {
         StepId::new(self.steps.len() - 1)
     }
 
-    /// The nodes of a stored plan, numbered as they are here.
+    /// Returns the nodes of a stored plan with its steps renumbered for the result.
     fn spliced(&mut self, name: &str, recalled: &Recalled) -> Vec<WrittenNode> {
         let before = self.steps.len();
         if before + recalled.written.steps.len() > LONGEST {
@@ -252,7 +251,7 @@ impl<'a> Inliner<'a> {
         }
     }
 
-    /// What the composition itself asks.
+    /// Converts a condition of the composition itself.
     fn condition(&mut self, condition: &Test<WrittenStep>) -> Test<WrittenStep> {
         let condition = self.asked(condition);
         self.note_sensing(&condition, None);
@@ -272,12 +271,12 @@ impl<'a> Inliner<'a> {
                 }
                 Test::Holds(spelled_out(self.domain, self.world, step))
             }
-            // What is written has calls only.
+            // A plan before resolution has no such condition.
             Test::Sense(step) => Test::Sense(*step),
         }
     }
 
-    /// Resolving makes a step of every sensing call in a condition: it is numbered where it stands.
+    /// Resolution turns each sensing call in a condition into a step, numbered at the position of the condition.
     fn note_sensing(&mut self, condition: &Test<WrittenStep>, origin: Option<&str>) {
         match condition {
             Test::Holds(step) => {
@@ -307,7 +306,7 @@ impl<'a> Inliner<'a> {
             let domain = self.domain.name.clone();
             self.misfits.push(Misfit::NoLanes { domain });
         }
-        // A lane may have any name; where it is that of an actor, it is meant.
+        // Lane names are free text; a name that matches an actor stands for that actor.
         let called = |(identifier, name): &&(String, String)| {
             identifier.eq_ignore_ascii_case(&lane.actor) || name.eq_ignore_ascii_case(&lane.actor)
         };
@@ -343,7 +342,7 @@ impl<'a> Inliner<'a> {
         }
     }
 
-    /// Who does a stored plan that stands in a lane; none if it has no steps.
+    /// Returns the actor of a stored plan in a lane, or none if the plan has no steps.
     fn doer(
         &self,
         name: &str,

@@ -1,7 +1,7 @@
-//! What a model may put together: the stored plans, what can be asked, and who can work side by side.
+//! The parts that a composition may use: stored plans, sensing calls, and lanes.
 //!
-//! Where the person's words tell, it is narrowed: a small model otherwise takes one plan too many, and looks at things
-//! for no reason. This reads English only; where it finds nothing, everything is on offer.
+//! Cues in the instruction narrow the choice, because a small model otherwise adds one plan too many or senses without
+//! need. The cues are English; without a match, every stored plan is available.
 
 use super::asked::{Check, called, checks};
 use super::{Recalled, Stored};
@@ -10,27 +10,27 @@ use crate::environment::World;
 use crate::goal::{Spoken, cannot_be_told, conditions};
 use crate::model::{Domain, plain_words, singular};
 
-/// What a composition can be made of here.
+/// Parts available to a composition.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Menu {
     pub(super) plans: Vec<Offered>,
     pub(super) checks: Vec<Check>,
-    /// Who has a plan that fits into a lane, in the order of the world; empty if fewer than two have.
+    /// Actors with a plan that fits a lane, in the order of the world. Empty if there are fewer than two.
     pub(super) lanes: Vec<String>,
-    /// Whether the person asks for a branch, or for lanes.
+    /// True if the instruction asks for a branch or for lanes.
     pub(super) fork_wanted: bool,
 }
 
-/// A stored plan as a model is offered it.
+/// A stored plan as listed in the prompt.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Offered {
     pub(super) name: String,
     pub(super) summary: String,
-    /// Whose lane it fits into.
+    /// Name of the only actor of the plan, if it fits a lane.
     pub(super) lane: Option<String>,
 }
 
-/// How people ask for lanes.
+/// Phrases that ask for parallel lanes.
 const SIDE_BY_SIDE: [&str; 12] = [
     "at once",
     "same time",
@@ -45,7 +45,7 @@ const SIDE_BY_SIDE: [&str; 12] = [
     "other arm",
     "other hand",
 ];
-/// What can mean so.
+/// Phrases that permit lanes but do not require them.
 const PERHAPS_SIDE_BY_SIDE: [&str; 6] = ["while", "together", "both robots", "each robot", "other robot", "both"];
 
 impl Menu {
@@ -92,7 +92,8 @@ impl Menu {
             lanes.clear();
         }
         let asked = conditions(domain, world, &spoken);
-        // Of what nothing here tells, perhaps something does that goes by other words.
+        // A condition that matches no cue may still be about the outcome of a sensing call, so every call about the
+        // mentioned entities is available.
         let checks = if !asked.is_empty() {
             checks(domain, world, |fact| {
                 asked.iter().any(|dependence| dependence.fact == fact)
@@ -113,7 +114,8 @@ impl Menu {
     }
 }
 
-/// Whether the words have a part of one of the names. Short words mean too much: "can" is not the paint can.
+/// Returns true if the instruction contains a word of one of the names. Words of up to three letters do not count:
+/// "can" is rarely the paint can.
 fn is_named(names: &[String], words: &[String]) -> bool {
     let words: Vec<String> = words.iter().map(|word| singular(word)).collect();
     let parts = names.iter().flat_map(|name| plain_words(name));
@@ -123,7 +125,7 @@ fn is_named(names: &[String], words: &[String]) -> bool {
     parts.any(|part| words.contains(&part))
 }
 
-/// Whether the words have the verb with which a summary begins.
+/// Returns true if the instruction contains the verb that begins the summary, unless that verb is too common.
 fn says_verb(summary: &str, words: &[String]) -> bool {
     const COMMON: [&str; 11] = [
         "put", "place", "set", "lay", "take", "get", "bring", "move", "pick", "fetch", "carry",

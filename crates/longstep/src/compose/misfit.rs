@@ -1,20 +1,20 @@
-//! What keeps a composition from becoming a plan, before anything is simulated.
+//! Errors in a composition that are found before any simulation.
 
 use crate::environment::World;
 use crate::report::{Answer, Status, ViolationAnswer};
 
-/// A part of a composition that cannot be put in its place.
+/// A part of a composition that cannot be inlined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Misfit {
-    /// A call that is neither a stored plan nor an action.
+    /// A call of neither a stored plan nor an action.
     #[error("there is no stored plan `{name}`{}", .near.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?")))]
     UnknownPlan {
-        /// What is called.
+        /// The called name.
         name: String,
-        /// A plan or an action of a similar name.
+        /// A stored plan or an action with a similar name.
         near: Option<String>,
     },
-    /// A stored plan is called with something in its parentheses.
+    /// A stored plan is called with arguments.
     #[error(
         "`{name}` is a stored plan, which takes nothing in its parentheses: what it handles was settled when it was made"
     )]
@@ -22,7 +22,7 @@ pub enum Misfit {
         /// The plan.
         name: String,
     },
-    /// A stored plan stands in a condition.
+    /// A condition calls a stored plan.
     #[error(
         "`{name}` is a stored plan, which tells nothing that could be asked: a condition asks a sensing action or a state"
     )]
@@ -30,68 +30,68 @@ pub enum Misfit {
         /// The plan.
         name: String,
     },
-    /// A stored plan means nothing in this domain, or in the world that it was made for.
+    /// A stored plan cannot be resolved, in this domain or in the world that it was made for.
     #[error("the stored plan `{name}` cannot be used: {why}")]
     Unusable {
         /// The plan.
         name: String,
-        /// Why, in a sentence.
+        /// The reason, as a sentence.
         why: String,
     },
-    /// A stored plan in a lane branches, loops, or has lanes itself.
+    /// A stored plan in a lane has branches, loops or lanes.
     #[error("`{name}` is no plain sequence, and a lane can only hold steps that come one after the other")]
     NoSequence {
         /// The plan.
         name: String,
     },
-    /// A stored plan in a lane is done by several hands, arms or robots.
+    /// A stored plan in a lane has several actors.
     #[error("`{name}` needs {}, and a lane has only one", .actors.join(" and "))]
     SeveralActors {
         /// The plan.
         name: String,
-        /// Who does it.
+        /// Its actors.
         actors: Vec<String>,
     },
-    /// A stored plan in a lane has a step that no single hand, arm or robot does.
+    /// A stored plan in a lane has a step without a single actor.
     #[error("`{name}` has a step that no single one of {} does, and a lane has only one", .actors.join(", "))]
     NoActor {
         /// The plan.
         name: String,
-        /// Those that there are.
+        /// The actors of the world.
         actors: Vec<String>,
     },
-    /// A stored plan stands in the lane of another hand, arm or robot than the one that does it.
+    /// A stored plan is in the lane of another actor.
     #[error("`{name}` is done by {actor}, and stands in the lane of {lane}")]
     WrongLane {
         /// The plan.
         name: String,
-        /// Who does it.
+        /// The actor of the plan.
         actor: String,
-        /// Whose lane it is.
+        /// The actor of the lane.
         lane: String,
     },
-    /// There is only one that could do anything.
+    /// The composition has lanes, but no action of the domain names an actor.
     #[error("nothing can be done side by side in the domain `{domain}`: no action says who does it")]
     NoLanes {
         /// The domain.
         domain: String,
     },
-    /// Branches and loops stand too deep in each other.
+    /// Branches and loops are nested too deeply.
     #[error("branches and loops stand in each other more than {limit} deep")]
     TooDeep {
-        /// How deep they may.
+        /// Maximum depth.
         limit: usize,
     },
-    /// The stored plans have too many steps together.
+    /// The inlined plan has too many steps.
     #[error("the plans have more than {limit} steps together")]
     TooLong {
-        /// How many they may have.
+        /// Maximum number of steps.
         limit: usize,
     },
 }
 
 impl Misfit {
-    /// The kind, as `--json` names it.
+    /// Returns the kind, as `--json` names it.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::UnknownPlan { .. } => "unknown_plan",
@@ -109,7 +109,7 @@ impl Misfit {
     }
 }
 
-/// The answer to a composition that is no plan: everything that does not fit.
+/// Returns the answer for a composition that cannot be inlined, with one violation for each misfit.
 pub fn refused(world: &World, instruction: &str, misfits: &[Misfit]) -> Answer {
     let mut answer = Answer::without_plan(Status::Invalid, world, instruction, "");
     let told = misfits.iter().map(|misfit| ViolationAnswer {

@@ -1,9 +1,9 @@
-//! Plans put together from stored ones: one after the other, in branches, or side by side.
+//! Plans composed of stored plans: in sequence, in branches, or in parallel lanes.
 //!
-//! Stored plans are accepted plans with a name and a summary ([`Stored`]). A model, or a person, writes a composition
-//! of them in the notation of any plan, with the plans' names as calls. [`request`] asks a model for one, [`read`] reads
-//! it, and [`inline`] puts each plan's steps in place of its name. What comes out is one plan, and it is verified as one,
-//! from the world as it is now ([`Composed`]): nothing is taken over from the verdicts on its parts.
+//! A [`Stored`] plan is an accepted plan with a name and a summary. A model or a person writes a composition as a plan
+//! that calls stored plans by name. [`request`] builds the request to a model, [`read`] parses the reply, and
+//! [`inline`] replaces each name by the steps of its plan. The result is one plan. [`Composed`] verifies it as a whole,
+//! from the current world, and reuses no verdict on its parts.
 
 mod asked;
 mod composed;

@@ -1,4 +1,4 @@
-//! What a model, or a person, wrote.
+//! Parsing of compositions.
 
 use super::request::asks;
 use crate::diagnostic::Position;
@@ -6,28 +6,16 @@ use crate::dialogue::in_schema;
 use crate::plan::{self, Unreadable, Written, script, write_tree};
 use serde_json::json;
 
-/// What was said.
+/// A parsed reply.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Said {
-    /// A composition; its calls are not resolved yet.
+    /// A composition whose calls are not resolved yet.
     Composition(Written),
-    /// The person must say more first.
+    /// A question to the person.
     Question(String),
 }
 
-/// Reads a composition: a script, or the same as a JSON tree, alone or as a model puts it.
-///
-/// ```
-/// use longstep::compose::{Said, read};
-/// let said = read("fetch_pear()\nif rotten(\"pear\"):\n    compost_pear()\n").unwrap();
-/// let Said::Composition(written) = said else { panic!("{said:?}") };
-/// assert_eq!(written.steps.len(), 2);
-/// assert_eq!(read("question: Which pear?").unwrap(), Said::Question("Which pear?".to_owned()));
-/// ```
-///
-/// # Errors
-///
-/// When there is no plan in the text, or one that cannot be read.
+/// Parses a composition, as a script or as a JSON tree, with or without text around it.
 pub fn read(text: &str) -> Result<Said, Unreadable> {
     if let Some(question) = asks(text) {
         return Ok(Said::Question(question.to_owned()));
@@ -42,12 +30,12 @@ pub fn read(text: &str) -> Result<Said, Unreadable> {
     })
 }
 
-/// A script as a server writes it.
+/// Converts the answer of an example to the JSON that the schema describes.
 pub(super) fn in_json(answer: &str) -> String {
     let (tree, question) = match (asks(answer), script::read(answer)) {
         (Some(question), _) => (json!([]), question),
         (None, Ok(written)) => (in_schema(&write_tree(&written), false), ""),
-        // The examples are scripts: a test reads them all.
+        // Unreachable for the examples: a test parses all of them.
         (None, Err(_)) => (json!([]), ""),
     };
     json!({"task_tree": tree, "question": question}).to_string()

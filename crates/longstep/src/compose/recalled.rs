@@ -1,4 +1,4 @@
-//! A stored plan as it was when it was made: every argument known.
+//! Stored plans with all arguments bound.
 
 use super::{Misfit, Stored};
 use crate::environment::{self, World};
@@ -12,21 +12,21 @@ use crate::report::Assessment;
 pub(super) struct Recalled {
     /// The plan with all of its arguments, by identifier.
     pub(super) written: Written,
-    /// What it does, in a few words.
+    /// Short description.
     pub(super) summary: String,
-    /// Who does its steps, by identifier, in the order in which they first do something.
+    /// Actors of its steps, by identifier, in order of first occurrence.
     pub(super) actors: Vec<String>,
-    /// Whether it has a step that no single one of them does, in a domain where others have somebody who does them.
+    /// True if the domain has actors and some step has no single one.
     pub(super) joint: bool,
-    /// What its steps are about, by identifier.
+    /// Arguments of its steps other than actors, by identifier.
     pub(super) handled: Vec<String>,
 }
 
 impl Recalled {
-    /// Reads a stored plan in the world that its file gives, or else in the one at hand, and finds every argument.
+    /// Binds a stored plan in the world of its file, or in `world` if its file has none.
     ///
-    /// Whether it is a good plan is not asked: one that picks a thing up and keeps it breaks a rule by itself, and is a
-    /// good part of another plan.
+    /// The plan need not be valid: a plan that grasps an object and keeps it breaks a rule alone, but can be part of a
+    /// valid plan.
     pub(super) fn of(domain: &Domain, world: &World, stored: &Stored) -> Result<Self, Misfit> {
         let unusable = |why: String| Misfit::Unusable {
             name: stored.name.clone(),
@@ -68,7 +68,7 @@ impl Recalled {
         recalled
     }
 
-    /// What a person is told before its steps.
+    /// Returns the remark that precedes its steps.
     pub(super) fn remark(&self, name: &str) -> String {
         match self.summary.is_empty() {
             true => name.to_owned(),

@@ -1,4 +1,4 @@
-//! Asking a model for a composition.
+//! Requests for compositions.
 
 use super::Stored;
 use super::examples::{EXAMPLES, Example};
@@ -10,16 +10,16 @@ use crate::environment::World;
 use crate::goal::QUESTION;
 use crate::model::Domain;
 
-/// Tokens for a script; the longest that the grammar allows and anybody wants is shorter.
+/// Token budget of a script. The longest useful script under the grammar is shorter.
 const SCRIPT_TOKENS: u32 = 512;
-/// Tokens for the same as JSON.
+/// Token budget of a JSON tree.
 const TREE_TOKENS: u32 = 2048;
 
-/// Asks for a composition of the stored plans that does what is wanted, or for a question.
+/// Builds the request for a composition of stored plans that fulfils the instruction, or for a question.
 ///
-/// The task and the examples come first and are the same for every request. A model whose every token we choose is held
-/// to a grammar of exactly what there is, and writes a script; a server is given a schema, and writes the same as a
-/// JSON tree. `rounds` is what was said about earlier answers. [`super::read`] reads the answer.
+/// Task and examples come first and are equal in all requests, so a prefix cache can keep them. With
+/// [`ConstraintKind::Grammar`] the model writes a script; with [`ConstraintKind::JsonSchema`], which servers accept, it
+/// writes a JSON tree. `rounds` holds earlier replies and the feedback on them. [`super::read`] parses the reply.
 pub fn request(
     domain: &Domain,
     world: &World,
@@ -49,7 +49,7 @@ pub fn request(
     }
 }
 
-/// What a server is told besides: the task speaks of lines.
+/// Addition to the task for JSON replies, since the task describes lines.
 const AS_TREE: &str = "\nWrite the program as a JSON object: \"task_tree\" is the list of its parts, {\"call\": \
     \"fetch_pear()\"} for a call, {\"if\": {\"call\": \"rotten(pear)\"}, \"then\": [...], \"else\": [...]} for a branch, \
     {\"parallel\": [{\"lane\": \"left\", \"do\": [...]}, ...]} for arms side by side. \"question\" is empty unless you \
@@ -79,7 +79,7 @@ fn query(menu: &Menu, instruction: &str) -> String {
     });
     let checks = menu.checks.iter().map(|check| {
         let conditions = check.conditions();
-        // Where only the call can be asked, it holds or it does not.
+        // Conditions may be fewer than outcomes: the last one, the negated call, then stands for the rest.
         let told = conditions
             .iter()
             .map(String::as_str)
@@ -127,7 +127,7 @@ fn whole_query(plans: Vec<String>, checks: Vec<String>, wish: &str) -> String {
     format!("{text}Wish: {wish}")
 }
 
-/// Whether an answer asks back.
+/// Returns the question of an answer, if it is one.
 pub(super) fn asks(answer: &str) -> Option<&str> {
     answer.trim().strip_prefix(QUESTION.trim()).map(str::trim)
 }

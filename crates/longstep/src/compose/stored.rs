@@ -1,38 +1,39 @@
-//! Plans that are kept, by the names that compositions call them by.
+//! Stored plans and their names.
 
 use crate::model::Domain;
 use crate::plan::PlanFile;
 
-/// An accepted plan that can be a part of another one.
+/// An accepted plan that can be part of another one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stored {
-    /// What a composition calls it: letters, digits and underscores.
+    /// Name in compositions: ASCII letters, digits and underscores.
     pub name: String,
-    /// What it does, in a few words.
+    /// Short description.
     pub summary: String,
-    /// The plan, with the world that it was made for under `environment_before`.
+    /// The plan; `environment_before` holds the world that it was made for.
     pub file: PlanFile,
 }
 
-/// Why plans cannot be stored side by side.
+/// A name conflict between stored plans, or with an action.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NameClash {
-    /// Two plans would be called the same.
+    /// Two plans have one name.
     #[error("two stored plans are called `{0}`")]
     Twice(String),
-    /// A plan would be called like an action.
+    /// A plan has the name of an action.
     #[error("a stored plan is called `{0}`, and so is an action of the domain")]
     Action(String),
 }
 
-/// What the notation itself means something by.
+/// Keywords of the plan notation.
 const RESERVED: [&str; 16] = [
     "if", "elif", "else", "while", "for", "in", "range", "with", "not", "and", "or", "pass", "parallel", "lane",
     "sync", "question",
 ];
 
 impl Stored {
-    /// A plan from a file with this name, less its ending. What cannot stand in a name becomes `_`.
+    /// Creates a stored plan from a file with this name (without its extension). Characters that a name cannot contain
+    /// become `_`.
     ///
     /// ```
     /// use longstep::{compose::Stored, plan::PlanFile};
@@ -65,11 +66,11 @@ fn plan_name(stem: &str) -> String {
     }
 }
 
-/// Whether every name means one thing.
+/// Checks that names are unique among the plans and differ from all actions.
 ///
 /// # Errors
 ///
-/// The first name, in the order of the plans, that means two.
+/// The first name conflict, in the order of the plans.
 pub fn check_names(domain: &Domain, stored: &[Stored]) -> Result<(), NameClash> {
     for (index, plan) in stored.iter().enumerate() {
         if stored[..index].iter().any(|other| other.name == plan.name) {

@@ -1,4 +1,4 @@
-//! Compositions from the words to the verdict.
+//! Compositions, from the script to the verdict.
 
 use serde_json::{Value, json};
 
@@ -10,7 +10,8 @@ use crate::json::Path;
 use crate::plan::{PlanFile, script};
 use crate::report::Answer;
 
-/// A domain, its world now, and stored plans: file name, what is handled, `call: explanation` for each step.
+/// A domain, its current world, and stored plans, each given by file name, handled object, and steps as `call:
+/// explanation`.
 struct Scene {
     domain: Domain,
     world: World,
@@ -134,7 +135,7 @@ fn composed<'a>(scene: &'a Scene, composition: &str) -> Result<Composed<'a>, Vec
     Ok(Composed::new(&scene.domain, &scene.world, inlined, ""))
 }
 
-/// What comes of a composition: how many steps and endings, or what is wrong.
+/// Compares the number of steps and endings of a composition, or its errors.
 #[track_caller]
 fn check(scene: &Scene, composition: &str, expected: &str) {
     let told = match composed(scene, composition) {
@@ -162,7 +163,7 @@ fn plans_in_turn_and_in_branches_are_one_plan() {
     let branching = "take_cream()\ncheck_best_by_date(\"cream\")\nif expired(\"cream\"):\n    drop_cream()\n\
                      else:\n    shelve_cream()\n";
     check(&scene, branching, "9 steps, 2 endings");
-    // The paper's way to ask, with the thing by its identifier or left to be found.
+    // The paper's notation, with the object given by identifier or omitted.
     for asked in ["check_best_by_date(\"<cream>\")", "check_best_by_date()"] {
         let composition = format!("take_cream()\nif {asked}:\n    shelve_cream()\nelse:\n    drop_cream()\n");
         check(&scene, &composition, "9 steps, 2 endings");
@@ -230,7 +231,7 @@ fn what_cannot_be_in_its_place_is_told() {
         "with parallel():\n    with lane(\"left\"):\n        take_cream()\n",
         "nothing can be done side by side in the domain `household-checks`: no action says who does it",
     );
-    // Each once, however often it is wrong.
+    // Each error is reported once.
     check(
         &scene,
         "fly()\nfly()\nswim()",

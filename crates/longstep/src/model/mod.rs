@@ -9,8 +9,7 @@ pub use longstep_core::domain::*;
 pub(crate) use prompts::Source;
 pub use prompts::{Example, FeedbackExample, PartTexts, Prompts};
 
-/// A domain that a model can be asked about: the [domain](longstep_core::model::Domain) of the verifier, which it stands
-/// for wherever that is wanted, and its prompts.
+/// A verifier [domain](longstep_core::model::Domain) with its prompts. It dereferences to the verifier domain.
 #[derive(Debug, Clone)]
 pub struct Domain {
     pub(crate) domain: longstep_core::model::Domain,

@@ -1,28 +1,28 @@
-//! The texts of a domain's `prompt/` folder, as data.
+//! Texts of a domain's `prompt/` folder.
 
 use std::collections::BTreeMap;
 
 use longstep_core::domain::Files;
 
-/// The texts with which a model is asked about a domain.
+/// Prompt texts of a domain.
 #[derive(Debug, Clone, Default)]
 pub struct Prompts {
-    /// The goal strategy's task: `prompt/goal.md`, rendered.
+    /// System prompt of the goal strategy: `prompt/goal.md`, rendered.
     pub goal: String,
-    /// The worked examples of `prompt/examples.toml`.
+    /// Few-shot examples of `prompt/examples.toml`.
     pub examples: Vec<Example>,
-    /// The texts of the direct strategy's parts, not rendered yet.
+    /// Prompt parts of the direct strategy, not rendered.
     pub parts: PartTexts,
-    /// The worked examples of `prompt/feedback.toml`.
+    /// Few-shot examples of `prompt/feedback.toml`.
     pub feedback_examples: Vec<FeedbackExample>,
 }
 
-/// A worked example for the model: a small scene, an instruction and the answer to it.
+/// A few-shot example: a small scene, an instruction and its answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Example {
-    /// Names of things and what is said of them.
+    /// Names and descriptions of objects.
     pub objects: Vec<(String, String)>,
-    /// Names of places and what is said of them.
+    /// Names and descriptions of places.
     pub places: Vec<(String, String)>,
     /// The instruction.
     pub instruction: String,
@@ -31,33 +31,33 @@ pub struct Example {
 }
 
 impl Example {
-    /// The names of its objects and places.
+    /// Returns the names of objects and places.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.objects.iter().chain(&self.places).map(|(name, _)| name.as_str())
     }
 }
 
-/// A worked example for the model: a plan, what a person says about it, and the answer.
+/// A few-shot example of feedback: a plan, an utterance about it, and the answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FeedbackExample {
     /// The instruction that the plan is for.
     pub instruction: String,
     /// The steps, each a call and its sentence: `grasp_object(): grasp the mug`.
     pub plan: Vec<String>,
-    /// The person's words about the plan.
+    /// The utterance about the plan.
     pub says: String,
     /// `goal`, changes joined by ` & `, or `question: ...`.
     pub answer: String,
 }
 
-/// The texts that the direct strategy's parts are made from, with their paths.
+/// Source texts of the direct strategy's prompt parts, with their paths.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartTexts {
     /// By file name.
     sources: BTreeMap<String, Source>,
 }
 
-/// A text and what findings call it.
+/// A text with the path that diagnostics show.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Source {
     pub(crate) path: String,
@@ -65,7 +65,7 @@ pub(crate) struct Source {
 }
 
 impl Default for PartTexts {
-    /// The library's own, which have no examples.
+    /// The default texts of this library, without examples.
     fn default() -> Self {
         let own = [
             ("role.md", include_str!("../dialogue/parts/role.md")),
@@ -92,7 +92,7 @@ impl Default for PartTexts {
 }
 
 impl PartTexts {
-    /// The library's own texts, less those that the files replace.
+    /// Returns the default texts, replaced by those of `files` where it has them.
     pub(crate) fn of(files: &Files) -> Self {
         let mut texts = Self::default();
         for (name, text) in &files.parts {
