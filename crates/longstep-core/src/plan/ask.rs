@@ -1,4 +1,4 @@
-//! What a condition asks: a sensing action, or a state that is known.
+//! Resolution of conditions: each call in a condition is a sensing action or a state predicate.
 
 use super::Violation;
 use super::resolve::Resolver;
@@ -7,17 +7,17 @@ use super::{StepId, Test, fuzzy_names};
 use crate::diagnostic::nearest;
 use crate::model::{Action, ActionId, Atom, Domain, EntityId, Fact, PredicateId, StateWord, Term, ground};
 
-/// What the word of a call in a condition means.
+/// Meaning of a call in a condition.
 enum Meaning {
     Senses,
-    /// A fact about so many entities.
+    /// A state predicate, as an atom with this number of arguments.
     Holds(Atom, usize),
-    /// An action that tells nothing.
+    /// An action that is not a sensing action.
     Acts,
 }
 
 impl Resolver<'_> {
-    /// The condition, with its sensing steps numbered in reading order.
+    /// Resolves the condition; its sensing steps are numbered in reading order.
     pub(super) fn test(&mut self, test: &Test<WrittenStep>) -> Test {
         match test {
             Test::Holds(asked) => self.asked(asked),
@@ -28,7 +28,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// One call of a condition. A call that means nothing takes a step's place, so that findings can name it.
+    /// Resolves one call of a condition. An unresolvable call takes a step number, so that findings can refer to it.
     fn asked(&mut self, asked: &WrittenStep) -> Test {
         let index = self.steps.len();
         let call = &asked.call;
@@ -100,8 +100,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// The fact that a call asks for, the entity in whose entry it stands first. Where only that one is open, it may be
-    /// left out if the plan handles one thing alone.
+    /// Grounds the atom with the arguments of the call; the entity whose environment entry states the fact comes first.
+    /// The call may omit its only argument if the plan handles a single object.
     fn fact(&mut self, step: usize, asked: &WrittenStep, atom: &Atom, arity: usize) -> Option<Fact> {
         let names = &asked.call.arguments;
         if let Some((name, _)) = asked.implicit.first() {
@@ -137,7 +137,7 @@ impl Resolver<'_> {
     }
 }
 
-/// How an action is called, for a person.
+/// Signature of an action, for messages.
 fn shown(action: &Action) -> String {
     let names: Vec<&str> = action
         .explicit

@@ -1,21 +1,21 @@
-//! What a step says that holds after it.
+//! Claims of a step: facts that its explanation asserts to hold after it.
 //!
-//! The paper's scripts tell it in the comment, behind the sentence:
-//! `place it on the shelf; <spam>: on_something(<shelf>)`. Several claims are parted by semicolons, several words about
-//! one thing by commas.
+//! The paper's scripts write them in the comment, after the sentence:
+//! `place it on the shelf; <spam>: on_something(<shelf>)`. Semicolons separate the claims of different entities, commas
+//! separate several state words of one entity.
 
 use crate::call::Call;
 
-/// What stands in an explanation.
+/// Parts of an explanation.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Told<'t> {
-    /// What the step does, for a person.
+    /// Description of the step for the user.
     pub(crate) sentence: &'t str,
-    /// Entities and the words that they are said to have afterwards, in order.
+    /// Claimed state words with the entity that each applies to, in order.
     pub(crate) claims: Vec<(&'t str, Call)>,
 }
 
-/// Reads an explanation.
+/// Splits an explanation into the sentence and the claims.
 pub(crate) fn told(explanation: &str) -> Told<'_> {
     let mut sentence = explanation;
     let mut parts = Vec::new();
@@ -39,7 +39,7 @@ pub(crate) fn told(explanation: &str) -> Told<'_> {
     }
 }
 
-/// `<entity>: word(...), word(...)`.
+/// Parses `<entity>: word(...), word(...)`.
 fn claims(text: &str) -> Option<Vec<(&str, Call)>> {
     let end = text.starts_with('<').then(|| text.find('>'))?? + 1;
     let (entity, words) = (&text[..end], text[end..].trim_start().strip_prefix(':')?);

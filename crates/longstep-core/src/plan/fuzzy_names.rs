@@ -1,12 +1,11 @@
-//! Names that are nearly right.
+//! Fuzzy matching of misspelled names.
 //!
-//! A name is taken for another only when there is one candidate and no doubt: the same letters in other case or with
-//! other signs, a beginning that only one name has, a slip of a letter or two. Numbers are never guessed: `<plate_3>`
-//! is not `<plate_4>`.
+//! A match needs exactly one candidate, which differs only in case or punctuation, is an unambiguous prefix match, or
+//! lies within an edit distance of one or two. Digits must match exactly: `<plate_3>` never matches `<plate_4>`.
 
 use crate::model::{ActionId, Domain, EntityId, World, base_name};
 
-/// Letters and digits in lower case.
+/// Letters and digits of the name, in lower case.
 fn bare(name: &str) -> String {
     name.chars()
         .filter(|c| c.is_alphanumeric())
@@ -14,13 +13,14 @@ fn bare(name: &str) -> String {
         .collect()
 }
 
-/// The one thing that there is, if there is just one.
+/// Returns the first item if all other items are equal to it.
 fn only<T: PartialEq>(mut all: impl Iterator<Item = T>) -> Option<T> {
     let first = all.next()?;
     all.all(|other| other == first).then_some(first)
 }
 
-/// Whether `left` is `right` with a slip of the pen: one letter, or two in a long word.
+/// Returns true if the edit distance between the names is at most 1, or 2 in names of eight letters or more (0 in names
+/// of up to three).
 fn slip(left: &str, right: &str) -> bool {
     let length = left.chars().count().min(right.chars().count());
     let allowed = match length {
@@ -31,7 +31,7 @@ fn slip(left: &str, right: &str) -> bool {
     strsim::damerau_levenshtein(left, right) <= allowed
 }
 
-/// The action that a call with that many arguments must mean, if its name is not one already.
+/// Finds the only action that can be meant by this name and number of arguments. The name is not an exact match.
 pub(super) fn action(domain: &Domain, written: &str, arguments: usize) -> Option<ActionId> {
     let written = bare(written);
     let named = |count: Option<usize>, fits: &dyn Fn(&str) -> bool| {
@@ -47,7 +47,7 @@ pub(super) fn action(domain: &Domain, written: &str, arguments: usize) -> Option
         .or_else(|| named(Some(arguments), &|call| slip(call, &written)))
 }
 
-/// The entity that a name must mean, if it is not one already.
+/// Finds the only entity that can be meant by this name. The name is not an exact match.
 pub(super) fn entity(world: &World, written: &str) -> Option<EntityId> {
     let written_bare = bare(written);
     let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();

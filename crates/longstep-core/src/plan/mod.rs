@@ -1,4 +1,4 @@
-//! Plans: a model's reply, the paper's JSON, and the same resolved against a domain and a world.
+//! Plans: parsing of model replies and plan files, and resolution against a domain and a world.
 
 mod ask;
 pub(crate) mod claims;
@@ -28,19 +28,19 @@ pub use written::{Written, WrittenNode, WrittenStep};
 use crate::call::Call;
 use crate::model::{ActionId, Domain, EntityId, World};
 
-/// One action with all its arguments, and what it is for.
+/// One action with all its arguments and an explanation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Step {
     /// The action.
     pub action: ActionId,
-    /// One entity for each parameter, those included that the call syntax hides.
+    /// One entity for each parameter, including the implicit parameters that the call syntax omits.
     pub arguments: Vec<EntityId>,
-    /// What the step does, for a person.
+    /// Explanation of the step for the user.
     pub explanation: String,
 }
 
 impl Step {
-    /// The step with the explanation that the domain gives it.
+    /// Creates a step with the explanation that the domain defines for the action.
     pub fn explained(domain: &Domain, world: &World, action: ActionId, arguments: Vec<EntityId>) -> Self {
         let explanation = domain
             .action(action)
@@ -53,7 +53,7 @@ impl Step {
         }
     }
 
-    /// The step as a plan writes it, for example `PutIn(<pie>, <oven>)` or `grasp_object()`.
+    /// Returns the call in plan notation, for example `PutIn(<pie>, <oven>)` or `grasp_object()`.
     pub fn call(&self, domain: &Domain, world: &World) -> Call {
         let action = domain.action(self.action);
         let argument = |parameter: &usize| world.entity(self.arguments[*parameter]).identifier.clone();
@@ -63,7 +63,7 @@ impl Step {
         }
     }
 
-    /// The hand, arm or robot that does it, if it is one of several.
+    /// Returns the hand, arm or robot that executes the step; none if the action has no actor parameter.
     pub fn actor(&self, domain: &Domain) -> Option<EntityId> {
         domain
             .action(self.action)
@@ -71,7 +71,7 @@ impl Step {
             .map(|parameter| self.arguments[parameter])
     }
 
-    /// The entity that the paper's `object_name` speaks of, if the action has one.
+    /// Returns the entity that the paper calls `object_name`, if the action has one.
     pub fn object(&self, domain: &Domain) -> Option<EntityId> {
         domain
             .action(self.action)
@@ -80,9 +80,9 @@ impl Step {
     }
 }
 
-/// A plan is a tree of nodes over its steps; a plain list is a tree whose nodes are the steps in turn.
+/// A plan: a flat list of steps and a tree of nodes over them. In a sequential plan, each node is one step.
 ///
-/// Steps are numbered in reading order, whatever the tree looks like, so that a finding can say "step 3".
+/// Steps are numbered in reading order, whatever the shape of the tree, so that a finding can refer to "step 3".
 ///
 /// ```
 /// use longstep_core::plan::{Node, Plan};
@@ -96,34 +96,34 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan that does the steps one after the other.
+    /// Creates a sequential plan from the steps.
     pub fn sequence(steps: Vec<Step>) -> Self {
         let body = (0..steps.len()).map(|index| Node::Step(StepId::new(index))).collect();
         Self { steps, body }
     }
 
-    /// The plan with this tree; none unless every step stands in it once, in reading order, and it is no deeper than
-    /// [`tree::DEEPEST`].
+    /// Creates a plan with this tree. Returns none unless the tree contains every step once, in reading order, and is
+    /// no deeper than [`tree::DEEPEST`].
     pub fn tree(steps: Vec<Step>, body: Vec<Node>) -> Option<Self> {
         tree::is_sound(&body, steps.len()).then_some(Self { steps, body })
     }
 
-    /// Every step, in reading order.
+    /// All steps, in reading order.
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 
-    /// The step with this number.
+    /// Returns the step with this number. Panics if there is none.
     pub fn step(&self, id: StepId) -> &Step {
         &self.steps[id.index()]
     }
 
-    /// The outermost nodes, in the order in which they are carried out.
+    /// The top-level nodes, in execution order.
     pub fn body(&self) -> &[Node] {
         &self.body
     }
 
-    /// The plan without a step; none if a condition needs it.
+    /// Returns the plan without this step; none if a condition contains the step.
     pub fn without(&self, step: StepId) -> Option<Self> {
         let body = tree::without(&self.body, step)?;
         let mut steps = self.steps.clone();
@@ -131,7 +131,7 @@ impl Plan {
         Some(Self { steps, body })
     }
 
-    /// Whether it is a plain list of steps.
+    /// Returns true for a sequential plan: every node is a step.
     pub fn is_sequence(&self) -> bool {
         self.body.iter().all(|node| matches!(node, Node::Step(_)))
     }

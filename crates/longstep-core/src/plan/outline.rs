@@ -1,4 +1,4 @@
-//! A plan as lines for a person.
+//! Indented text lines of a plan for display.
 
 use super::{Lane, LaneItem, Node, Plan, StepId, Test};
 use crate::model::{Domain, World, written_fact};
@@ -6,17 +6,17 @@ use crate::model::{Domain, World, written_fact};
 /// A line of an [`outline`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct OutlineLine {
-    /// The step that it shows, from 0; none for what only leads others.
+    /// The step that the line shows, from 0; none for a header line such as `else`.
     pub step: Option<usize>,
-    /// How many branches, loops and lanes it stands in.
+    /// Number of branches, loops and lanes around the line.
     pub depth: usize,
     /// The call, or `if check_best_by_date()`, `else`, `repeat 3 times`, `left:`.
     pub text: String,
-    /// What it does; empty where the line only leads others.
+    /// Explanation of the step; empty for a header line.
     pub explanation: String,
 }
 
-/// The lines of a plan, in reading order.
+/// Returns the lines of a plan, in reading order.
 ///
 /// ```
 /// use longstep_core::plan::{Plan, outline};
@@ -120,7 +120,7 @@ impl Writer<'_> {
         });
     }
 
-    /// A condition; `within` another one, several parts stand in parentheses.
+    /// Formats a condition; `within` another condition, several parts are put in parentheses.
     fn test(&self, test: &Test, within: bool) -> String {
         let several = |parts: &[Test], word: &str| {
             let parts: Vec<String> = parts.iter().map(|part| self.test(part, true)).collect();

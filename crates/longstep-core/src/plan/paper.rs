@@ -1,4 +1,4 @@
-//! The paper's JSON for a plan.
+//! The paper's JSON format for plans.
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -9,30 +9,31 @@ use crate::call::{Call, NotACall};
 use crate::json::Path;
 use crate::model::{Domain, Ending, Environment, Fact, World, written_fact};
 
-/// A plan file: what the paper's model answers, and what `longstep plan --save` writes.
+/// A plan file: the reply format of the paper's model, and the output of `longstep plan --save`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlanFile {
     /// The steps.
     pub task_cohesion: TaskCohesion,
-    /// The world before.
+    /// The initial world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub environment_before: Option<Environment>,
-    /// The world after: a claim until it has been simulated.
+    /// The final world. A claim until the plan is simulated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub environment_after: Option<Environment>,
-    /// The worlds after, where sensing decides which it is: then there is no single one.
+    /// The possible final worlds with their conditions, if the final world depends on sensing. Then `environment_after`
+    /// is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub endings: Vec<EndingFile>,
-    /// What was asked for, in short.
+    /// Short summary of the instruction.
     #[serde(default)]
     pub instruction_summary: String,
-    /// What the planner asks back; empty when it understood.
+    /// Clarification question from the planner; empty if the instruction was clear.
     #[serde(default)]
     pub question: String,
 }
 
 impl From<TaskCohesion> for PlanFile {
-    /// A plan that says nothing but its steps.
+    /// Creates a plan file with these steps and no other content.
     fn from(task_cohesion: TaskCohesion) -> Self {
         Self {
             task_cohesion,
@@ -45,16 +46,17 @@ impl From<TaskCohesion> for PlanFile {
     }
 }
 
-/// A way in which a branching plan can end.
+/// A possible ending of a branching plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EndingFile {
-    /// What sensing told on the way, for example `expired(<spam>)`.
+    /// The sensing outcomes that lead to this ending, for example `expired(<spam>)`.
     pub when: Vec<String>,
-    /// The world after.
+    /// The final world.
     pub environment_after: Environment,
 }
 
-/// The environments that a plan leads to: the one after it, or each with what sensing tells on the way there.
+/// Returns the final environments of a plan: a single one, or one for each ending with the sensing outcomes that lead
+/// to it.
 pub fn endings(
     domain: &Domain,
     world: &World,
@@ -72,22 +74,22 @@ pub fn endings(
     (None, endings.iter().map(file).collect())
 }
 
-/// The steps of a plan file: a list of calls, or a tree of them where a plan branches, repeats or runs side by side.
+/// The steps of a plan file: a list of calls, or a tree if the plan has branches, loops or parallel lanes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaskCohesion {
-    /// Calls such as `grasp_object()`; empty where there is a tree.
+    /// Calls such as `grasp_object()`; empty if there is a tree.
     pub task_sequence: Vec<String>,
-    /// What each step does, in the same order; empty where there is a tree.
+    /// Explanation of each step, in the same order; empty if there is a tree.
     pub step_instructions: Vec<String>,
-    /// The one thing that is manipulated, where calls do not say.
+    /// The only manipulated object, for actions whose call syntax omits it.
     pub object_name: Option<String>,
-    /// The things that are manipulated, where there are several.
+    /// The manipulated objects, if there are several.
     pub object_names: Vec<String>,
-    /// The plan as a tree; its own list of objects counts as [`TaskCohesion::object_names`].
+    /// The plan as a tree; the objects listed in it count as [`TaskCohesion::object_names`].
     pub task_tree: Option<Written>,
 }
 
-/// A list of steps as JSON.
+/// JSON form of a list of steps.
 #[derive(Serialize, Deserialize)]
 struct FlatJson {
     #[serde(default)]
@@ -100,7 +102,7 @@ struct FlatJson {
     object_names: Vec<String>,
 }
 
-/// A tree of steps as JSON.
+/// JSON form of a tree of steps.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TreeJson {
@@ -154,7 +156,7 @@ impl<'de> Deserialize<'de> for TaskCohesion {
 }
 
 impl TaskCohesion {
-    /// Writes a plan the paper's way, or as a tree where it is more than a list of steps.
+    /// Converts a plan: a sequential plan to the paper's list, any other to a tree.
     pub fn new(domain: &Domain, world: &World, plan: &Plan) -> Self {
         if !plan.is_sequence() {
             return Self::tree(Written::of_plan(domain, world, plan));
@@ -174,8 +176,8 @@ impl TaskCohesion {
         }
     }
 
-    /// What was written: a list of steps stays one, without the remarks between them, unless it names hidden
-    /// parameters, which a list has no place for.
+    /// Converts a written plan. A sequential plan becomes a list and loses its remarks. A plan with named implicit
+    /// parameters becomes a tree, since a list cannot express them.
     pub fn from_written(mut written: Written) -> Self {
         if !written.is_sequence() || written.steps.iter().any(|step| !step.implicit.is_empty()) {
             return Self::tree(written);
@@ -192,11 +194,11 @@ impl TaskCohesion {
         }
     }
 
-    /// The same as a tree, for the other notations.
+    /// Converts the steps to a [`Written`] plan, the form that the other notations share.
     ///
     /// # Errors
     ///
-    /// When a step of a list is no call.
+    /// [`NotACall`] if a step of the list cannot be parsed as a call.
     pub fn written(&self) -> Result<Written, NotACall> {
         if let Some(tree) = &self.task_tree {
             return Ok(tree.clone());
@@ -223,7 +225,7 @@ impl TaskCohesion {
         Ok(Written { steps, body, objects })
     }
 
-    /// Whether there are no steps.
+    /// Returns true if there are no steps.
     pub fn is_empty(&self) -> bool {
         self.task_sequence.is_empty() && self.task_tree.is_none()
     }
@@ -248,7 +250,7 @@ impl TaskCohesion {
         }
     }
 
-    /// The names under `object_name` and `object_names`.
+    /// The names in `object_name`, `object_names` and the tree.
     pub fn objects(&self) -> impl Iterator<Item = &str> {
         let of_tree = self.task_tree.iter().flat_map(|tree| &tree.objects);
         self.object_name

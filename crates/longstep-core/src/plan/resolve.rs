@@ -1,4 +1,4 @@
-//! From the words of a plan file to actions and entities.
+//! Resolution of the names in a plan file to actions and entities.
 
 use super::tree::Lane;
 use super::written::{Written, WrittenNode, WrittenStep};
@@ -9,44 +9,44 @@ use crate::diagnostic::nearest;
 use crate::environment::fact_of;
 use crate::model::{ActionId, Domain, EntityId, World};
 
-/// A step whose implicit arguments are not known yet.
+/// A step whose implicit arguments may still be unknown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DraftStep {
     /// The action.
     pub action: ActionId,
-    /// One entity for each parameter, none where the call syntax hides it.
+    /// One entity for each parameter; none for an implicit parameter without a value.
     pub arguments: Vec<Option<EntityId>>,
-    /// What the plan says that the step does; empty if it does not say.
+    /// Explanation of the step from the plan; empty if there is none.
     pub explanation: String,
 }
 
-/// A draft in terms of a domain and a world, as far as its words mean something there.
+/// A plan resolved against a domain and a world, as far as its names are known there.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Resolved {
-    /// The steps; none where the words of one mean nothing, which an issue tells.
+    /// The steps; none for a step that cannot be resolved, for which there is an issue.
     pub steps: Vec<Option<DraftStep>>,
-    /// The calls as they were written.
+    /// The calls as written in the plan.
     pub written: Vec<String>,
-    /// The tree over the steps; a plain list of them if the plan is one.
+    /// The tree over the steps; in a sequential plan, one node per step.
     pub body: Vec<Node>,
-    /// What the steps say that holds after them.
+    /// Facts that the steps claim to hold after them.
     pub claims: Vec<StepClaim>,
-    /// What of that means nothing here, as sentences.
+    /// Claims that cannot be resolved, as text.
     pub ignored: Vec<String>,
-    /// What the plan says is handled.
+    /// The objects that the plan handles.
     pub objects: Vec<EntityId>,
-    /// Everything that stands in the way of simulating it.
+    /// Violations that prevent simulation of the plan.
     pub issues: Vec<Violation>,
-    /// Names that were nearly right, and what they were taken for.
+    /// Misspelled names with the names that they were matched to.
     pub readings: Vec<Assumption>,
 }
 
 impl Resolved {
-    /// The steps, if nothing stands in the way.
+    /// Returns the steps if there are no issues.
     ///
     /// # Errors
     ///
-    /// The issues, of which there is at least one.
+    /// The issues, at least one.
     pub fn complete(&self) -> Result<Vec<DraftStep>, &[Violation]> {
         if self.issues.is_empty() {
             Ok(self.steps.iter().flatten().cloned().collect())
@@ -55,20 +55,20 @@ impl Resolved {
         }
     }
 
-    /// Whether it is a plain list of steps.
+    /// Returns true for a sequential plan: every node is a step.
     pub fn is_sequence(&self) -> bool {
         self.body.iter().all(|node| matches!(node, Node::Step(_)))
     }
 }
 
-/// Gives every step its meaning, and tells everything that has none: unknown actions and entities, wrong numbers and
-/// types of arguments, explanations that do not go with the steps.
+/// Resolves every step, and reports everything that cannot be resolved: unknown actions and entities, wrong numbers and
+/// types of arguments, explanations that do not match the steps in number.
 ///
-/// In a condition, the call of a sensing action is a step that is done there; every other one asks for a state, with
-/// the entity first in whose entry an environment says it: `expired(<milk>)`, `on_something(<cup>, <table>)`.
+/// In a condition, the call of a sensing action is a step. Any other call there is a state predicate; its first
+/// argument is the entity whose environment entry states the fact: `expired(<milk>)`, `on_something(<cup>, <table>)`.
 ///
-/// Names in other case, and names that are nearly right and can mean only one thing, are taken for what they must
-/// mean and listed under [`Resolved::readings`].
+/// Names in other case and misspelled names with a single possible match are resolved to that match, which is listed in
+/// [`Resolved::readings`].
 ///
 /// ```
 /// use longstep_core::plan::{TaskCohesion, resolve};
@@ -132,7 +132,7 @@ pub(super) struct Resolver<'a> {
 impl Resolver<'_> {
     fn list(&mut self, written: &TaskCohesion) -> Vec<Node> {
         let (calls, explanations) = (written.task_sequence.len(), written.step_instructions.len());
-        // Without any, steps explain themselves; with too few or too many, nobody knows which is whose.
+        // With no explanations, the domain's own are used. With a wrong number, the pairing is unknown.
         let paired = explanations == calls;
         if explanations > 0 && !paired {
             self.issues.push(Violation::LengthMismatch { calls, explanations });
@@ -173,7 +173,7 @@ impl Resolver<'_> {
         self.nodes(&written.body, written)
     }
 
-    /// A plan that does not say what it handles handles what it tells about.
+    /// Sets the objects of a plan that lists none to the objects that its claims are about.
     fn objects_of_claims<'t>(&mut self, explanations: impl Iterator<Item = &'t str>) {
         for explanation in explanations {
             for (name, _) in claims::told(explanation).claims {
@@ -195,7 +195,7 @@ impl Resolver<'_> {
     fn node(&mut self, node: &WrittenNode, written: &Written) -> Node {
         match node {
             Node::Step(id) => Node::Step(self.add(&written.steps[id.index()], None)),
-            // The parts are read in the order in which they are written, which is the order of their numbers.
+            // Struct fields are evaluated in written order, which is the order of the step numbers.
             Node::If {
                 condition,
                 then,
@@ -238,13 +238,13 @@ impl Resolver<'_> {
         });
         let items = items.collect();
         Lane {
-            // Without an actor there is an issue, and nobody looks at the tree.
+            // An unknown actor is an issue, and then the tree is not used.
             actor: actor.unwrap_or(EntityId::new(0)),
             items,
         }
     }
 
-    /// Adds a step; what its lane's actor does hides who does it.
+    /// Adds a step. In a lane, the step's actor defaults to the lane's actor.
     pub(super) fn add(&mut self, written: &WrittenStep, actor: Option<EntityId>) -> StepId {
         let step = self.step(written, &written.call.to_string(), actor);
         self.steps.push(step);
@@ -298,7 +298,7 @@ impl Resolver<'_> {
         });
     }
 
-    /// The next step; `text` is its call as it was written.
+    /// Resolves the next step; `text` is its call as written.
     fn step(&mut self, written: &WrittenStep, text: &str, actor: Option<EntityId>) -> Option<DraftStep> {
         let index = self.steps.len();
         let call = &written.call;
@@ -353,7 +353,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// What a step says that holds after it.
+    /// Collects the claims in the explanation of a step.
     fn claims(&mut self, step: usize, explanation: &str) {
         for (name, word) in claims::told(explanation).claims {
             let subject = self.world.find(name);

@@ -1,4 +1,4 @@
-//! A written plan as JSON: the `task_tree` of `task_cohesion`. `docs/schema/plan.schema.json` tells the same.
+//! JSON form of a written plan: the `task_tree` of `task_cohesion`. The schema is `docs/schema/plan.schema.json`.
 
 use serde_json::{Map, Value, json};
 
@@ -8,19 +8,19 @@ use super::{LaneItem, Node, StepId, Test};
 use crate::call::Call;
 use crate::json::Path;
 
-/// What is wrong with a `task_tree`, and where.
+/// An error in a `task_tree`, with its path.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{path}` {message}")]
 pub struct TreeError {
-    /// The value.
+    /// Path of the invalid value.
     pub path: Path,
-    /// What it should be, or what it has that it should not.
+    /// The expected form of the value, or its unexpected part.
     pub message: String,
 }
 
 type Read<T> = Result<T, TreeError>;
 
-/// The nodes of a plan as JSON; empty parts are left out.
+/// Converts the nodes of a plan to JSON; omits empty parts.
 ///
 /// ```
 /// use longstep_core::plan::{read_tree, script, write_tree};
@@ -92,7 +92,7 @@ fn test_json(test: &Test<WrittenStep>) -> Value {
     let parts = |parts: &[Test<WrittenStep>]| parts.iter().map(test_json).collect::<Value>();
     match test {
         Test::Holds(call) => call_json(call),
-        // In a written plan no call in a condition has a number.
+        // Conditions of a written plan contain calls only.
         Test::Sense(_) => Value::Null,
         Test::Not(inner) => json!({ "not": test_json(inner) }),
         Test::All(all) => json!({ "all": parts(all) }),
@@ -100,12 +100,12 @@ fn test_json(test: &Test<WrittenStep>) -> Value {
     }
 }
 
-/// Reads the nodes of a plan that handles these objects. Strict: what is missing, unknown or of another type is an
-/// error. `path` is where the array stands.
+/// Parses the nodes of a plan that handles these objects. Missing keys, unknown keys and wrong types are errors. `path`
+/// is the location of the array, for error messages.
 ///
 /// # Errors
 ///
-/// The first thing that is wrong.
+/// The first error found.
 pub fn read_tree(tree: &Value, objects: Vec<String>, path: &Path) -> Result<Written, TreeError> {
     let mut reader = Reader {
         steps: Vec::new(),
@@ -138,7 +138,7 @@ struct Reader {
     depth: usize,
 }
 
-/// What an object must have and what it may have.
+/// Checks that a value is an object with all keys of `must` and no others than these and `may`.
 fn keys<'v>(value: &'v Value, path: &Path, must: &[&str], may: &[&str]) -> Read<&'v Map<String, Value>> {
     let Value::Object(object) = value else {
         return wrong(path, "should be an object");
@@ -167,7 +167,7 @@ fn array<'v>(value: &'v Value, path: &Path) -> Read<&'v [Value]> {
     }
 }
 
-/// A call with what stands beside it.
+/// Parses a call with its implicit arguments and explanation.
 fn step(value: &Value, path: &Path) -> Read<WrittenStep> {
     let object = keys(value, path, &["call"], &["implicit", "explanation"])?;
     let at = path.push("call");
@@ -207,7 +207,7 @@ fn step(value: &Value, path: &Path) -> Read<WrittenStep> {
 
 impl Reader {
     fn nodes(&mut self, value: &Value, path: &Path) -> Read<Vec<WrittenNode>> {
-        // One deeper than any sound tree, so that what is too deep is told as such.
+        // Allows one level more than a sound tree has, so that the error can name the depth limit.
         if self.depth > DEEPEST {
             return wrong(path, format!("stands more than {DEEPEST} deep"));
         }

@@ -1,89 +1,88 @@
-//! The tree of a plan: branches, loops, and lanes that run side by side.
+//! The tree of a plan: branches, loops and parallel lanes.
 //!
-//! The nodes refer to steps by number, and the same tree serves a plan as it was written (facts and actors are words)
-//! and one that was resolved (facts and actors are things of a world).
+//! The nodes refer to steps by number. The tree of a written plan has names for facts and actors; the tree of a
+//! resolved plan has facts and entities of a world.
 
 use super::StepId;
 use crate::model::{EntityId, Fact};
 
-/// How deep branches and loops may stand in each other. Each level is two brackets in JSON, of which common readers
-/// follow 128.
+/// Maximum nesting depth of branches and loops. Each level takes two brackets in JSON, and common parsers accept 128.
 pub const DEEPEST: usize = 48;
 
-/// A part of a plan.
+/// A node of the plan tree.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Node<F = Fact, A = EntityId> {
-    /// One step.
+    /// A step.
     Step(StepId),
-    /// One of two ways, whichever the condition says.
+    /// A branch: `then` if the condition holds, `otherwise` if not.
     If {
-        /// What decides.
+        /// The branch condition.
         condition: Test<F>,
-        /// The way where it holds.
+        /// Nodes executed if the condition holds.
         then: Vec<Node<F, A>>,
-        /// The way where it does not; empty if nothing is to be done then.
+        /// Nodes executed if it does not; may be empty.
         otherwise: Vec<Node<F, A>>,
     },
-    /// Again and again, as long as the condition holds; it is asked before each time.
+    /// A loop that runs as long as the condition holds; the condition is evaluated before each iteration.
     While {
-        /// What decides.
+        /// The loop condition.
         condition: Test<F>,
-        /// What is repeated.
+        /// The loop body.
         body: Vec<Node<F, A>>,
     },
-    /// So many times.
+    /// A loop with a fixed number of iterations.
     Repeat {
-        /// How often.
+        /// Number of iterations.
         times: u32,
-        /// What is repeated.
+        /// The loop body.
         body: Vec<Node<F, A>>,
     },
-    /// Side by side, each lane by its own actor; done when all lanes are.
+    /// Parallel lanes, one for each actor; the node is complete when all lanes are.
     Parallel {
-        /// The lanes, at least one, no two of the same actor.
+        /// The lanes, at least one, with distinct actors.
         lanes: Vec<Lane<A>>,
     },
-    /// Words for whoever reads the plan, about what follows.
+    /// A remark for the reader about the following nodes.
     Remark(String),
 }
 
-/// What one hand, arm or robot does while others do something else.
+/// The steps of one hand, arm or robot in a parallel node.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Lane<A = EntityId> {
-    /// Who does it.
+    /// The hand, arm or robot.
     pub actor: A,
-    /// What, in turn.
+    /// Items in execution order.
     pub items: Vec<LaneItem>,
 }
 
-/// A part of a lane.
+/// An item of a lane.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LaneItem {
-    /// One step.
+    /// A step.
     Step(StepId),
-    /// All lanes in which this name stands wait for each other here.
+    /// A synchronization point: all lanes that contain this name wait for each other.
     Sync(String),
-    /// Words for whoever reads the plan, about what follows.
+    /// A remark for the reader about the following items.
     Remark(String),
 }
 
-/// What a branch or a loop asks.
+/// Condition of a branch or a loop.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Test<F = Fact> {
-    /// Does this sensing step; holds when the first of its outcomes came.
+    /// Executes this sensing step; holds if the step's first outcome occurs.
     Sense(StepId),
-    /// A fact that is known.
+    /// Holds if this fact is known to hold.
     Holds(F),
-    /// The opposite.
+    /// Negation.
     Not(Box<Test<F>>),
-    /// All of them, asked in turn until one does not hold.
+    /// Conjunction, evaluated in order until a part does not hold.
     All(Vec<Test<F>>),
-    /// At least one of them, asked in turn until one holds.
+    /// Disjunction, evaluated in order until a part holds.
     Any(Vec<Test<F>>),
 }
 
 impl<F> Test<F> {
-    /// The sensing steps that it does, in reading order.
+    /// Returns the sensing steps of the condition, in reading order.
     pub fn steps(&self) -> Vec<StepId> {
         let mut steps = Vec::new();
         self.collect_steps(&mut steps);
@@ -109,7 +108,7 @@ impl<F> Test<F> {
 }
 
 impl Test {
-    /// The same without a step, those behind it counted by `number`; none if it asks for that very step.
+    /// Removes a step and renumbers the other steps with `number`; none if the condition contains the removed step.
     fn without(&self, gone: StepId, number: &dyn Fn(&StepId) -> StepId) -> Option<Self> {
         let all = |parts: &[Self]| {
             parts
@@ -128,7 +127,7 @@ impl Test {
     }
 }
 
-/// The steps of nodes, in reading order.
+/// Returns the steps of the nodes, in reading order.
 pub fn steps<F, A>(nodes: &[Node<F, A>]) -> Vec<StepId> {
     let mut found = Vec::new();
     collect_steps(nodes, &mut found);
@@ -165,7 +164,7 @@ fn collect_steps<F, A>(nodes: &[Node<F, A>], found: &mut Vec<StepId>) {
     }
 }
 
-/// The nodes without a step, those behind it counted anew; none if it stands in a condition.
+/// Removes a step and renumbers the later ones; none if a condition contains the removed step.
 pub(super) fn without(nodes: &[Node], gone: StepId) -> Option<Vec<Node>> {
     let number = |id: &StepId| StepId::new(id.index() - usize::from(*id > gone));
     let test = |condition: &Test| condition.without(gone, &number);
@@ -210,7 +209,7 @@ pub(super) fn without(nodes: &[Node], gone: StepId) -> Option<Vec<Node>> {
     nodes.iter().filter(stays).map(node).collect()
 }
 
-/// How deep branches, loops and conditions stand in each other.
+/// Returns the nesting depth of branches, loops and conditions.
 pub fn depth<F, A>(nodes: &[Node<F, A>]) -> usize {
     let of = |node: &Node<F, A>| match node {
         Node::Step(_) | Node::Remark(_) => 0,
@@ -226,7 +225,7 @@ pub fn depth<F, A>(nodes: &[Node<F, A>]) -> usize {
     nodes.iter().map(of).max().unwrap_or(0)
 }
 
-/// Whether the first `count` steps stand in the nodes, each once and in order, and nothing stands too deep.
+/// Returns true if the nodes contain the steps `0..count` once each, in order, and are no deeper than [`DEEPEST`].
 pub(super) fn is_sound<F, A>(nodes: &[Node<F, A>], count: usize) -> bool {
     depth(nodes) <= DEEPEST && steps(nodes).into_iter().map(StepId::index).eq(0..count)
 }

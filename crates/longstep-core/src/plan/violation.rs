@@ -1,246 +1,246 @@
-//! What can be wrong with a plan.
+//! Violations: findings of verification about a plan.
 
 use crate::model::{AssumptionSource, EntityId, Fact, Missing};
 
-/// A finding about a plan. Steps count from 0.
+/// A violation in a plan. Steps count from 0.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Violation {
-    /// A step calls an action that the domain does not have.
+    /// A step calls an unknown action.
     UnknownAction {
         /// The step.
         step: usize,
-        /// What it calls.
+        /// The called name.
         name: String,
-        /// An action of a similar name.
+        /// A known action with a similar name.
         near: Option<String>,
     },
-    /// A name that the environment does not list.
+    /// The environment does not list this name.
     UnknownEntity {
-        /// The step; none for `object_name`.
+        /// The step; none for a name in `object_name` or `object_names`.
         step: Option<usize>,
         /// The name.
         name: String,
-        /// A listed name like it.
+        /// A listed name that is similar.
         near: Option<String>,
     },
-    /// A condition calls an action that tells nothing.
+    /// A condition calls an action that is not a sensing action.
     NotSensing {
         /// The step.
         step: usize,
-        /// What it calls.
+        /// The call.
         call: String,
-        /// What can be asked: calls that sense.
+        /// The calls of the domain's sensing actions.
         senses: Vec<String>,
     },
-    /// A condition asks something that is neither a sensing action nor a state.
+    /// A condition contains a name that is neither a sensing action nor a state word.
     UnknownCondition {
-        /// The place that it would have as a step.
+        /// The step number that the call would have.
         step: usize,
-        /// What it asks.
+        /// The name.
         name: String,
-        /// A sensing action or a state of a similar name.
+        /// A sensing action or state word with a similar name.
         near: Option<String>,
     },
-    /// A call gives a parameter that its action does not have, or that stands in its parentheses already.
+    /// A call names a parameter that its action does not have, or that the action takes by position.
     UnknownParameter {
         /// The step.
         step: usize,
         /// The parameter.
         name: String,
-        /// A hidden parameter of a similar name.
+        /// An implicit parameter with a similar name.
         near: Option<String>,
     },
-    /// A lane of somebody whom the environment does not list.
+    /// The environment does not list the actor of a lane.
     UnknownActor {
         /// The name.
         name: String,
-        /// A listed name like it.
+        /// A listed name that is similar.
         near: Option<String>,
     },
-    /// What a step says that holds after it, and does not.
+    /// A fact that a step claims to hold after it does not hold.
     StepClaim {
         /// The step.
         step: usize,
         /// The claimed fact.
         fact: Fact,
     },
-    /// A call with too few or too many arguments.
+    /// A call has too few or too many arguments.
     WrongArguments {
         /// The step.
         step: usize,
         /// The call as written.
         call: String,
-        /// How many arguments it takes.
+        /// Number of arguments that the action takes.
         expected: usize,
     },
-    /// An argument of the wrong type.
+    /// An argument has the wrong type.
     WrongType {
         /// The step.
         step: usize,
         /// The argument.
         name: String,
-        /// The type that it should have.
+        /// The expected type.
         expected: String,
     },
-    /// There are not as many explanations as steps.
+    /// The number of explanations differs from the number of steps.
     LengthMismatch {
-        /// How many steps there are.
+        /// Number of steps.
         calls: usize,
-        /// How many explanations.
+        /// Number of explanations.
         explanations: usize,
     },
-    /// A step was not applicable.
+    /// A step is not applicable.
     Precondition {
         /// The step.
         step: usize,
-        /// What it needed.
+        /// The missing preconditions.
         missing: Vec<Missing>,
     },
-    /// A rule of the domain is broken.
+    /// The plan breaks a rule of the domain.
     Rule {
-        /// The step after which it is; none for the end.
+        /// The step after which the rule is broken; none for the final state.
         step: Option<usize>,
-        /// The rule's place in the domain's list.
+        /// Index of the rule in the domain's list.
         rule: usize,
-        /// The entities for which it is.
+        /// The entities that the rule is broken for.
         bindings: Vec<EntityId>,
     },
-    /// Something wanted does not hold at the end.
+    /// A goal does not hold in the final state.
     Goal {
-        /// Which, in the order of the purpose's list.
+        /// Index of the goal in the list of the purpose.
         index: usize,
     },
-    /// The plan claims a change that it does not bring about and that could be brought about.
+    /// The plan claims a change that it does not achieve, although some plan could achieve it.
     Claim {
-        /// What is claimed.
+        /// The claimed fact.
         fact: Fact,
     },
-    /// A step changes nothing.
+    /// A step has no effect.
     NoEffect {
         /// The step.
         step: usize,
     },
-    /// Something ends elsewhere that the instruction does not speak of.
+    /// The plan moves an entity that the instruction does not mention.
     Unasked {
-        /// What.
+        /// The moved entity.
         entity: EntityId,
     },
-    /// A condition asks for something that only sensing can tell, and nothing sensed it.
+    /// A condition depends on a fact that only sensing can reveal, and no earlier step senses it.
     Unsensed {
-        /// The first step of the branch or loop; none if there is none in it.
+        /// The first step of the branch or loop; none if it has no steps.
         step: Option<usize>,
-        /// What it asks for.
+        /// The fact.
         fact: Fact,
     },
-    /// No way leads to the step.
+    /// No execution path reaches the step.
     Unreached {
         /// The step.
         step: usize,
     },
-    /// A loop can come to where it never ends.
+    /// A loop may never end.
     EndlessLoop {
-        /// The first step of the loop; none if there is none in it.
+        /// The first step of the loop; none if it has no steps.
         step: Option<usize>,
     },
-    /// A plan can be in more states than are followed.
+    /// The number of reachable states exceeds the limit of the simulation.
     TooManyStates {
-        /// The first step of the part where there are too many.
+        /// The first step of the part where the limit is exceeded.
         step: Option<usize>,
-        /// How many there were when it was given up.
+        /// Number of states when the simulation stopped.
         states: usize,
     },
-    /// Checking the plan takes more work than is done for one plan ([`crate::effort::OPERATION`]).
+    /// Verification of the plan exceeds the work budget ([`crate::effort::OPERATION`]).
     TooMuchWork,
-    /// Branches and loops stand deeper in each other than [`crate::plan::tree::DEEPEST`].
+    /// Branches and loops are nested deeper than [`crate::plan::tree::DEEPEST`].
     TooDeep,
-    /// Nothing in the world fits an argument that the call hides.
+    /// No entity in the world fits an implicit argument.
     NothingFits {
         /// The step.
         step: usize,
         /// The parameter's name.
         parameter: String,
     },
-    /// Two steps that may happen at the same time handle the same thing.
+    /// Two concurrent steps use the same object.
     SharedObject {
-        /// The one.
+        /// The first step.
         step: usize,
-        /// The other.
+        /// The second step.
         other: usize,
-        /// The thing.
+        /// The shared object.
         entity: EntityId,
     },
-    /// It matters which of two steps that may happen at the same time comes first.
+    /// The order of two concurrent steps changes the outcome.
     Race {
-        /// The one.
+        /// The first step.
         step: usize,
-        /// The other.
+        /// The second step.
         other: usize,
-        /// A fact that then holds or does not.
+        /// A fact whose value depends on the order.
         fact: Fact,
     },
-    /// A lane holds a step that is another's, or nobody's alone.
+    /// A step in a lane belongs to another actor, or to no single actor.
     WrongActor {
         /// The step.
         step: usize,
-        /// Whose lane it is.
+        /// The actor of the lane.
         actor: EntityId,
     },
-    /// Two lanes are of the same actor.
+    /// Two lanes have the same actor.
     LaneTwice {
         /// The actor.
         actor: EntityId,
     },
-    /// A step senses while other lanes go on, so that nobody could act on what it tells.
+    /// A sensing step runs while other lanes continue, so that no branch can use its outcome.
     SensesInLane {
         /// The step.
         step: usize,
     },
-    /// Lanes wait for each other for ever.
+    /// Lanes wait for each other forever.
     Deadlock {
-        /// What one of them waits at.
+        /// Name of a synchronization point where one of them waits.
         sync: String,
     },
-    /// Something that is so only where sensing told certain things.
+    /// A violation that occurs only after certain sensing outcomes.
     When {
-        /// What it told.
+        /// The sensing outcomes.
         facts: Vec<Fact>,
-        /// What is so then.
+        /// The violation.
         violation: Box<Violation>,
     },
 }
 
-/// Something that a verdict rests on and the environment does not say.
+/// An assumption: the verdict depends on it, and the environment does not state it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Assumption {
-    /// A fact.
+    /// An assumed fact.
     Fact {
         /// The fact.
         fact: Fact,
-        /// Why it is assumed.
+        /// The reason for the assumption.
         ground: AssumptionSource,
     },
-    /// An argument that the plan does not show and that could be another.
+    /// An implicit argument that has more than one possible value.
     Argument {
         /// The step, from 0.
         step: usize,
         /// The parameter's name.
         parameter: String,
-        /// What it was taken to be.
+        /// The chosen entity.
         entity: EntityId,
     },
-    /// A name that was nearly right.
+    /// A misspelled name that was matched to a known name.
     Reading {
-        /// The step, from 0; none for `object_name`.
+        /// The step, from 0; none for a name in `object_name` or `object_names`.
         step: Option<usize>,
-        /// What is written.
+        /// The name in the plan.
         written: String,
-        /// What it was taken for.
+        /// The name that it was matched to.
         meant: String,
     },
 }
 
 impl Violation {
-    /// The kind, as `--json` names it.
+    /// The kind of the violation in `--json` output.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::UnknownAction { .. } => "unknown_action",
@@ -276,7 +276,7 @@ impl Violation {
         }
     }
 
-    /// The step that it is about, from 0.
+    /// The step that the violation is about, from 0.
     pub fn step(&self) -> Option<usize> {
         match self {
             Self::UnknownAction { step, .. }
@@ -312,7 +312,7 @@ impl Violation {
         }
     }
 
-    /// Gives the steps that it speaks of other numbers.
+    /// Replaces each step number by the result of `number`.
     pub fn renumber(&mut self, number: impl Fn(usize) -> usize + Copy) {
         match self {
             Self::UnknownAction { step, .. }
@@ -355,7 +355,7 @@ impl Violation {
         }
     }
 
-    /// The same, where it is so only when sensing told these facts.
+    /// Limits the violation to certain sensing outcomes; unchanged if there are none.
     pub(crate) fn when(self, facts: Vec<Fact>) -> Self {
         if facts.is_empty() {
             return self;
@@ -366,7 +366,7 @@ impl Violation {
         }
     }
 
-    /// What sensing told where it is so; empty if it is so in any case.
+    /// The sensing outcomes that lead to the violation; empty if it occurs in any case.
     pub fn told(&self) -> &[Fact] {
         match self {
             Self::When { facts, .. } => facts,
@@ -374,7 +374,7 @@ impl Violation {
         }
     }
 
-    /// The last step that took a missing fact away.
+    /// The last step that deleted a missing precondition.
     pub fn undone_by(&self) -> Option<usize> {
         match self {
             Self::Precondition { missing, .. } => missing.iter().filter_map(|m| m.undone_by).max(),
@@ -384,11 +384,11 @@ impl Violation {
     }
 }
 
-/// Fact that a step claims to hold after it.
+/// A fact that a step claims to hold after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepClaim {
     /// The step, from 0.
     pub step: usize,
-    /// What it says.
+    /// The claimed fact.
     pub fact: Fact,
 }

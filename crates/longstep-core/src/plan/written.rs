@@ -1,53 +1,53 @@
-//! A plan as it was written, whichever notation it came in: the JSON tree and the script say the same.
+//! Written plans: the common form of all notations (JSON tree, Python script) before resolution.
 
 use super::tree::{self, Lane, LaneItem, Node, Test};
 use super::{Plan, StepId};
 use crate::call::Call;
 use crate::model::{Domain, EntityId, Fact, Term, World, state_word};
 
-/// A plan as it was written: its steps in reading order, and the tree over them.
+/// A plan before resolution: its steps in reading order, and the tree over them.
 ///
-/// What stands in conditions is not among the steps: whether a call there senses something or asks what is known
-/// already is only said by a domain. See [`super::resolve`].
+/// Calls in conditions are not in the list of steps, because only a domain defines which of them are sensing actions
+/// and which are state predicates. See [`super::resolve`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Written {
-    /// The steps, without those in conditions.
+    /// The steps, without the calls in conditions.
     pub steps: Vec<WrittenStep>,
-    /// The tree over them. All calls of a condition stand under [`super::Test::Holds`].
+    /// The tree over the steps. All calls in conditions are [`super::Test::Holds`].
     pub body: Vec<WrittenNode>,
-    /// What the plan says is handled, where calls do not say.
+    /// The objects that the plan handles, for calls whose syntax omits them.
     pub objects: Vec<String>,
 }
 
-/// A part of a plan as it was written.
+/// A node of a written plan.
 pub type WrittenNode = Node<WrittenStep, String>;
 
-/// A call as it was written.
+/// A call before resolution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WrittenStep {
-    /// The call, with the arguments that it shows.
+    /// The call with its explicit arguments.
     pub call: Call,
-    /// Hidden parameters that are given all the same, by name.
+    /// Implicit arguments: parameter name and value.
     pub implicit: Vec<(String, String)>,
-    /// What the step does; empty if the plan does not say.
+    /// Explanation of the step; may be empty.
     pub explanation: String,
 }
 
 impl Written {
-    /// Whether it is a list of steps, with nothing but remarks between them.
+    /// Returns true if the plan contains only steps and remarks.
     pub fn is_sequence(&self) -> bool {
         let flat = |node: &WrittenNode| matches!(node, Node::Step(_) | Node::Remark(_));
         self.body.iter().all(flat)
     }
 
-    /// Whether every step stands in the tree once, in reading order, and nothing stands too deep.
+    /// Returns true if the tree contains every step once, in reading order, and respects the depth limit.
     pub fn is_sound(&self) -> bool {
         tree::is_sound(&self.body, self.steps.len())
     }
 }
 
 impl Written {
-    /// A plan in words, with what its calls hide given by name.
+    /// Converts a plan to written form; implicit arguments are given by name.
     pub fn of_plan(domain: &Domain, world: &World, plan: &Plan) -> Self {
         let mut writer = Writer {
             domain,
@@ -76,7 +76,7 @@ impl Writer<'_> {
         self.world.entity(entity).identifier.clone()
     }
 
-    /// A step in words; what its call hides is given by name, but for the actor of a lane.
+    /// Converts a step; its implicit arguments are given by name, except for the actor of a lane.
     fn words(&self, id: StepId, actor: Option<EntityId>) -> WrittenStep {
         let step = self.plan.step(id);
         let action = self.domain.action(step.action);
@@ -158,8 +158,8 @@ impl Writer<'_> {
         }
     }
 
-    /// The call that asks for a fact: the word of an environment with the entity in whose entry it stands first, or
-    /// the predicate's own name where no environment says it.
+    /// Returns the call for a state predicate. It has the environment's state word with the entity of the entry first,
+    /// or the predicate's own name if no state word exists.
     fn asked(&self, fact: Fact) -> Call {
         let Some(word) = state_word(self.domain, fact.predicate()) else {
             return Call {
@@ -188,12 +188,12 @@ impl Writer<'_> {
     }
 }
 
-/// How a plan asks for a predicate that no word of an environment stands for.
+/// Name in a script of a predicate without a state word.
 pub(super) fn predicate_word(name: &str) -> String {
     name.replace('-', "_")
 }
 
-/// Words that mean something by themselves in the script, so that no action is called so.
+/// Reserved words of the script notation; no action can have such a name.
 const RESERVED: [&str; 43] = [
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "case", "class", "continue", "def",
     "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "lane",
@@ -201,22 +201,22 @@ const RESERVED: [&str; 43] = [
     "while", "with", "yield",
 ];
 
-/// Whether the script keeps this word for itself.
+/// Returns true for a reserved word of the script notation.
 pub(super) fn is_reserved(word: &str) -> bool {
     RESERVED.contains(&word)
 }
 
-/// Whether a character can stand in the name of a call or a parameter.
+/// Returns true if the name of a call or a parameter may contain this character.
 pub(super) fn in_name(character: char) -> bool {
     character.is_alphanumeric() || matches!(character, '_' | '-')
 }
 
-/// Whether both notations can write this as the name of a call or a parameter.
+/// Returns true if both notations accept the text as the name of a call or a parameter.
 pub(super) fn is_name(text: &str) -> bool {
     text.chars().all(in_name) && text.starts_with(|first: char| first.is_alphabetic() || first == '_')
 }
 
-/// Whether both notations can write this as an argument.
+/// Returns true if both notations accept the text as an argument.
 pub(super) fn is_argument(text: &str) -> bool {
     let odd = |character: char| matches!(character, ',' | '(' | ')') || character.is_control();
     !text.is_empty() && text.trim() == text && !text.contains(odd)

@@ -1,78 +1,78 @@
-//! What a reply got away with.
+//! Leniencies: deviations from the plan format that the reader accepts.
 
 use crate::diagnostic::Position;
 use crate::json::Path;
 
-/// A liberty that a reply took with the form, and that reading it forgave.
+/// A deviation from the plan format that the reader accepted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leniency {
-    /// Which liberty.
+    /// The kind of deviation.
     pub kind: LeniencyKind,
-    /// Where it was taken first.
+    /// Position of the first occurrence.
     pub position: Position,
-    /// How often; one that has a path is listed by itself.
+    /// Number of occurrences; always 1 for a deviation with a path.
     pub times: usize,
-    /// The key it is about, when it is about one.
+    /// The key that the deviation is about, if any.
     pub path: Option<Path>,
 }
 
-/// The liberties that are forgiven.
+/// The kinds of accepted deviations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LeniencyKind {
-    /// A byte order mark, or space that JSON does not have.
+    /// A byte order mark, or whitespace that JSON does not allow.
     OddSpace,
     /// A Markdown code block around the plan.
     CodeFence,
-    /// Words before or after the plan.
+    /// Prose before or after the plan.
     Prose,
-    /// A name that the plan is assigned to.
+    /// An assignment of the plan to a variable.
     Assignment,
-    /// An object beside the plan that is no plan.
+    /// An object that is not a plan.
     OtherObject,
-    /// The same plan once more.
+    /// A second copy of the plan.
     RepeatedPlan,
     /// A comment inside the plan.
     Comment,
-    /// A comma after the last item.
+    /// A comma after the last item of a list or object.
     TrailingComma,
-    /// A text in `'single quotes'`.
+    /// A string in `'single quotes'`.
     SingleQuotes,
-    /// A text in “typographic” quotes.
+    /// A string in “typographic” quotes.
     TypographicQuotes,
-    /// A text in `"""three quotes"""`.
+    /// A string in `"""triple quotes"""`.
     TripleQuotes,
-    /// An apostrophe that is not escaped although it is the quote, too.
+    /// An unescaped apostrophe in a string that is delimited by apostrophes.
     Apostrophe,
-    /// Texts side by side, joined as Python does.
+    /// Adjacent string literals, joined as in Python.
     JoinedTexts,
-    /// A line break or control character in a text, not escaped.
+    /// An unescaped line break or control character in a string.
     RawControl,
-    /// An escape that JSON does not have.
+    /// An escape sequence that JSON does not have.
     Escape,
     /// A key without quotes.
     UnquotedKey,
     /// `True`, `False` or `None`.
     PythonWord,
-    /// `(a, b)` for a list.
+    /// A tuple `(a, b)` in place of a list.
     Tuple,
     /// Parentheses around a value.
     Parentheses,
-    /// A key that plans do not have, ignored.
+    /// An unknown key, ignored.
     ExtraKey,
-    /// The same key with the same value once more.
+    /// A repeated key with an equal value.
     RepeatedKey,
-    /// A key that should be there; what it says is taken as empty.
+    /// A missing key, read as empty.
     MissingKey,
-    /// Nothing (`null`) where the key might have been left out.
+    /// A `null` value in place of an absent key.
     Null,
-    /// A key around what was expected in its place.
+    /// An extra level: the expected value stands under an additional key.
     Wrapped,
-    /// The fields of `task_cohesion` without `task_cohesion` around them.
+    /// The fields of `task_cohesion` without the enclosing `task_cohesion`.
     Flattened,
 }
 
 impl Leniency {
-    /// One sentence for a person, with the place.
+    /// One sentence for the user, with the position.
     pub fn message(&self) -> String {
         use LeniencyKind as Kind;
         let key = self.path.as_ref().map(ToString::to_string).unwrap_or_default();
@@ -111,7 +111,7 @@ impl Leniency {
     }
 }
 
-/// The leniencies of one reply while it is being read, by byte.
+/// The leniencies of a reply during parsing, by byte offset.
 #[derive(Debug, Default)]
 pub(super) struct Notes(Vec<Note>);
 
@@ -140,7 +140,7 @@ impl Notes {
         self.0.append(&mut other.0);
     }
 
-    /// In the order of the text, those of a kind together at the place of the first.
+    /// Returns the leniencies in text order; occurrences of one kind are merged at the first position.
     pub(super) fn into_leniencies(mut self, text: &str) -> Vec<Leniency> {
         self.0.sort_by_key(|note| (note.kind, note.at));
         let mut merged: Vec<(Note, usize)> = Vec::new();
@@ -151,7 +151,7 @@ impl Notes {
             }
         }
         merged.sort_by_key(|(note, _)| note.at);
-        // One pass over the text for all places: counting from the start for each would take quadratic time.
+        // One pass over the text for all positions: counting from the start for each would take quadratic time.
         let mut position = Position { line: 1, column: 1 };
         let mut counted = 0;
         let leniency = |(note, times): (Note, usize)| {

@@ -1,16 +1,16 @@
-//! One object as a model writes it: JSON, a Python literal, or something between the two.
+//! Parser for one object in a model's reply: JSON, a Python literal, or a mix of both.
 //!
-//! No crate reads this. `jsonc-parser` and `json5` know comments and trailing commas but no Python (`#`, `None`,
-//! tuples, triple quotes, `'the robot's hand'`), do not tell which liberties a text took, and do not tell an
-//! object that was cut off from one that is wrong. All three are what the reader of a reply is for.
+//! No existing crate fits. `jsonc-parser` and `json5` accept comments and trailing commas, but no Python (`#`, `None`,
+//! tuples, triple quotes, `'the robot's hand'`). They do not list the deviations they accept, and do not distinguish a
+//! truncated object from a malformed one. The reader of replies needs all three.
 //!
-//! Every byte is looked at a bounded number of times: nothing is ever read again after a failure.
+//! The parser never reads text again after a failure, so the number of visits to each byte is bounded.
 
 use super::leniency::{LeniencyKind as Kind, Notes};
 use super::quoted::is_quote;
 use super::unreadable::DEEPEST;
 
-/// A value and the byte at which it begins; two are the same when their values are.
+/// A value with its byte offset; equality compares only the values.
 #[derive(Debug)]
 pub(super) struct Node {
     pub(super) at: usize,
@@ -23,7 +23,7 @@ impl PartialEq for Node {
     }
 }
 
-/// A value. Nothing in a plan is a number, so a number stays the text that it is.
+/// A value. Plans contain no numeric data, so a number is kept as text.
 #[derive(Debug, PartialEq)]
 pub(super) enum Value {
     Null,
@@ -34,7 +34,7 @@ pub(super) enum Value {
     Object(Vec<Entry>),
 }
 
-/// A key and its value.
+/// A key with its value.
 #[derive(Debug)]
 pub(super) struct Entry {
     pub(super) at: usize,
@@ -48,34 +48,34 @@ impl PartialEq for Entry {
     }
 }
 
-/// An object that was read to its end.
+/// A completely parsed object.
 #[derive(Debug)]
 pub(super) struct Literal {
     pub(super) node: Node,
-    /// The byte after the closing brace.
+    /// Byte offset after the closing brace.
     pub(super) end: usize,
     pub(super) notes: Notes,
 }
 
-/// Why there is no object to read.
+/// A parse failure.
 #[derive(Debug)]
 pub(super) struct Fault {
-    /// The byte at which reading stopped.
+    /// Byte offset where parsing stopped.
     pub(super) at: usize,
     pub(super) reason: Reason,
-    /// Whether a key that only plans have came before.
+    /// True if the object has a key that only plans have.
     pub(super) of_plan: bool,
 }
 
 #[derive(Debug)]
 pub(super) enum Reason {
-    /// The text, or the fence around it, ends before the object does.
+    /// The text or its code block ends before the object does.
     CutOff,
     TooDeep,
     Malformed(String),
 }
 
-/// Reads the object whose opening brace is at the byte `start`.
+/// Parses the object whose opening brace is at byte `start`.
 pub(super) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
     let mut parser = Parser {
         text,
@@ -100,7 +100,7 @@ pub(super) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
 
 pub(super) const FENCE: &str = "```";
 
-/// Keys that tell a plan from everything else that a reply may hold.
+/// Keys that distinguish a plan from other objects in a reply.
 pub(super) const PLAN_KEYS: [&str; 9] = [
     "task_cohesion",
     "task_sequence",
@@ -136,8 +136,8 @@ impl<'t> Parser<'t> {
         self.notes.add(kind, self.at);
     }
 
-    /// Skips space and comments and tells the character after them. Nothing may end inside an object, so the end
-    /// of the text is always a fault here, and so is the end of a code block.
+    /// Skips whitespace and comments, and returns the next character. The end of the text or of the code block is an
+    /// error, since both would be inside an object.
     pub(super) fn peek(&mut self) -> Parsed<char> {
         loop {
             let rest = self.rest();
@@ -181,7 +181,7 @@ impl<'t> Parser<'t> {
         Ok(Node { at, value })
     }
 
-    /// Reads what follows an opening bracket, no deeper than allowed.
+    /// Parses the content after an opening bracket, within the depth limit.
     fn nested<T>(&mut self, read: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
         if self.depth == DEEPEST {
             return Err(Reason::TooDeep);
@@ -212,7 +212,7 @@ impl<'t> Parser<'t> {
         Ok(entries)
     }
 
-    /// The items up to the closing bracket, and whether there was a comma.
+    /// Parses items up to the closing bracket; the flag is true if there was a comma.
     fn items(&mut self, close: char) -> Parsed<(Vec<Node>, bool)> {
         let mut items = Vec::new();
         let mut commas = false;
@@ -226,7 +226,7 @@ impl<'t> Parser<'t> {
         Ok((items, commas))
     }
 
-    /// Takes the closing bracket, if it is next.
+    /// Consumes the closing bracket if it is next.
     fn closed(&mut self, close: char, after_comma: bool) -> Parsed<bool> {
         let closed = self.peek()? == close;
         if closed {
@@ -238,7 +238,7 @@ impl<'t> Parser<'t> {
         Ok(closed)
     }
 
-    /// Takes the comma or the closing bracket after an item; tells whether it was the comma.
+    /// Consumes the comma or closing bracket after an item; returns true for a comma.
     fn comma(&mut self, close: char) -> Parsed<bool> {
         let next = self.peek()?;
         if next != ',' && next != close {
@@ -248,7 +248,7 @@ impl<'t> Parser<'t> {
         Ok(next == ',')
     }
 
-    /// `(a, b)`, `(a,)` and `()` are tuples; `(a)` is `a`.
+    /// Parses a tuple, `(a, b)`, `(a,)` or `()`, or a parenthesized value, `(a)`.
     fn parenthesised(&mut self) -> Parsed<Value> {
         let at = self.at - 1;
         let (mut items, commas) = self.items(')')?;
@@ -267,7 +267,7 @@ impl<'t> Parser<'t> {
 
     fn key(&mut self) -> Parsed<String> {
         if is_quote(self.rest()) {
-            // A line break in a key is refused: a stray brace in prose then spoils its own line at most.
+            // Keys must not contain line breaks, so that a stray brace in prose affects only its own line.
             return self.quoted(false);
         }
         let rest = self.rest();
@@ -318,7 +318,7 @@ impl<'t> Parser<'t> {
     }
 }
 
-/// The length of the word that `rest` begins with; a word does not begin with a digit.
+/// Returns the length of the word at the start of `rest`; a word does not begin with a digit.
 fn word_length(rest: &str) -> usize {
     if rest.starts_with(|c: char| c.is_ascii_digit()) {
         return 0;
@@ -327,7 +327,7 @@ fn word_length(rest: &str) -> usize {
     rest.find(|c| !inside(c)).unwrap_or(rest.len())
 }
 
-/// Whether JSON would take `text` for a number.
+/// Returns true if `text` is a JSON number.
 fn is_json_number(text: &str) -> bool {
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
     let unsigned = text.strip_prefix('-').unwrap_or(text);
@@ -339,7 +339,7 @@ fn is_json_number(text: &str) -> bool {
     digits(whole) && digits(fraction) && digits(exponent) && (whole == "0" || !whole.starts_with('0'))
 }
 
-/// A word of a hostile text must not fill the screen.
+/// Limits the length of a word in messages, since the reply is untrusted input.
 pub(super) fn shorten(word: &str) -> String {
     const SHOWN: usize = 60;
     match word.char_indices().nth(SHOWN) {

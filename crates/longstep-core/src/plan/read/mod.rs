@@ -1,7 +1,7 @@
-//! From the text of a model's reply to a plan file.
+//! Reader for model replies: extracts a plan file from text.
 //!
-//! Lenient in form, and every leniency is listed; strict in content, and nothing is guessed. There is one way
-//! through this code for all replies: strict JSON is read by the same parser and gives no leniencies.
+//! The reader is lenient about form and lists every leniency; it is strict about content and guesses nothing. One
+//! parser handles all replies; strict JSON produces no leniencies.
 
 mod leniency;
 mod literal;
@@ -24,24 +24,24 @@ use literal::{FENCE, Fault, Literal, PLAN_KEYS, Reason};
 use shape::Likeness;
 use unreadable::{DEEPEST, LARGEST};
 
-/// A plan as the model wrote it.
+/// A plan from a model's reply.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draft {
-    /// The plan; its steps are not resolved yet.
+    /// The plan; its steps are not resolved.
     pub file: PlanFile,
-    /// The liberties that the reply took with the form, in the order of the text.
+    /// The deviations from the plan format, in text order.
     pub leniencies: Vec<Leniency>,
 }
 
-/// Reads the plan in a model's reply.
+/// Extracts the plan from a model's reply.
 ///
-/// The plan is an object in the paper's format, as JSON or as a Python literal, alone or among words and in a code
-/// block; or a script as in [`super::script`], alone or in a code block. The time taken grows with the length of the
-/// text.
+/// The plan is an object in the paper's format, as JSON or as a Python literal, alone or inside prose and a code block;
+/// or a script (see [`super::script`]), alone or in a code block. Takes time linear in the length of the text.
 ///
 /// # Errors
 ///
-/// When there is no plan in it, more than one, or one that is cut off, not well formed or of the wrong shape.
+/// [`Unreadable`] if the reply contains no plan, several different plans, or a plan that is truncated, malformed or of
+/// the wrong type.
 ///
 /// ```
 /// use longstep_core::plan::{Unreadable, read};
@@ -65,7 +65,7 @@ pub fn read(text: &str) -> Result<Draft, Unreadable> {
     let surveyed = survey(text);
     let may_be_script = match &surveyed {
         Ok(seen) => seen.plan.is_none(),
-        // Whatever it is, it was not meant as a plan in JSON.
+        // Without any plan key, the broken object was not meant as a plan in JSON.
         Err(_) => !PLAN_KEYS.iter().any(|key| text.contains(key)),
     };
     if may_be_script && let Some(draft) = scripts::read(text) {
@@ -100,28 +100,28 @@ pub fn read(text: &str) -> Result<Draft, Unreadable> {
     }
 }
 
-/// What there is in a reply; places are bytes.
+/// Contents of a reply; positions are byte offsets.
 #[derive(Default)]
 struct Survey {
     plan: Option<Found>,
-    /// The first object that could not be read, where it begins and why; none that is known to be a plan.
+    /// The first malformed object that is not known to be a plan: its start and the fault.
     broken: Option<(usize, Fault)>,
-    /// The first object that could be read.
+    /// Start of the first well-formed object.
     object: Option<usize>,
     notes: Notes,
 }
 
-/// The first plan of a reply.
+/// The first plan in a reply.
 struct Found {
     file: PlanFile,
     start: usize,
-    /// How many plans there are.
+    /// Number of plans.
     count: usize,
-    /// The first plan that is another one.
+    /// Start of the first plan that differs.
     other: Option<usize>,
 }
 
-/// Looks at every object of a reply. A plan that cannot be read is an error, whatever else there is.
+/// Examines every object of a reply. A plan that cannot be read is an error, whatever else the reply contains.
 fn survey(text: &str) -> Result<Survey, Unreadable> {
     let mut seen = Survey::default();
     let mut read_to = 0;
@@ -141,7 +141,7 @@ fn survey(text: &str) -> Result<Survey, Unreadable> {
         seen.object.get_or_insert(start);
         match shape::likeness(&literal.node) {
             None => seen.notes.add(LeniencyKind::OtherObject, start),
-            // It may be a part of the broken object: what that object says besides would be lost.
+            // This object may be a part of the broken one, whose other content would be lost.
             Some(Likeness::Part) if seen.broken.is_some() => {}
             Some(_) => {
                 let mut used = literal.notes;
@@ -175,7 +175,7 @@ impl Survey {
     }
 }
 
-/// Every object of a text from left to right, with the byte at which it begins; none that lies in another one.
+/// Iterator over the outermost objects of a text, with their start offsets.
 struct Objects<'t> {
     text: &'t str,
     at: usize,
@@ -193,7 +193,7 @@ impl Iterator for Objects<'_> {
                     return Some((start, Ok(literal)));
                 }
                 Err(fault) => {
-                    // Going on where reading stopped, and never before, is what keeps the time linear.
+                    // Continuing at the fault, never before it, keeps the time linear.
                     let placeholder = placeholder(self.text, start).filter(|end| *end > fault.at);
                     self.at = placeholder.unwrap_or(fault.at).max(start + 1);
                     if placeholder.is_none() || fault.of_plan {
@@ -205,7 +205,7 @@ impl Iterator for Objects<'_> {
     }
 }
 
-/// The end of what is only a word in braces, such as `the {object}` in a sentence.
+/// Returns the end of a placeholder, such as `{object}` in a sentence.
 fn placeholder(text: &str, start: usize) -> Option<usize> {
     let inside = start + 1;
     let end = inside + text[inside..].find(['{', '}', '\n'])?;
@@ -227,7 +227,7 @@ fn unreadable(text: &str, start: usize, fault: Fault) -> Unreadable {
     }
 }
 
-/// Lists what stands before, between and after objects: code blocks, a name that the plan is assigned to, words.
+/// Records the leniencies outside of objects: code blocks, assignments and prose.
 fn around(text: &str, gap: Range<usize>, notes: &mut Notes) {
     let mut at = gap.start;
     loop {
@@ -270,7 +270,7 @@ fn words(text: &str, piece: Range<usize>, notes: &mut Notes) {
     }
 }
 
-/// The first words, on one line.
+/// Returns the first words of the text, on one line.
 fn beginning(text: &str) -> String {
     const SHOWN: usize = 120;
     let line: Vec<&str> = text.split_whitespace().take(SHOWN).collect();

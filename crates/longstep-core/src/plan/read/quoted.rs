@@ -1,9 +1,9 @@
-//! Texts in quotes, whichever: JSON's, Python's, or those of a word processor.
+//! String literals in quotes of any style: JSON, Python or typographic.
 
 use super::leniency::LeniencyKind as Kind;
 use super::literal::{FENCE, Parsed, Parser, Reason, malformed};
 
-/// What a text may be closed with, by what it was opened with; the longer ones first.
+/// Opening quotes with their closing quotes; longer ones first.
 const QUOTES: [(&str, Quote); 10] = [
     ("\"\"\"", Quote::new(&["\"\"\""], Some(Kind::TripleQuotes))),
     ("'''", Quote::new(&["'''"], Some(Kind::TripleQuotes))),
@@ -23,7 +23,7 @@ const SINGLE: Quote = Quote::new(&["‘", "’"], Some(Kind::TypographicQuotes))
 struct Quote {
     close: &'static [&'static str],
     kind: Option<Kind>,
-    /// Whether the closing mark may also stand for an apostrophe.
+    /// True if the closing quote is also used as an apostrophe.
     apostrophe: bool,
 }
 
@@ -43,16 +43,16 @@ impl Quote {
         }
     }
 
-    /// The quote that `rest` begins with, and its length.
+    /// Returns the quote at the start of `rest`, and the length of its opening mark.
     fn opening(rest: &str) -> Option<(usize, Self)> {
         let (open, quote) = QUOTES.iter().find(|(open, _)| rest.starts_with(open))?;
         Some((open.len(), *quote))
     }
 
-    /// The length of the closing mark that `rest` begins with.
+    /// Returns the length of the closing quote at the start of `rest`.
     ///
-    /// An apostrophe in `'the robots' hand'` is told from the closing mark by what follows: after a text comes a
-    /// comma, a colon, a bracket, a comment, a further text or the end, and after an apostrophe none of these.
+    /// The next character distinguishes the closing quote from an apostrophe, as in `'the robots' hand'`: a string is
+    /// followed by a comma, a colon, a bracket, a comment, another string or the end, an apostrophe by none of these.
     fn closing(&self, rest: &str) -> Option<usize> {
         let length = self.close.iter().find(|close| rest.starts_with(**close))?.len();
         if self.apostrophe {
@@ -66,19 +66,19 @@ impl Quote {
         Some(length)
     }
 
-    /// Whether line breaks belong in such a text.
+    /// Returns true if the string may contain line breaks.
     fn is_triple(&self) -> bool {
         self.kind == Some(Kind::TripleQuotes)
     }
 }
 
-/// Whether a text in quotes begins here.
+/// Returns true if a quoted string begins here.
 pub(super) fn is_quote(rest: &str) -> bool {
     Quote::opening(rest).is_some()
 }
 
 impl Parser<'_> {
-    /// A text and those that follow it without a comma: Python joins them.
+    /// Parses a string and the adjacent strings after it, which Python joins.
     pub(super) fn texts(&mut self) -> Parsed<String> {
         let mut joined = self.quoted(true)?;
         self.peek()?;
@@ -128,7 +128,7 @@ impl Parser<'_> {
         }
     }
 
-    /// The character that an escape stands for; none for an escaped line break.
+    /// Parses an escape sequence; returns none for an escaped line break.
     fn escape(&mut self) -> Parsed<Option<char>> {
         let rest = &self.rest()[1..];
         let next = rest.chars().next().ok_or(Reason::CutOff)?;
@@ -160,7 +160,7 @@ impl Parser<'_> {
                 self.at += 3;
                 Ok(None)
             }
-            // Markdown escapes punctuation, `move\_hand()`, and so does Python where it escapes a quote.
+            // Markdown escapes punctuation, as in `move\_hand()`; Python escapes quotes.
             _ if next.is_ascii_punctuation() || QUOTES.iter().any(|(open, _)| rest.starts_with(open)) => {
                 self.at += 1 + next.len_utf8();
                 Ok(Some(next))
@@ -169,7 +169,7 @@ impl Parser<'_> {
         }
     }
 
-    /// `\uXXXX`, or two of them for a character beyond the first plane.
+    /// Parses `\uXXXX`, or a surrogate pair of two such escapes.
     fn utf16(&mut self) -> Parsed<char> {
         let first = self.hexadecimal(4)?;
         let code = if (0xd800..0xdc00).contains(&first) {
@@ -196,7 +196,7 @@ impl Parser<'_> {
         char::from_u32(code).map_or_else(|| malformed("the escape names no character"), Ok)
     }
 
-    /// The number after a backslash and a letter.
+    /// Parses the hexadecimal number after a backslash and a letter.
     fn hexadecimal(&mut self, digits: usize) -> Parsed<u32> {
         let rest = &self.rest()[2..];
         let found: String = rest.chars().take(digits).take_while(char::is_ascii_hexdigit).collect();

@@ -1,4 +1,4 @@
-//! Scripts in a reply: in code blocks, or the reply as a whole.
+//! Scripts in a reply: in code blocks, or the whole reply.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::{Draft, around};
 use crate::diagnostic::Position;
 use crate::plan::{Node, PlanFile, TaskCohesion, Written, script};
 
-/// Reads the script of a reply; none if nothing in it is meant as one.
+/// Parses the script in a reply; none if the reply contains no script.
 pub(super) fn read(text: &str) -> Option<Result<Draft, Unreadable>> {
     let blocks: Vec<Block> = blocks(text)
         .filter(|block| is_meant(&text[block.inside.clone()]))
@@ -74,7 +74,7 @@ fn draft(text: &str, written: Written, start: usize, mut notes: Notes) -> Draft 
     }
 }
 
-/// A code block; places are bytes.
+/// A code block; positions are byte offsets.
 struct Block {
     opened: usize,
     inside: Range<usize>,
@@ -85,7 +85,7 @@ fn blocks(text: &str) -> impl Iterator<Item = Block> {
     let mut at = 0;
     std::iter::from_fn(move || {
         let opened = at + text[at..].find(FENCE)?;
-        // What stands behind a fence on its line is the language.
+        // The rest of the line after an opening fence is the language.
         let start = text[opened..].find('\n').map_or(text.len(), |end| opened + end + 1);
         let end = text[start..].find(FENCE).map(|end| start + end);
         at = end.map_or(text.len(), |end| end + FENCE.len());
@@ -97,7 +97,7 @@ fn blocks(text: &str) -> impl Iterator<Item = Block> {
     })
 }
 
-/// Whether the first line that is no comment begins as a statement of a script does, or as code does that no plan has.
+/// Returns true if the first line that is not a comment begins like a script statement or other Python code.
 fn is_meant(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let Some(line) = lines.find(|line| !line.starts_with('#')) else {
@@ -118,7 +118,7 @@ fn is_meant(text: &str) -> bool {
     }
 }
 
-/// What is assigned to a name, behind it.
+/// Returns the right-hand side of an assignment.
 fn assigned(rest: &str) -> Option<&str> {
     let value = rest.trim_start().strip_prefix('=')?;
     (!value.starts_with('=') && !value.contains('{')).then_some(value)

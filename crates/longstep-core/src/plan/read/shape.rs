@@ -1,4 +1,4 @@
-//! From an object to a plan file: the keys and types that a plan has.
+//! Conversion of a parsed object to a plan file: checks the keys and types of a plan.
 
 use indexmap::IndexMap;
 use indexmap::map::Entry as Slot;
@@ -14,16 +14,16 @@ use crate::plan::{EndingFile, PlanFile, TaskCohesion, TreeError, read_tree, scri
 
 type Shaped<T> = Result<T, Unreadable>;
 
-/// How much of a plan an object is.
+/// Degree to which an object looks like a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Likeness {
-    /// It has `task_cohesion`.
+    /// The object has `task_cohesion` or `python_script`.
     Whole,
-    /// It has what belongs into `task_cohesion`, or asks a question: a plan, unless it is a part of one.
+    /// The object has fields of `task_cohesion` or a question: a plan, unless it is part of a larger one.
     Part,
 }
 
-/// Whether the object is a plan, or has a single key and a plan under it.
+/// Classifies an object; an object whose single key contains a plan counts as that plan.
 pub(super) fn likeness(node: &Node) -> Option<Likeness> {
     own_likeness(node).or_else(|| wrapped(node).and_then(|(_, inner)| own_likeness(inner)))
 }
@@ -48,12 +48,12 @@ fn own_likeness(node: &Node) -> Option<Likeness> {
     }
 }
 
-/// Whether the steps of a plan stand under this key.
+/// Returns true if the key holds the steps of a plan.
 fn is_steps(key: &str) -> bool {
     matches!(key, "task_sequence" | "task_tree")
 }
 
-/// The key and the value of an object that has only one.
+/// Returns the key and the value of an object with exactly one entry.
 fn wrapped(node: &Node) -> Option<(&str, &Node)> {
     match &node.value {
         Literal::Object(entries) => match entries.as_slice() {
@@ -64,7 +64,7 @@ fn wrapped(node: &Node) -> Option<(&str, &Node)> {
     }
 }
 
-/// Reads a plan from an object that is like one.
+/// Converts an object that looks like a plan.
 pub(super) fn plan(text: &str, node: &Node, notes: &mut Notes) -> Shaped<PlanFile> {
     let mut shape = Shape { text, notes };
     match (own_likeness(node), wrapped(node)) {
@@ -108,7 +108,7 @@ struct Shape<'t, 'n> {
     notes: &'n mut Notes,
 }
 
-/// The entries of an object that have a meaning, each once.
+/// The entries of an object with known keys, each key once.
 struct Fields<'v> {
     at: usize,
     path: Path,
@@ -192,7 +192,7 @@ impl Shape<'_, '_> {
         })
     }
 
-    /// Reads steps that are a tree: strictly, in whatever style its values are written.
+    /// Parses a tree of steps, strictly as to keys and types; literals may have any style.
     fn tree(&mut self, tree: &Node, fields: &Fields) -> Shaped<TaskCohesion> {
         self.alone(fields, "task_tree", &["task_sequence", "step_instructions"])?;
         let object = self.field(fields, "object_name", Self::text)?;
@@ -214,7 +214,7 @@ impl Shape<'_, '_> {
         Ok(TaskCohesion::from_written(written))
     }
 
-    /// What says the same as `key` must not stand beside it.
+    /// Returns an error if one of `others`, which have the same meaning as `key`, is also present.
     fn alone(&self, fields: &Fields, key: &str, others: &[&str]) -> Shaped<()> {
         let other = others.iter().find_map(|other| Some((other, fields.get(other)?)));
         let Some((other, node)) = other.filter(|(_, node)| node.value != Literal::Null) else {
@@ -227,7 +227,7 @@ impl Shape<'_, '_> {
         Err(self.wrong(node, &fields.path.push(other), expected))
     }
 
-    /// Reads an environment, bare or wrapped in `{"environment": ...}`.
+    /// Parses an environment, bare or wrapped in `{"environment": ...}`.
     fn environment(&mut self, node: &Node, path: &Path) -> Shaped<Environment> {
         let wraps = |entry: &Entry| entry.key == "environment";
         if matches!(&node.value, Literal::Object(entries) if entries.iter().any(wraps)) {
@@ -256,7 +256,7 @@ impl Shape<'_, '_> {
         })
     }
 
-    /// The entries under the keys that are known; the others are listed.
+    /// Collects the entries with known keys and records the unknown keys.
     fn fields<'v>(&mut self, node: &'v Node, path: &Path, known: &[&'static str]) -> Shaped<Fields<'v>> {
         let Literal::Object(entries) = &node.value else {
             return Err(self.wrong(node, path, "an object"));
@@ -288,7 +288,7 @@ impl Shape<'_, '_> {
         Ok(fields)
     }
 
-    /// Reads the value under `key`; one that is null is none.
+    /// Parses the value of `key`; none if it is absent or null.
     fn field<T>(
         &mut self,
         fields: &Fields,
@@ -306,7 +306,7 @@ impl Shape<'_, '_> {
         read(self, node, &path).map(Some)
     }
 
-    /// What was read, or an empty one where that is allowed; it is listed then.
+    /// Returns the parsed value, or an empty one where that is allowed; a missing key is recorded.
     fn required<T: Default>(
         &mut self,
         read: Option<T>,
@@ -319,7 +319,7 @@ impl Shape<'_, '_> {
         match (read, fields.get(key)) {
             (Some(read), _) => Ok(read),
             (None, Some(null)) if !may_be_empty => Err(self.wrong(null, &path, expected)),
-            // That it is null is listed already.
+            // `field` has recorded the null.
             (None, Some(_)) => Ok(T::default()),
             (None, None) if may_be_empty => {
                 self.notes.add_about(Kind::MissingKey, fields.at, path);
@@ -361,7 +361,7 @@ impl Shape<'_, '_> {
         self.map(node, path, Self::words)
     }
 
-    /// An object with any keys.
+    /// Parses an object with arbitrary keys.
     fn map<T: PartialEq>(
         &mut self,
         node: &Node,
@@ -386,7 +386,7 @@ impl Shape<'_, '_> {
         Ok(map)
     }
 
-    /// A key that stands there again: no harm when it says the same.
+    /// Handles a repeated key: a leniency if the values are equal, otherwise an error.
     fn repeated(&mut self, same: bool, first: usize, entry: &Entry, path: &Path) -> Shaped<()> {
         let path = path.push(&shorten(&entry.key));
         if !same {
@@ -417,7 +417,7 @@ impl Shape<'_, '_> {
     }
 }
 
-/// A value in whatever style it was written, as JSON. A key may stand in an object once.
+/// Converts a literal to JSON. Duplicate keys are an error.
 fn json(node: &Node, path: &Path) -> Result<Value, TreeError> {
     Ok(match &node.value {
         Literal::Null => Value::Null,

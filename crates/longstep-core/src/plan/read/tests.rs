@@ -1,8 +1,8 @@
-//! Replies, one line each: what is read from them and what is forgiven, or why they cannot be read.
+//! One-line summaries of replies: the parsed content and the leniencies, or the error.
 
 use super::*;
 
-/// The steps and explanations that were read and the kinds of leniencies, or the error.
+/// Summarizes the steps, explanations and kinds of leniencies, or the error.
 fn told(reply: &str) -> String {
     match read(reply) {
         Ok(Draft { file, leniencies }) => {
@@ -28,7 +28,7 @@ fn check(reply: &str, expected: &str) {
     assert_eq!(told(reply), expected, "{reply}");
 }
 
-/// A plan whose only explanation is written as given.
+/// Checks a plan with a single explanation, written as the literal `text`.
 #[track_caller]
 fn check_text(text: &str, expected: &str) {
     let reply = format!(r#"{{"task_cohesion": {{"task_sequence": [], "step_instructions": [{text}]}}}}"#);
@@ -365,7 +365,7 @@ fn hostile_texts_are_refused_in_time() {
 
 #[test]
 fn trees_and_scripts_are_found_in_replies() {
-    // What is a list of steps is read as one, in whichever notation it comes.
+    // A sequential plan becomes a list of steps in every notation.
     check(r#"{"python_script": "a() # A\nb() # B"}"#, "a(); b(); A; B []");
     check("a() # A\nb() # B", "a(); b(); A; B []");
     check(

@@ -1,117 +1,117 @@
-//! Why a reply holds no plan.
+//! Errors for replies that contain no readable plan.
 
 use crate::diagnostic::Position;
 use crate::json::Path;
 use crate::plan::{ScriptError, TreeError};
 
-/// The most bytes that a reply may have. The longest recorded one has under four thousand.
+/// Maximum length of a reply in bytes. The longest recorded reply has fewer than 4,000.
 pub(super) const LARGEST: usize = 1 << 20;
 
-/// The deepest that brackets may be nested. A plain plan needs four, a tree two for each level.
+/// Maximum nesting depth of brackets. A sequential plan needs four, a tree two for each level.
 pub(super) const DEEPEST: usize = 120;
 
-/// A reply that no plan can be read from. Nothing is ever completed or chosen by guesswork.
+/// Reasons why a reply contains no readable plan. The reader never completes a plan and never chooses between plans.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Unreadable {
-    /// There is nothing in it.
+    /// The reply is empty.
     #[error("the reply is empty")]
     Empty,
-    /// It is longer than any plan.
+    /// The reply is too long.
     #[error("the reply has {bytes} bytes; at most {limit} are read")]
     TooLarge {
-        /// Its length.
+        /// Length of the reply.
         bytes: usize,
-        /// The most that is read.
+        /// Maximum length.
         limit: usize,
     },
-    /// Its brackets are nested deeper than any plan's.
+    /// Brackets are nested too deep.
     #[error("{}: brackets are nested more than {limit} deep", at(.position))]
     TooDeep {
-        /// The first bracket that is too deep.
+        /// Position of the first bracket beyond the limit.
         position: Position,
-        /// The deepest that is read.
+        /// Maximum depth.
         limit: usize,
     },
-    /// It is prose and nothing else: the model refuses, asks, or chats.
+    /// The reply is only prose: a refusal, a question, or conversation.
     #[error("the reply is prose, with no plan in it: \"{text}\"")]
     Refusal {
-        /// How it begins.
+        /// Beginning of the reply.
         text: String,
     },
-    /// There are objects in it, but none is a plan.
+    /// The reply contains objects, but none is a plan.
     #[error("{}: the reply holds an object but no plan", at(.first))]
     NoPlan {
-        /// The first object.
+        /// Position of the first object.
         first: Position,
     },
-    /// It stops in the middle.
+    /// The reply is truncated.
     #[error("{}: the reply breaks off; the object that begins at {} does not end", at(.position), at(.opened))]
     CutOff {
-        /// Where the object stops.
+        /// Position where the object breaks off.
         position: Position,
-        /// Where the object begins.
+        /// Position where the object begins.
         opened: Position,
     },
-    /// It holds plans that differ.
+    /// The reply contains plans that differ.
     #[error("the reply holds {count} plans that are not the same, at {} and {}", at(.first), at(.other))]
     SeveralPlans {
-        /// How many plans there are, those that are the same included.
+        /// Number of plans, including repeated ones.
         count: usize,
-        /// Where the first one begins.
+        /// Position of the first plan.
         first: Position,
-        /// Where the first one begins that differs from it.
+        /// Position of the first plan that differs from it.
         other: Position,
     },
-    /// It is written neither as JSON nor as a Python literal.
+    /// The plan is neither JSON nor a Python literal.
     #[error("{}: {message}", at(.position))]
     Malformed {
-        /// Where.
+        /// Position of the error.
         position: Position,
-        /// What is wrong.
+        /// Description of the error.
         message: String,
     },
-    /// A value has another type than it must have.
+    /// A value has the wrong type.
     #[error("{}: `{path}` should be {expected}, but is {found}", at(.position))]
     WrongShape {
-        /// The value.
+        /// Path of the value.
         path: Path,
-        /// Where it is, or where the object is that lacks it.
+        /// Position of the value, or of the object where the value is missing.
         position: Position,
-        /// What it should be.
+        /// Expected type.
         expected: &'static str,
-        /// What it is.
+        /// Actual type.
         found: &'static str,
     },
-    /// A tree of steps is not written as one.
+    /// A `task_tree` is invalid.
     #[error("{}: {error}", at(.position))]
     Tree {
-        /// The tree.
+        /// Position of the tree.
         position: Position,
-        /// What is wrong in it.
+        /// The error in the tree.
         error: TreeError,
     },
-    /// A script has what no plan has.
+    /// A script contains something that plans do not allow.
     #[error("{}{error}", within(.inside))]
     Script {
-        /// Where the text of JSON begins that holds the script; none if the reply holds it as it is.
+        /// Position of the JSON string that contains the script; none if the script is not inside JSON.
         inside: Option<Position>,
-        /// What is wrong, with its place in the script, or in the reply that holds it as it is.
+        /// The error, with its position in the script, or in the reply if the script is not inside JSON.
         error: ScriptError,
     },
-    /// A key stands there twice and the values differ.
+    /// A key occurs twice with different values.
     #[error("{}: `{path}` is given again with another value than at {}", at(.position), at(.first))]
     Contradiction {
-        /// The key.
+        /// Path of the key.
         path: Path,
-        /// Where it stands first.
+        /// Position of the first occurrence.
         first: Position,
-        /// Where it stands again.
+        /// Position of the second occurrence.
         position: Position,
     },
 }
 
 impl Unreadable {
-    /// What to do about it, in one sentence.
+    /// Suggests a remedy in one sentence.
     pub fn hint(&self) -> &str {
         match self {
             Self::Empty => "ask again; if it stays empty, look at the model's token limit and content filter",

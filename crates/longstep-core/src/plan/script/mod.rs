@@ -1,7 +1,7 @@
-//! Plans in the paper's Python form: calls, `if`, `while`, `for`, and comments that say what each step does.
+//! The paper's Python notation for plans: calls, `if`, `while`, `for`, and comments that explain each step.
 //!
-//! A script is read by a parser of our own and never executed. It knows the few forms that a plan can have; whatever
-//! else Python has is refused, with its place and what can be written instead.
+//! Scripts are parsed and never executed. The parser accepts only the statements that a plan can have. It rejects all
+//! other Python with the position and an alternative.
 //!
 //! ```
 //! use longstep_core::plan::{Node, script};
@@ -28,22 +28,22 @@ pub use write::write;
 use super::Written;
 use crate::diagnostic::Position;
 
-/// Longer texts are no plans: as for replies.
+/// Maximum length in bytes, the same as for replies.
 const LARGEST: usize = 1 << 20;
 
-/// Why a script is no plan.
+/// An error in a script.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {}, column {}: {message}", .position.line, .position.column)]
 pub struct ScriptError {
-    /// Where.
+    /// Position of the error.
     pub position: Position,
-    /// What stands there.
+    /// The unexpected content.
     pub message: String,
-    /// What can be written instead.
+    /// An alternative that is allowed.
     pub hint: String,
 }
 
-/// What is wrong at a byte of the text; its line and column are counted once it is told.
+/// An error with its byte offset; line and column are computed only for the report.
 #[derive(Debug)]
 struct Fault {
     at: usize,
@@ -59,17 +59,17 @@ fn fault<T>(at: usize, message: impl Into<String>, hint: impl Into<String>) -> R
     })
 }
 
-/// Reads a script: all of the text, or the one code block that it consists of. All of it may be indented.
+/// Parses a script: the whole text, or the single code block that it consists of. The whole script may be indented.
 ///
 /// # Errors
 ///
-/// At the first thing that a plan cannot have.
+/// At the first construct that a plan cannot have.
 pub fn read(text: &str) -> Result<Written, ScriptError> {
     let inside = fenced(text).unwrap_or(0..text.len());
     read_part(text, inside)
 }
 
-/// Reads the script in a part of a text; places are those in the whole text.
+/// Parses the script in a part of a text; positions refer to the whole text.
 pub(super) fn read_part(text: &str, part: Range<usize>) -> Result<Written, ScriptError> {
     let read = match part.len() {
         0..=LARGEST => token::tokens(text, part).and_then(parse::plan),
@@ -86,7 +86,7 @@ pub(super) fn read_part(text: &str, part: Range<usize>) -> Result<Written, Scrip
     })
 }
 
-/// What stands between the fences of a text that is one code block.
+/// Returns the content of a text that is a single code block.
 fn fenced(text: &str) -> Option<Range<usize>> {
     const FENCE: &str = "```";
     let opened = text.len() - text.trim_start().len();

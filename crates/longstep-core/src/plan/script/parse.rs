@@ -1,4 +1,4 @@
-//! From the tokens of a script to a plan.
+//! Parser for scripts: tokens to a written plan.
 
 mod condition;
 mod foreign;
@@ -12,7 +12,7 @@ use super::write::OBJECTS;
 use super::{Fault, fault};
 use crate::call::Call;
 
-/// What can stand on a line, for hints.
+/// Allowed statements, for hints.
 const STATEMENTS: &str = "a plan has calls such as `grasp(\"<cup>\")`, `if`, `while`, `for _ in range(N)`, \
                           `with parallel()`, `pass` and comments";
 
@@ -40,7 +40,7 @@ pub(super) fn plan(tokens: Vec<Token<'_>>) -> Result<Written, Fault> {
 struct Parser<'t> {
     tokens: Vec<Token<'t>>,
     next: usize,
-    /// How many branches and loops are open.
+    /// Number of open branches and loops.
     depth: usize,
     steps: Vec<WrittenStep>,
 }
@@ -84,7 +84,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Fails at the next token: with what it is if no plan has it, else with `message`.
+    /// Fails at the next token: names it if it is unsupported Python, otherwise uses `message`.
     fn unexpected<T>(&self, message: &str, hint: &str) -> Result<T, Fault> {
         match self.foreign() {
             Some((what, instead)) => self.fail(format!("this is {what}, which no plan has"), instead),
@@ -96,7 +96,7 @@ impl<'t> Parser<'t> {
         self.unexpected("this is nothing that a plan has", STATEMENTS)
     }
 
-    /// The names that the first comment of a plan says are handled.
+    /// Parses the object list in the first comment of a plan.
     fn objects(&mut self) -> Result<Vec<String>, Fault> {
         let Kind::Objects(words) = self.peek() else {
             return Ok(Vec::new());
@@ -116,7 +116,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// The statements up to the end of a block.
+    /// Parses statements up to the end of a block.
     fn nodes(&mut self) -> Result<Vec<WrittenNode>, Fault> {
         let mut nodes = Vec::new();
         loop {
@@ -134,7 +134,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Takes comments on lines of their own.
+    /// Consumes comments on lines of their own.
     fn remarks(&mut self) -> Vec<WrittenNode> {
         self.words_alone().into_iter().map(Node::Remark).collect()
     }
@@ -148,7 +148,7 @@ impl<'t> Parser<'t> {
         words
     }
 
-    /// Whether only comments stand before an `else` or `elif`.
+    /// Returns true if only comments come before an `else` or `elif`.
     fn alternative_ahead(&self) -> bool {
         let mut ahead = self.tokens[self.next..].iter().map(|token| &token.kind);
         let next = ahead.find(|kind| !matches!(kind, Kind::Remark(_) | Kind::Objects(_)));
@@ -196,7 +196,7 @@ impl<'t> Parser<'t> {
         Ok(StepId::new(self.steps.len() - 1))
     }
 
-    /// The end of a line, and the comments before it.
+    /// Consumes the end of a line and returns the comments before it.
     fn line_end(&mut self) -> Result<Vec<String>, Fault> {
         let comments = self.comments();
         match self.take(&Kind::Newline) {
@@ -214,7 +214,7 @@ impl<'t> Parser<'t> {
         comments
     }
 
-    /// A call with its arguments; what is said between them is its explanation.
+    /// Parses a call with its arguments; comments between them become its explanation.
     fn call(&mut self) -> Result<WrittenStep, Fault> {
         let start = self.at();
         let Some(name) = self.word().filter(|name| !is_reserved(name) && !name.starts_with('<')) else {
@@ -341,7 +341,7 @@ impl<'t> Parser<'t> {
         })
     }
 
-    /// Reads what stands one branch or loop deeper.
+    /// Parses content one branch or loop deeper.
     fn deeper<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         if self.depth == DEEPEST {
             return self.fail(
@@ -355,7 +355,7 @@ impl<'t> Parser<'t> {
         Ok(inside)
     }
 
-    /// The colon, what is said behind it, and the block.
+    /// Parses the colon, the comments after it and the block.
     fn body(&mut self, word: &str) -> Result<Vec<WrittenNode>, Fault> {
         self.expect(":", &format!("a line with `{word}` ends with a colon"))?;
         let mut nodes: Vec<WrittenNode> = self.comments().into_iter().map(Node::Remark).collect();
@@ -363,7 +363,7 @@ impl<'t> Parser<'t> {
         Ok(nodes)
     }
 
-    /// What stands under a line that ends with a colon, or behind the colon.
+    /// Parses the block after a colon, indented or on the same line.
     fn block(&mut self) -> Result<Vec<WrittenNode>, Fault> {
         self.deeper(|parser| {
             if !parser.take(&Kind::Newline) {
@@ -402,7 +402,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// `for _ in range(N)`: how often.
+    /// Parses `for _ in range(N)`; returns N.
     fn range(&mut self) -> Result<u32, Fault> {
         const HINT: &str = "a loop that counts is written `for _ in range(3):`";
         self.next += 1;

@@ -1,7 +1,7 @@
 use super::super::tree::DEEPEST;
 use super::{read, write};
 
-/// A script, and how it is written again; none where that is the same.
+/// Checks that the script parses, and that it is written as `written`.
 #[track_caller]
 fn check(script: &str, written: &str) {
     let plan = read(script).unwrap_or_else(|error| panic!("{error}\n  hint: {}\n{script}", error.hint));
@@ -265,7 +265,7 @@ mod random {
     const ARGUMENTS: [&str; 5] = ["<pie_320>", "left", "3", "two words", "\"odd\" \\ <"];
     const PARAMETERS: [&str; 5] = ["to", "from", "in_", "from__", "by-hand"];
 
-    /// Draws a plan from a seed.
+    /// Pseudorandom plan generator with a seed.
     struct Draw {
         seed: u64,
         steps: Vec<WrittenStep>,

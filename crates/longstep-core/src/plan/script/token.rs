@@ -1,4 +1,4 @@
-//! From the text of a script to its tokens, with where blocks begin and end.
+//! Lexer for scripts: text to tokens, with the begin and end of blocks.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::super::written::in_name;
 use super::write::OBJECTS;
 use super::{Fault, fault};
 
-/// A token and the byte at which it begins.
+/// A token with its byte offset.
 #[derive(Debug)]
 pub(super) struct Token<'t> {
     pub(super) at: usize,
@@ -17,17 +17,17 @@ pub(super) struct Token<'t> {
 pub(super) enum Kind<'t> {
     /// A word, or a name in angle brackets.
     Name(&'t str),
-    /// A text in quotes.
+    /// A quoted string.
     Text(String),
-    /// Digits, and what is written together with them.
+    /// Digits with the name characters that follow them.
     Number(&'t str),
-    /// Any other sign.
+    /// An operator or punctuation mark.
     Sign(&'t str),
-    /// A comment behind something else.
+    /// A trailing comment.
     Comment(String),
-    /// A comment on a line of its own, where a statement can stand.
+    /// A comment on a line of its own, at a place where a statement can stand.
     Remark(String),
-    /// The same, if it names what a plan handles.
+    /// A comment like [`Kind::Remark`] that lists the handled objects.
     Objects(String),
     /// The end of a statement's line.
     Newline,
@@ -36,8 +36,8 @@ pub(super) enum Kind<'t> {
     End,
 }
 
-/// The tokens of a part of a text. Indents and dedents are balanced, whatever the part is indented by as a whole, and
-/// the last one is [`Kind::End`].
+/// Splits a part of a text into tokens. Indents and dedents are balanced, whatever the indentation of the part as a
+/// whole. The last token is [`Kind::End`].
 pub(super) fn tokens(text: &str, part: Range<usize>) -> Result<Vec<Token<'_>>, Fault> {
     let mut lexer = Lexer {
         text: &text[..part.end],
@@ -64,17 +64,17 @@ struct Lexer<'t> {
     text: &'t str,
     at: usize,
     tokens: Vec<Token<'t>>,
-    /// How far the blocks are indented that are open.
+    /// Indentation columns of the open blocks.
     levels: Vec<usize>,
-    /// Where the parentheses stand that are open.
+    /// Byte offsets of the open parentheses.
     opened: Vec<usize>,
-    /// A blank or a tab, whichever came first.
+    /// The first indentation character, a blank or a tab.
     indented_with: Option<char>,
-    /// Comments on lines of their own, with their columns: the next statement decides to which block they belong.
+    /// Comments on lines of their own, with offset and column; the next statement determines their block.
     waiting: Vec<(usize, usize, Kind<'t>)>,
 }
 
-/// A tab goes to the next multiple of this.
+/// Tab width.
 const TAB: usize = 8;
 
 impl<'t> Lexer<'t> {
@@ -86,7 +86,7 @@ impl<'t> Lexer<'t> {
         &self.text[self.at..]
     }
 
-    /// Reads a line, or several where parentheses join them.
+    /// Reads a line, or several lines joined by parentheses.
     fn line(&mut self) -> Result<(), Fault> {
         let start = self.at;
         let column = self.indentation();
@@ -120,7 +120,7 @@ impl<'t> Lexer<'t> {
         self.statement()
     }
 
-    /// Skips what a line is indented by; returns the column.
+    /// Skips the indentation of a line; returns the column.
     fn indentation(&mut self) -> usize {
         let mut column = 0;
         for character in self.rest().chars() {
@@ -136,8 +136,8 @@ impl<'t> Lexer<'t> {
         column
     }
 
-    /// Ends and begins blocks for a statement at this column, around the comments that wait before it: one that is
-    /// indented deeper than the statement still belongs to a block that ends here.
+    /// Opens and closes blocks for a statement at this column. A pending comment that is indented deeper than the
+    /// statement goes into a block that ends here.
     fn blocks(&mut self, column: usize, at: usize) -> Result<(), Fault> {
         let mut waiting = std::mem::take(&mut self.waiting).into_iter().peekable();
         match self.levels.last() {
@@ -167,7 +167,7 @@ impl<'t> Lexer<'t> {
         Ok(())
     }
 
-    /// Ends the blocks that are indented deeper than this, but not the outermost one.
+    /// Closes the blocks that are indented deeper than the column, except the outermost.
     fn dedent(&mut self, column: usize, at: usize) {
         while self.levels.len() > 1 && self.levels.last().is_some_and(|level| *level > column) {
             self.levels.pop();
@@ -175,18 +175,18 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// Takes a comment; none if it is empty.
+    /// Reads a comment; none if it is empty.
     fn comment(&mut self) -> Option<String> {
         let rest = self.rest();
         let length = rest.find('\n').unwrap_or(rest.len());
         self.at += length;
         let words = rest[..length].trim_start_matches('#').trim();
-        // What no comment can hold as it is stands there in quotes.
+        // A comment that cannot be written literally is a quoted JSON string.
         let quoted = words.starts_with('"').then(|| serde_json::from_str(words).ok());
         (!words.is_empty()).then(|| quoted.flatten().unwrap_or_else(|| words.to_owned()))
     }
 
-    /// The tokens up to the end of a line outside of parentheses.
+    /// Reads the tokens up to the end of a line outside of parentheses.
     fn statement(&mut self) -> Result<(), Fault> {
         while let Some(next) = self.rest().chars().next() {
             let at = self.at;
@@ -223,11 +223,11 @@ impl<'t> Lexer<'t> {
         Ok(())
     }
 
-    /// A name, a number or a sign.
+    /// Reads a name, a number or a sign.
     fn word(&mut self, next: char) -> Result<Kind<'t>, Fault> {
         let rest = self.rest();
         let word = &rest[..rest.find(|c| !in_name(c)).unwrap_or(rest.len())];
-        // A minus begins no name.
+        // No name begins with a minus.
         if !word.is_empty() && next != '-' {
             self.at += word.len();
             return Ok(match next.is_numeric() {
@@ -254,7 +254,7 @@ impl<'t> Lexer<'t> {
         Ok(Kind::Sign(sign))
     }
 
-    /// A text in quotes, on one line.
+    /// Reads a quoted string on one line.
     fn quoted(&mut self, quote: char) -> Result<String, Fault> {
         let start = self.at;
         if self.rest().starts_with(&quote.to_string().repeat(3)) {
@@ -289,7 +289,7 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// The character that an escape stands for, after its backslash.
+    /// Reads an escape sequence after its backslash.
     fn escaped(&mut self) -> Option<char> {
         let next = self.rest().chars().next()?;
         self.at += next.len_utf8();
@@ -317,12 +317,12 @@ impl<'t> Lexer<'t> {
     }
 }
 
-/// Signs of more than one character, the longer ones first.
+/// Signs of several characters; longer ones first.
 const LONG_SIGNS: [&str; 17] = [
     "**=", "//=", "...", "==", "!=", "<=", ">=", "->", ":=", "+=", "-=", "*=", "/=", "%=", "|=", "**", "//",
 ];
 
-/// A name in angle brackets that stands there without quotes.
+/// Returns the unquoted name in angle brackets at the start of `rest`.
 fn bracketed(rest: &str) -> Option<&str> {
     let inside = &rest[1..];
     let length = inside.find(|c| !in_name(c)).filter(|length| *length > 0)?;

@@ -1,4 +1,4 @@
-//! A written plan as a script.
+//! Writer for scripts.
 
 use std::fmt::Write as _;
 
@@ -6,10 +6,10 @@ use super::super::written::{Written, WrittenNode, WrittenStep, is_reserved};
 use super::super::{LaneItem, Node, Test};
 use crate::visible;
 
-/// The script that says what the plan says; [`super::read`] gives the same plan again.
+/// Writes a plan as a script; [`super::read`] returns an equal plan.
 ///
-/// Words that a comment cannot hold as they are, such as a line break, stand in it as a JSON text in quotes. Control
-/// characters, bidirectional controls and characters without width are escapes, in comments and in texts.
+/// Text that a comment cannot contain literally, such as a line break, is written as a quoted JSON string. Control
+/// characters, bidirectional controls and zero-width characters are escaped in comments and strings.
 pub fn write(plan: &Written) -> String {
     let mut writer = Writer {
         plan,
@@ -24,7 +24,7 @@ pub fn write(plan: &Written) -> String {
     writer.script
 }
 
-/// What begins the comment that names what a plan handles.
+/// Prefix of the comment that lists the handled objects.
 pub(super) const OBJECTS: &str = "objects:";
 
 struct Writer<'p> {
@@ -38,7 +38,7 @@ impl Writer<'_> {
         let _ = writeln!(self.script, "{:indent$}{text}", "", indent = 4 * self.depth);
     }
 
-    /// A line that opens a block, and the block; `pass` where nothing is done in it.
+    /// Writes a header line and its block; `pass` if the block is `idle`.
     fn block(&mut self, head: &str, idle: bool, inside: impl FnOnce(&mut Self)) {
         self.line(head);
         self.depth += 1;
@@ -117,8 +117,8 @@ impl Writer<'_> {
         self.line(&format!("{text}{behind}"));
     }
 
-    /// `if` or `while` with its condition. What is said of the last call stands behind the line; where something is
-    /// said of another one, the line breaks behind it.
+    /// Writes `if` or `while` with its condition. The explanation of the last call goes to the end of the line; an
+    /// explanation of an earlier call is followed by a line break.
     fn head(&self, word: &str, condition: &Test<WrittenStep>) -> String {
         let mut pieces = Vec::new();
         collect(condition, &mut pieces);
@@ -165,7 +165,7 @@ fn collect<'p>(condition: &'p Test<WrittenStep>, pieces: &mut Vec<Piece<'p>>) {
     };
     match condition {
         Test::Holds(step) => pieces.push(Piece::Call(step)),
-        // In a written plan no call in a condition has a number.
+        // Conditions of a written plan contain calls only.
         Test::Sense(_) => {}
         Test::Not(inner) => {
             pieces.push(Piece::Word("not "));
@@ -176,7 +176,7 @@ fn collect<'p>(condition: &'p Test<WrittenStep>, pieces: &mut Vec<Piece<'p>>) {
     }
 }
 
-/// A part of a condition, in parentheses where it would be read as another one without.
+/// Writes a part of a condition, in parentheses if it is a conjunction or disjunction.
 fn enclosed<'p>(part: &'p Test<WrittenStep>, pieces: &mut Vec<Piece<'p>>) {
     if matches!(part, Test::All(_) | Test::Any(_)) {
         pieces.push(Piece::Word("("));
@@ -197,7 +197,7 @@ fn call(step: &WrittenStep) -> String {
     format!("{}({})", step.call.name, arguments.join(", "))
 }
 
-/// The comment that says what a call does, behind it.
+/// Returns the explanation of a call as a trailing comment.
 fn behind(explanation: &str) -> String {
     match explanation {
         "" => String::new(),
@@ -217,12 +217,12 @@ fn comment(words: &str) -> String {
     }
 }
 
-/// A text in quotes, as JSON: comments are read so.
+/// Returns a quoted JSON string, the form in comments.
 fn json(text: &str) -> String {
     visible::json(&serde_json::Value::from(text).to_string()).into_owned()
 }
 
-/// A text in quotes, as Python reads it: what a terminal would obey or hide is an escape.
+/// Returns a quoted Python string; control and hidden characters are escaped.
 fn quoted(text: &str) -> String {
     let quoted = serde_json::Value::from(text).to_string();
     if !quoted.contains(visible::is_hidden) {
@@ -239,7 +239,7 @@ fn quoted(text: &str) -> String {
     shown
 }
 
-/// A parameter's name before `=`: Python keeps some names for itself, and those get an underscore more.
+/// Returns a parameter's name before `=`; names that are reserved in Python get an additional underscore.
 fn keyword(name: &str) -> String {
     match is_reserved(name.trim_end_matches('_')) {
         true => format!("{name}_"),

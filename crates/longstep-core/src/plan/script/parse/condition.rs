@@ -7,14 +7,14 @@ use super::super::token::Kind;
 use super::super::{Fault, fault};
 use super::{Parser, join};
 
-/// Parentheses and `not` in each other: more than any plan that is not too deep needs.
+/// Maximum nesting depth of parentheses and `not`; plans within [`DEEPEST`] need less.
 const DEEPEST_CONDITION: usize = 4 * DEEPEST;
 
-/// The calls of a condition, while it is read.
+/// The calls of a condition during parsing.
 #[derive(Default)]
 struct Condition {
     calls: Vec<WrittenStep>,
-    /// What was said before the first call.
+    /// Comments before the first call.
     early: Vec<String>,
     depth: usize,
 }
@@ -27,7 +27,7 @@ impl Condition {
         }
     }
 
-    /// The condition with its calls in their places.
+    /// Replaces call indices by the calls.
     fn whole(&self, test: Test<usize>) -> Test<WrittenStep> {
         let parts = |parts: Vec<Test<usize>>| parts.into_iter().map(|part| self.whole(part)).collect();
         match test {
@@ -41,7 +41,7 @@ impl Condition {
 }
 
 impl Parser<'_> {
-    /// A condition, and what depends on it.
+    /// Parses a condition and the block that depends on it.
     pub(super) fn guarded(&mut self, word: &str) -> Result<(Test<WrittenStep>, Vec<WrittenNode>), Fault> {
         let start = self.tokens[self.next - 1].at;
         let mut condition = Condition::default();
@@ -89,7 +89,7 @@ impl Parser<'_> {
         Ok(parts)
     }
 
-    /// A call, what follows `not`, or what stands in parentheses.
+    /// Parses a call, a negation, or a condition in parentheses.
     fn part(&mut self, condition: &mut Condition) -> Result<Test<usize>, Fault> {
         self.comments().into_iter().for_each(|words| condition.say(words));
         if condition.depth == DEEPEST_CONDITION {

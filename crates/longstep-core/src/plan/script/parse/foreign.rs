@@ -1,10 +1,10 @@
-//! What belongs to the rest of Python, and what can be written instead.
+//! Python constructs that plans do not have, with alternatives.
 
 use super::super::token::Kind;
 use super::{Parser, STATEMENTS};
 
 impl Parser<'_> {
-    /// What the next token is, if it belongs to the rest of Python, and what can be written instead.
+    /// Names the next token if it is unsupported Python, and suggests an alternative.
     pub(super) fn foreign(&self) -> Option<(String, &'static str)> {
         let (what, instead) = match self.peek() {
             Kind::Name(word) => return foreign_word(word),
@@ -37,7 +37,7 @@ impl Parser<'_> {
     }
 }
 
-/// What a word of Python's is, if no plan has it, and what can be written instead.
+/// Names a Python keyword that plans do not have, and suggests an alternative.
 fn foreign_word(word: &str) -> Option<(String, &'static str)> {
     let (what, instead) = match word {
         "def" | "async" => ("a function", "write its steps where they are done"),

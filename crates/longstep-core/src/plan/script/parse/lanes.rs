@@ -1,4 +1,4 @@
-//! `with parallel():` and the lanes in it.
+//! Parser for `with parallel():` and its lanes.
 
 use super::super::super::tree::{DEEPEST, Lane};
 use super::super::super::written::WrittenNode;
@@ -63,7 +63,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// What one lane does.
+    /// Parses the items of a lane.
     fn items(&mut self, items: &mut Vec<LaneItem>) -> Result<(), Fault> {
         loop {
             items.extend(self.words_alone().into_iter().map(LaneItem::Remark));
