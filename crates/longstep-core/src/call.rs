@@ -7,11 +7,11 @@ use std::fmt;
 pub struct Call {
     /// The word before the parenthesis.
     pub name: String,
-    /// What stands in the parentheses, split at commas and trimmed.
+    /// The arguments in the parentheses, split at commas and trimmed.
     pub arguments: Vec<String>,
 }
 
-/// A text that is no call.
+/// The error for a text that is not a call.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` is not written as `word(argument, ...)`")]
 pub struct NotACall {
@@ -19,11 +19,11 @@ pub struct NotACall {
 }
 
 impl Call {
-    /// Reads a call; the parentheses may be left out when there are no arguments.
+    /// Parses a call; a call without arguments may omit the parentheses.
     ///
     /// # Errors
     ///
-    /// When the text has another shape.
+    /// A text of any other form.
     ///
     /// ```
     /// use longstep_core::call::Call;
@@ -35,7 +35,7 @@ impl Call {
     pub fn parse(text: &str) -> Result<Self, NotACall> {
         let trimmed = text.trim();
         let error = || NotACall {
-            // A hostile text must not fill the screen.
+            // Long hostile input must not fill the error message.
             text: trimmed.chars().take(80).collect(),
         };
         let (name, inner) = match trimmed.split_once('(') {

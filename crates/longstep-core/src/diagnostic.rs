@@ -1,18 +1,18 @@
-//! Findings about a text that a person wrote: what, where, and what to do.
+//! Diagnostics for a text that a user wrote: the problem, its position, and a hint.
 
 use std::fmt;
 
-/// A place in a text; lines and columns count from 1, columns in characters.
+/// A position in a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Position {
-    /// Line, from 1.
+    /// The line, from 1.
     pub line: u32,
-    /// Column in characters, from 1.
+    /// The column in characters, from 1.
     pub column: u32,
 }
 
 impl Position {
-    /// The position of the byte `offset` in `text`; an offset past the end is the end.
+    /// Converts a byte offset in `text` to a position; an offset past the end gives the end of the text.
     ///
     /// ```
     /// use longstep_core::diagnostic::Position;
@@ -32,21 +32,21 @@ impl Position {
     }
 }
 
-/// One finding, with its place.
+/// One problem with its position.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Diagnostic {
     /// The file, as the user named it or relative to the domain's folder.
     pub file: String,
-    /// Where in the file, if the finding has one place.
+    /// The position in the file, if the problem has a single one.
     pub position: Option<Position>,
-    /// What is wrong.
+    /// The problem.
     pub message: String,
-    /// What to do about it.
+    /// The advice on how to solve it.
     pub hint: Option<String>,
 }
 
 impl Diagnostic {
-    /// A finding at a place.
+    /// Creates a diagnostic for a position in a file.
     pub fn at(file: &str, position: Position, message: impl Into<String>) -> Self {
         Self {
             file: file.to_owned(),
@@ -56,7 +56,7 @@ impl Diagnostic {
         }
     }
 
-    /// A finding about a file as a whole.
+    /// Creates a diagnostic for a file as a whole.
     pub fn whole(file: &str, message: impl Into<String>) -> Self {
         Self {
             file: file.to_owned(),
@@ -66,7 +66,7 @@ impl Diagnostic {
         }
     }
 
-    /// The same finding with advice.
+    /// Adds advice to the diagnostic.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
@@ -88,12 +88,12 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// Everything that is wrong with an input, at once, sorted by place.
+/// All problems of an input, sorted by file and position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostics(pub Vec<Diagnostic>);
 
 impl Diagnostics {
-    /// The same findings, sorted by file and place, each once.
+    /// Sorts the diagnostics by file and position, and removes duplicates.
     pub fn sorted(mut findings: Vec<Diagnostic>) -> Self {
         findings.sort();
         findings.dedup();
@@ -115,10 +115,12 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// Words with more characters are like no other.
+/// The number of characters above which [`nearest`] does not compare a word.
 const LONGEST_COMPARED: usize = 100;
 
-/// The candidate nearest to `word`, if one is near enough to be what was meant.
+/// Returns the candidate with the smallest edit distance to `word`, if that is at most a third of the length of `word`.
+///
+/// Upper and lower case are equal; the limit is at least one edit.
 ///
 /// ```
 /// use longstep_core::diagnostic::nearest;
@@ -128,7 +130,7 @@ const LONGEST_COMPARED: usize = 100;
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = word.to_lowercase();
     let length = lower.chars().count();
-    // Comparing two texts takes the product of their lengths, and nobody mistypes a whole page.
+    // The edit distance takes time proportional to the product of the lengths.
     if length > LONGEST_COMPARED {
         return None;
     }

@@ -1,12 +1,13 @@
-//! Budgets of work, so that every answer comes after a bounded number of elementary steps.
+//! Budgets of work, which bound the number of elementary steps of every operation.
 //!
-//! A small input can ask for an unbounded amount of work: a condition with eight nested quantifiers over forty
-//! entities has 40^8 instances. So each operation of the library runs with a budget, counted in *units*: one unit is one
-//! fact that is looked up, one entity that is tried, one candidate that is compared, in the order of ten to a hundred
-//! nanoseconds. An operation whose budget is spent ends early with a typed answer that says so; it never returns a
-//! verdict that rests on work that was not done.
+//! A small input can require an unbounded amount of work: a condition with eight nested quantifiers over forty entities
+//! has 40^8 instances. Each operation of the library therefore runs with a budget, counted in *units*. One unit is one
+//! fact looked up, one entity tried or one candidate compared, which takes ten to a hundred nanoseconds. An operation
+//! that exhausts its budget ends early with a typed result that says so; it never returns a verdict that rests on
+//! unfinished work.
 //!
-//! Units are counted, never seconds: the answer is the same on a slow machine. `docs/limits.md` lists every budget.
+//! Budgets count units, never seconds, so the result does not depend on the machine. `docs/limits.md` lists every
+//! budget.
 //!
 //! ```
 //! use longstep_core::effort;
@@ -15,28 +16,28 @@
 //! assert_eq!((spent.result, spent.exhausted), (4, false));
 //! ```
 //!
-//! The count belongs to the thread for the time of one call of [`within`]: conditions are evaluated in some two hundred
-//! places, and a parameter in each of them would be on every signature of the library. An operation sets its own budget
-//! when it begins, so its result depends on its arguments alone.
+//! The counter is local to the thread, for the duration of one call of [`within`]. Conditions are evaluated in about
+//! two hundred places, and a parameter for the budget would be in every signature of the library. An operation sets its
+//! own budget when it begins, so its result depends only on its arguments.
 
 use std::cell::Cell;
 
-/// The units of one verification, one binding of hidden arguments, or one reading of a world.
+/// The budget of one verification, one binding of hidden arguments, or one environment that is read.
 ///
-/// At 20 to 40 ns a unit this is about half a second.
+/// At 20 to 40 ns per unit this is about half a second.
 pub const OPERATION: u64 = 15_000_000;
 
-/// The units that are charged for a value of a few dozen bytes that is kept in memory.
+/// The units charged for keeping a value of a few dozen bytes in memory.
 pub(crate) const KEPT: usize = 8;
 
 thread_local! {
     static LEFT: Cell<u64> = const { Cell::new(u64::MAX) };
 }
 
-/// A result with the work that it took.
+/// A result and the work that it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spent<T> {
-    /// The result. If the budget was exhausted it is incomplete, and only good for showing how far it came.
+    /// The result. If the budget was exhausted, it is incomplete and serves only to show the progress.
     pub result: T,
     /// The units that were spent.
     pub units: u64,
@@ -44,7 +45,7 @@ pub struct Spent<T> {
     pub exhausted: bool,
 }
 
-/// Restores the budget of the enclosing call, less what was spent, also when `work` panics.
+/// Restores the budget of the enclosing call, less the units spent, even when `work` panics.
 struct Enclosing {
     outer: u64,
     limit: u64,
@@ -56,9 +57,9 @@ impl Drop for Enclosing {
     }
 }
 
-/// Runs `work` with at most `limit` units, or with what the enclosing call of `within` has left, if that is less.
+/// Runs `work` with at most `limit` units, or with the rest of the enclosing budget if that is less.
 ///
-/// With `u64::MAX` it measures and does not limit.
+/// With `u64::MAX` it only measures.
 pub fn within<T>(limit: u64, work: impl FnOnce() -> T) -> Spent<T> {
     let outer = left();
     let limit = limit.min(outer);
@@ -74,10 +75,10 @@ pub fn within<T>(limit: u64, work: impl FnOnce() -> T) -> Spent<T> {
     }
 }
 
-/// Spends units; returns whether work may go on.
+/// Spends units; returns `false` if the budget is exhausted.
 ///
-/// A loop that gets `false` ends. What it has computed so far is not used: the operation that set the budget reports
-/// that it was exhausted.
+/// A loop that gets `false` must end. Its partial result is not used: the operation that set the budget reports that it
+/// was exhausted.
 #[inline]
 pub fn spend(units: usize) -> bool {
     LEFT.with(|left| {
@@ -87,7 +88,7 @@ pub fn spend(units: usize) -> bool {
     })
 }
 
-/// Returns whether the budget is spent.
+/// Returns true if the budget is exhausted.
 #[inline]
 pub(crate) fn is_exhausted() -> bool {
     left() == 0

@@ -1,4 +1,4 @@
-//! Places in a JSON text.
+//! Positions of values in a JSON text.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 
 use crate::diagnostic::Position;
 
-/// The way to a value: keys and indexes.
+/// The path to a value: keys and indexes.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Path(Vec<Segment>);
 
@@ -19,12 +19,12 @@ enum Segment {
 }
 
 impl Path {
-    /// The way to a key of the outermost object.
+    /// The path to a key of the outermost object.
     pub fn key(key: &str) -> Self {
         Self::default().push(key)
     }
 
-    /// This way and one key on.
+    /// Returns the path extended by a key.
     #[must_use]
     pub fn push(&self, key: &str) -> Self {
         let mut path = self.clone();
@@ -32,7 +32,7 @@ impl Path {
         path
     }
 
-    /// This way and one index on.
+    /// Returns the path extended by an index.
     #[must_use]
     pub fn index(&self, index: usize) -> Self {
         let mut path = self.clone();
@@ -40,7 +40,7 @@ impl Path {
         path
     }
 
-    /// This way, and then the other.
+    /// Returns the concatenation of both paths.
     #[must_use]
     pub fn join(&self, other: &Self) -> Self {
         Self(self.0.iter().chain(&other.0).cloned().collect())
@@ -60,7 +60,8 @@ impl fmt::Display for Path {
     }
 }
 
-/// Where the value at `path` begins in `text`, or the nearest value around it that is there.
+/// Returns the position at which the value at `path` begins, or that of its nearest ancestor that exists; none if
+/// `text` is not JSON.
 ///
 /// ```
 /// use longstep_core::json::{Path, locate};

@@ -1,15 +1,17 @@
-//! Plans for robots, verified step by step against a model of the world: domains, worlds, plans, verification, search and
-//! repair. No language, no prompts, no I/O.
+//! Plans for robots: domains, environments, plans, verification, search and repair. This crate contains no
+//! natural-language input, no prompts and no I/O.
 //!
-//! The modules stand on each other in this order, and none imports one that comes after it:
+//! The modules are layers; none imports one below it in this list:
 //!
-//! - [`call`], [`diagnostic`], [`json`], [`visible`], [`effort`]: text with places in it, and budgets of work.
+//! - [`call`], [`diagnostic`], [`json`], [`visible`], [`effort`]: calls, source positions, escaping, and budgets of
+//!   work.
 //! - [`model`]: domains, facts, states and worlds as data.
-//! - [`domain`] and [`world`]: the same from files, and back.
-//! - [`plan`]: plans as trees, their notations, and what can be wrong with them.
-//! - [`verify`]: simulates a plan; a report without violations becomes a [`verify::VerifiedPlan`].
-//! - [`goal`]: goals in the words of a domain. [`message`]: violations in sentences.
-//! - [`search`], [`repair`], [`arms`], [`pddl`]: plans from goals, from invalid plans, for several arms, and from problems.
+//! - [`domain`], [`environment`]: domains and worlds read from files, and written.
+//! - [`plan`]: plans as trees, their notations, and violations.
+//! - [`verify`]: simulates a plan; a report without violations yields a [`verify::VerifiedPlan`].
+//! - [`goal`]: goals over the goal words of a domain. [`message`]: violations as sentences.
+//! - [`search`], [`repair`], [`schedule`], [`pddl`]: plans from goals, from invalid plans, for several actors, and from
+//!   PDDL problems.
 
 pub mod call;
 pub mod diagnostic;

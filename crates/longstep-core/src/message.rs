@@ -1,4 +1,4 @@
-//! What violations and assumptions say to a person, or to a model.
+//! Sentences for violations and assumptions, addressed to a person or to a model.
 
 use crate::effort;
 use crate::goal::Goal;
@@ -7,7 +7,7 @@ use crate::plan::{Assumption, Violation};
 use crate::plan::{Step, tree};
 
 impl Violation {
-    /// The facts that were missing, as sentences.
+    /// The missing facts of the violation, as sentences.
     pub fn missing(&self, domain: &Domain, world: &World) -> Vec<String> {
         self.missing_in(Voice::Person, domain, world)
     }
@@ -22,12 +22,12 @@ impl Violation {
         }
     }
 
-    /// One sentence for a person; steps are counted from 1 in it.
+    /// Writes the violation as one sentence for a person, with steps counted from 1.
     pub fn message(&self, domain: &Domain, world: &World, steps: &[Step], goal: Option<&Goal>) -> String {
         self.message_in(Voice::Person, domain, world, steps, goal)
     }
 
-    /// The same in either voice.
+    /// Writes the violation as one sentence for a person or a model, with steps counted from 1.
     pub fn message_in(
         &self,
         voice: Voice,
@@ -215,7 +215,7 @@ impl Violation {
     }
 }
 
-/// The beginning of a sentence about a part of a plan.
+/// The prefix of a sentence about a step.
 fn at(step: Option<usize>) -> String {
     step.map_or(String::new(), |step| format!("step {}: ", step + 1))
 }
@@ -232,7 +232,7 @@ fn together(domain: &Domain, world: &World, steps: &[Step], first: usize, second
 }
 
 impl Assumption {
-    /// One sentence for a person.
+    /// Writes the assumption as one sentence for a person.
     pub fn message(&self, domain: &Domain, world: &World) -> String {
         match self {
             Self::Fact { fact, ground } => {

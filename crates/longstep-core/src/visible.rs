@@ -1,7 +1,7 @@
-//! Foreign text made visible: characters that a terminal obeys or that hide text, as escapes.
+//! Escapes for foreign text: control characters and characters that hide or reorder text become visible.
 //!
-//! Names, replies and files may hold escape sequences, bidirectional overrides and characters without width. Shown as
-//! they are, they move the cursor, recolour or reorder what stands beside them, and can forge a verdict.
+//! Names, replies and files may hold terminal escape sequences, bidirectional overrides and zero-width characters.
+//! Printed unchanged, they move the cursor, recolour or reorder the text around them, and can forge a verdict.
 //!
 //! ```
 //! use longstep_core::visible;
@@ -13,9 +13,9 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-/// Ranges of characters that have no width, or that change the order of what stands beside them: bidirectional controls,
-/// line and paragraph separators, and every other character that Unicode lets a screen leave out
-/// (`Default_Ignorable_Code_Point`, with the interlinear and musical ones), tag characters included.
+/// Ranges of characters that have no width or change the order of the text around them: bidirectional controls, line
+/// and paragraph separators, and all other characters that Unicode lets a renderer omit
+/// (`Default_Ignorable_Code_Point`, interlinear and musical controls, tag characters).
 const HIDDEN: [(char, char); 22] = [
     ('\u{ad}', '\u{ad}'),
     ('\u{34f}', '\u{34f}'),
@@ -41,16 +41,16 @@ const HIDDEN: [(char, char); 22] = [
     ('\u{fffe}', '\u{ffff}'),
 ];
 
-/// Returns whether a character is a control character, has no width, or changes the order of others.
+/// Returns true for control characters, zero-width characters and characters that change the order of others.
 pub fn is_hidden(character: char) -> bool {
     character.is_control()
         || (!character.is_ascii() && HIDDEN.iter().any(|(first, last)| (*first..=*last).contains(&character)))
 }
 
-/// Returns a text as one line in which nothing is hidden; line breaks are escapes, too.
+/// Escapes all hidden characters of a text, including line breaks; the result is a single line.
 ///
-/// Scripts and emoji that need a joiner or a variation selector keep it: one of them, between letters or signs beyond
-/// ASCII.
+/// A joiner or a variation selector next to non-ASCII letters or emoji that need it stays unescaped, but only one in a
+/// row.
 pub fn line(text: &str) -> Cow<'_, str> {
     if !text.contains(is_hidden) {
         return Cow::Borrowed(text);
@@ -82,20 +82,20 @@ pub fn line(text: &str) -> Cow<'_, str> {
 /// The character before a joiner or a variation selector.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Before {
-    /// A character of ASCII, an escape, a joiner, or none.
+    /// An ASCII character, an escape, a joiner, or none.
     Plain,
-    /// A visible one beyond ASCII.
+    /// A visible non-ASCII character.
     Beyond,
-    /// Such a one with its variation selector.
+    /// A visible non-ASCII character followed by its variation selector.
     Selected,
 }
 
 fn escape(character: char, shown: &mut String) {
-    // Writing to a text cannot fail.
+    // Writing to a `String` cannot fail.
     let _ = write!(shown, "{}", character.escape_default());
 }
 
-/// Returns a text of several lines in which nothing is hidden. Its line breaks stay, and `\r\n` is one of them.
+/// Escapes all hidden characters of a text except line breaks; `\r\n` becomes `\n`.
 pub fn block(text: &str) -> Cow<'_, str> {
     if !text.contains(|character| character != '\n' && is_hidden(character)) {
         return Cow::Borrowed(text);
@@ -104,8 +104,8 @@ pub fn block(text: &str) -> Cow<'_, str> {
     Cow::Owned(lines.collect::<Vec<_>>().join("\n"))
 }
 
-/// Returns a JSON text with the same value in which nothing is hidden: such characters only stand inside its texts, where
-/// JSON has escapes for them. Line breaks between its values stay.
+/// Escapes all hidden characters of a JSON text except line breaks between its values. The value stays equal, since
+/// hidden characters occur only inside JSON strings, which have escapes for them.
 pub fn json(text: &str) -> Cow<'_, str> {
     let hidden = |character: char| character != '\n' && is_hidden(character);
     if !text.contains(hidden) {
@@ -153,7 +153,7 @@ mod tests {
             ("a\u{2028}b\u{2029}", r"a\u{2028}b\u{2029}"),
             ("mi\u{200b}lk\u{200d}", r"mi\u{200b}lk\u{200d}"),
             ("milk\u{e0041}\u{e007f}", r"milk\u{e0041}\u{e007f}"),
-            // Selectors in a row can carry a text of their own.
+            // A sequence of selectors can encode a hidden text.
             ("❤\u{fe0f}\u{fe01}\u{fe0f}", "❤\u{fe0f}\\u{fe01}\\u{fe0f}"),
             ("1\u{fe0f}", r"1\u{fe0f}"),
             ("é\u{200d}\u{200d}é", r"é\u{200d}\u{200d}é"),
