@@ -2,63 +2,63 @@
 
 use super::{EntityId, PredicateId, TypeId};
 
-/// A variable's place among the bindings: parameters first, then quantified variables, outermost first.
+/// The index of a variable in the bindings: parameters first, then quantified variables, outermost first.
 pub type Slot = usize;
 
-/// What stands in an argument place.
+/// An argument of an atom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Term {
     /// A parameter or a quantified variable.
     Variable(Slot),
-    /// A constant of the domain; constants are the first entities of every world.
+    /// A constant of the domain. Constants are the first entities of every world.
     Constant(EntityId),
 }
 
 /// A predicate applied to terms.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Atom {
-    /// Which predicate.
+    /// The predicate.
     pub predicate: PredicateId,
-    /// Its arguments.
+    /// The arguments.
     pub terms: Vec<Term>,
 }
 
-/// A condition in negation normal form: `not` stands only before atoms and equalities.
+/// A condition in negation normal form: negation applies only to atoms and equalities.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Condition {
-    /// All of them; an empty one is true.
+    /// Conjunction; true if empty.
     And(Vec<Condition>),
-    /// At least one of them; an empty one is false.
+    /// Disjunction; false if empty.
     Or(Vec<Condition>),
-    /// For every entity of the type, bound to the slot.
+    /// Universal quantifier over the entities of a type, bound to the slot.
     Forall(Slot, TypeId, Box<Condition>),
-    /// For some entity of the type, bound to the slot.
+    /// Existential quantifier over the entities of a type, bound to the slot.
     Exists(Slot, TypeId, Box<Condition>),
-    /// The atom holds, or does not.
+    /// An atom or its negation.
     Atom {
         /// The atom.
         atom: Atom,
-        /// Whether it must hold (`true`) or must not.
+        /// True for the atom, false for its negation.
         holds: bool,
-        /// Asked of the state in which the instruction was given, not of the state at hand.
+        /// True if the atom is evaluated in the state in which the instruction was given, false for the current state.
         initially: bool,
     },
-    /// The terms are the same entity, or are not.
+    /// An equality of two terms or its negation.
     Equal {
-        /// One side.
+        /// The left side.
         left: Term,
-        /// The other side.
+        /// The right side.
         right: Term,
-        /// Whether they must be equal (`true`) or must differ.
+        /// True for equality, false for inequality.
         holds: bool,
     },
 }
 
 impl Condition {
-    /// The condition that always holds.
+    /// The condition that is always true.
     pub const TRUE: Condition = Condition::And(Vec::new());
 
-    /// The opposite condition, in negation normal form again.
+    /// Returns the negation, in negation normal form.
     #[must_use]
     pub fn negated(self) -> Self {
         let all = |conditions: Vec<Condition>| conditions.into_iter().map(Self::negated).collect();
@@ -80,8 +80,8 @@ impl Condition {
         }
     }
 
-    /// The condition with every slot from `from` on moved by so many places: room for variables that are bound between
-    /// those outside of the condition and its own.
+    /// Returns the condition with every slot at or above `from` moved up by `by`. This makes room for variables between
+    /// those bound outside the condition and its own.
     #[must_use]
     pub(crate) fn shifted(self, from: Slot, by: usize) -> Self {
         let slot = |slot: Slot| if slot < from { slot } else { slot + by };
@@ -115,7 +115,7 @@ impl Condition {
         }
     }
 
-    /// Calls `visit` for every atom, with whether it must hold.
+    /// Calls `visit` for every atom, with `true` for a positive and `false` for a negated one.
     pub fn for_each_atom(&self, visit: &mut impl FnMut(&Atom, bool)) {
         match self {
             Self::And(conditions) | Self::Or(conditions) => {
@@ -128,16 +128,16 @@ impl Condition {
     }
 }
 
-/// One atom that an action makes true or false, for every binding of `forall` under which `condition` held
-/// before the action.
+/// An effect that makes one atom true or false, for every binding of `forall` under which `condition` held before the
+/// action.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Effect {
-    /// Quantified variables.
+    /// The quantified variables with their types.
     pub forall: Vec<(Slot, TypeId)>,
-    /// Asked of the state before the action.
+    /// The condition, evaluated in the state before the action.
     pub condition: Condition,
-    /// What changes.
+    /// The atom that changes.
     pub atom: Atom,
-    /// Whether it becomes true (`true`) or false.
+    /// True for an add effect, false for a delete effect.
     pub adds: bool,
 }

@@ -1,17 +1,17 @@
-//! What differs between two states of a world.
+//! Differences between two states of a world.
 
 use super::{Domain, Fact, PredicateId, State};
 
-/// A fact that holds in one state and not in the other.
+/// A fact that holds in exactly one of two states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Difference {
     /// The fact.
     pub fact: Fact,
-    /// Whether it holds in the second state.
+    /// True if it holds in the second state.
     pub now_holds: bool,
 }
 
-/// What an environment would show as changed between two states, sorted: facts that have a state word.
+/// Returns the facts with a state word that differ between two states, sorted.
 pub fn differences(domain: &Domain, before: &State, after: &State) -> Vec<Difference> {
     let mut predicates: Vec<PredicateId> = domain.states.iter().map(|word| word.atom.predicate).collect();
     predicates.sort_unstable();

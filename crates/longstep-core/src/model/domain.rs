@@ -1,4 +1,4 @@
-//! A robot's domain as data: types, predicates, actions, rules, and the words for them.
+//! A robot's domain as data: types, predicates, actions, rules, and their wording.
 
 use super::id;
 use super::{Atom, Condition, Effect, EntityId, Fact, Lexicon, Template};
@@ -16,16 +16,16 @@ id!(
     ActionId
 );
 id!(
-    /// A word that goals are told in.
+    /// A goal word of a domain.
     GoalWordId
 );
 
 impl TypeId {
-    /// PDDL's root type, which every entity has.
+    /// PDDL's root type, the supertype of all types.
     pub const OBJECT: TypeId = TypeId(0);
 }
 
-/// The tree of types.
+/// The type hierarchy.
 #[derive(Debug, Clone)]
 pub struct Types {
     names: Vec<String>,
@@ -58,27 +58,27 @@ impl Types {
         acyclic
     }
 
-    /// The type of that name.
+    /// Returns the type with this name.
     pub fn find(&self, name: &str) -> Option<TypeId> {
         self.names.iter().position(|n| n == name).map(TypeId::new)
     }
 
-    /// The type's name.
+    /// Returns the name of a type.
     pub fn name(&self, id: TypeId) -> &str {
         &self.names[id.index()]
     }
 
-    /// How many types there are.
+    /// Returns the number of types.
     pub(crate) fn len(&self) -> usize {
         self.names.len()
     }
 
-    /// The names of all types, the root first.
+    /// Iterates over the names of all types, the root first.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(String::as_str)
     }
 
-    /// Whether every `sub` is a `kind`.
+    /// Returns true if `sub` equals `kind` or is one of its subtypes.
     pub fn is_a(&self, mut sub: TypeId, kind: TypeId) -> bool {
         while sub != kind && sub != TypeId::OBJECT {
             sub = self.parents[sub.index()];
@@ -90,22 +90,22 @@ impl Types {
 /// A typed parameter of a predicate, an action or a goal word.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parameter {
-    /// Its name, without the question mark.
+    /// The name, without the question mark.
     pub name: String,
-    /// What may stand there.
+    /// The type of its arguments.
     pub kind: TypeId,
 }
 
-/// Something that can be true of entities.
+/// A predicate.
 #[derive(Debug, Clone)]
 pub struct Predicate {
     /// The name in `domain.pddl`.
     pub name: String,
-    /// Its arguments.
+    /// The parameters.
     pub parameters: Vec<Parameter>,
 }
 
-/// An action as PDDL tells it.
+/// An action as `domain.pddl` declares it.
 #[derive(Debug, Clone)]
 pub(crate) struct ActionSchema {
     pub(crate) name: String,
@@ -114,168 +114,169 @@ pub(crate) struct ActionSchema {
     pub(crate) effects: Vec<Effect>,
 }
 
-/// Something the robot can do: semantics and words together.
+/// An action: its semantics and its wording.
 #[derive(Debug, Clone)]
 pub struct Action {
     /// The name in `domain.pddl`.
     pub name: String,
-    /// Parameters; slots `0..parameters.len()` of the conditions.
+    /// The parameters: slots `0..parameters.len()` of the conditions.
     pub parameters: Vec<Parameter>,
-    /// What must hold before.
+    /// The precondition.
     pub precondition: Condition,
-    /// What changes.
+    /// The effects.
     pub effects: Vec<Effect>,
-    /// The word in a plan, for example `PutIn`.
+    /// The name of the action in a plan, for example `PutIn`.
     pub call: String,
-    /// The parameters that the call shows, in its order; the others are implicit.
+    /// The parameters written in a call, in order; the others are implicit.
     pub explicit: Vec<usize>,
-    /// The implicit parameter that a plan's `object_name` gives.
+    /// The implicit parameter whose argument the plan's `object_name` gives.
     pub object: Option<usize>,
-    /// The parameter that does it, where there is a choice: a hand, an arm, a robot. What no single one of them does
-    /// has none.
+    /// The parameter for the actor that performs the action: a hand, an arm or a robot. None if there is no choice, or
+    /// if several actors perform it together.
     pub actor: Option<usize>,
-    /// What it tells, if it is sensing: exactly one of these facts holds, and afterwards it is known which. Empty for
+    /// The outcomes of a sensing action: exactly one of these facts holds, and the action reveals which one. Empty for
     /// an action that changes the world.
     pub senses: Vec<Atom>,
-    /// The explanation of a step.
+    /// The template for the explanation of a step.
     pub says: Template,
-    /// What the action is for, as a model and a person are told.
+    /// The description of the action, for models and persons.
     pub means: String,
 }
 
 impl Action {
-    /// The parameters that the call syntax hides.
+    /// Iterates over the parameters that a call does not write.
     pub fn implicit(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.parameters.len()).filter(|index| !self.explicit.contains(index))
     }
 }
 
-/// What to think of a static fact that the environment does not give.
+/// The value of a static fact that the environment does not give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Unknown {
-    /// It does not hold.
+    /// The fact is false.
     #[default]
     False,
-    /// It neither forbids nor proves: it is taken to hold, and said so in the report. An environment
-    /// that gives such a fact of anything is taken to give it of everything that has it.
+    /// The fact is assumed unless the environment denies it, and the report lists the assumption. If the environment
+    /// gives one fact of this predicate, all its facts that are not given are false.
     Assume,
 }
 
-/// The words for a predicate.
+/// The wording of a predicate.
 #[derive(Debug, Clone)]
 pub struct PredicateWords {
-    /// The fact as a sentence, for example `{item} is on {place}`.
+    /// The template for a sentence, for example `{item} is on {place}`.
     pub says: Template,
-    /// Its opposite as a sentence.
+    /// The template for the negated fact.
     pub denies: Template,
-    /// The fact as a model sees it in the entry of its first argument, for example `on {place}`.
+    /// The fact as a scene for a model lists it under the first argument, for example `on {place}`.
     pub short: Option<Template>,
-    /// Something that happens rather than lasts: false at the start of every instruction, never written
-    /// to an environment.
+    /// True for an event, which records that something happened: false at the start of every instruction and never
+    /// written to an environment.
     pub event: bool,
-    /// What to think of it when the environment does not say.
+    /// The value of facts that the environment does not give.
     pub unknown: Unknown,
-    /// Whether some action changes it, or tells it.
+    /// True if some action changes or senses the predicate.
     pub fluent: bool,
-    /// Stems of the words with which people speak of an outcome of sensing, as in "gone bad": each is one word or
-    /// several in a row.
+    /// Stems of the words that name this sensing outcome in an instruction, as in "gone bad"; each is one word or
+    /// several consecutive words.
     pub cues: Vec<String>,
-    /// The event that this held, made true by whatever takes it away: who wipes a dirty table no longer knows that it is
-    /// dirty, and still has wiped a dirty table. For goals that depend on it.
+    /// The event that records that this fact held, added by every action that deletes the fact. Conditional goals need
+    /// it: after a dirty table is wiped, the table is clean, but the plan still has to show that a dirty table was
+    /// wiped.
     pub past: Option<PredicateId>,
 }
 
-/// A fact or its opposite, over `?self` (slot 0) and the word's own parameters.
+/// A fact or its negation, over `?self` (slot 0) and the parameters of the word.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Literal {
     /// The fact.
     pub atom: Atom,
-    /// Whether it holds.
+    /// True for the fact, false for its negation.
     pub holds: bool,
 }
 
-/// How a state is written in an environment, for example `on_something(<something>)`.
+/// The notation of a state in an environment, for example `on_something(<something>)`.
 #[derive(Debug, Clone)]
 pub struct StateWord {
     /// The word before the parenthesis.
     pub word: String,
-    /// The entities in the parentheses; their slots follow `?self`.
+    /// The parameters in the parentheses; their slots follow `?self`.
     pub parameters: Vec<String>,
-    /// The fact it stands for.
+    /// The fact that the word denotes.
     pub atom: Atom,
-    /// What it means, as a model and a person are told.
+    /// The description of the state, for models and persons.
     pub means: String,
 }
 
-/// How a static property is written in an environment, for example `IS_OPENABLE`.
+/// The notation of a static property in an environment, for example `IS_OPENABLE`.
 #[derive(Debug, Clone)]
 pub struct PropertyWord {
     /// The word.
     pub word: String,
-    /// What it says of `?self`.
+    /// The facts about `?self` that the word denotes.
     pub literals: Vec<Literal>,
 }
 
-/// Static facts that follow from names or from other facts.
+/// A derivation: static facts that follow from names or from other facts.
 #[derive(Debug, Clone)]
 pub struct Derivation {
-    /// What follows, of `?self` (slot 0) and `?other` (slot 1).
+    /// The derived facts, over `?self` (slot 0) and `?other` (slot 1).
     pub literals: Vec<Literal>,
-    /// `?self` must have an identifier that ends with one of these; empty means any.
+    /// Endings of identifiers, one of which `?self` must have; empty for any identifier.
     pub names: Vec<String>,
-    /// The same for `?other`, if the literals speak of it.
+    /// Endings of identifiers, one of which `?other` must have, if the literals mention it.
     pub other_names: Vec<String>,
-    /// `?self` must be named after `?other`, as in `{other}_handle`.
+    /// The pattern by which `?self` is named after `?other`, as in `{other}_handle`.
     pub pattern: Option<String>,
-    /// What must hold besides.
+    /// The additional condition.
     pub when: Condition,
-    /// Whether `?other` is spoken of.
+    /// True if `?other` occurs in the literals.
     pub binary: bool,
 }
 
-/// A fact that is taken to hold at the start when the environment does not say otherwise.
+/// A fact assumed in the initial state if its condition holds there.
 #[derive(Debug, Clone)]
 pub struct DefaultFact {
     /// The fact about `?self`.
     pub atom: Atom,
-    /// When.
+    /// The condition on `?self`.
     pub when: Condition,
 }
 
-/// When a [`Rule`] must hold.
+/// The states in which a [`Rule`] must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RuleTime {
-    /// In the state that an environment describes: one that breaks it contradicts itself.
+    /// The state that an environment describes. An environment that violates the rule contradicts itself.
     Start,
-    /// In every state that a plan passes through.
+    /// Every state of a plan.
     Always,
-    /// After the last step.
+    /// The state after the last step.
     End,
-    /// After the last step of a plan that was made from a goal; of a plan that came from elsewhere
-    /// it is only remarked on, since nobody said what that plan was for.
+    /// The state after the last step, for plans made from a goal. For other plans a violation is only a remark, since
+    /// their purpose is unknown.
     Tidy,
 }
 
-/// Something that a good plan keeps to beyond its steps being possible.
+/// A rule: a constraint on plans beyond the preconditions of their steps.
 #[derive(Debug, Clone)]
 pub struct Rule {
     /// A short name.
     pub name: String,
     /// When it must hold.
     pub time: RuleTime,
-    /// The outermost universally quantified variables, bound to slots from 0: one finding for each
-    /// binding that breaks the rule.
+    /// The outermost universally quantified variables, bound to slots from 0. Each binding that violates the rule is
+    /// one violation.
     pub variables: Vec<Parameter>,
-    /// What must hold of each binding.
+    /// The condition on each binding.
     pub condition: Condition,
-    /// What is said when it is broken.
+    /// The template for the sentence that reports a violation.
     pub says: Template,
-    /// Goal words that set the rule aside for what they speak of.
+    /// Goal words that waive the rule for their arguments.
     pub unless: Vec<String>,
 }
 
 impl Rule {
-    /// The condition for all bindings at once.
+    /// Returns the condition, quantified over all bindings.
     pub(crate) fn everywhere(&self) -> Condition {
         let variables = self.variables.iter().enumerate().rev();
         variables.fold(self.condition.clone(), |inner, (slot, variable)| {
@@ -284,7 +285,7 @@ impl Rule {
     }
 }
 
-/// A piece of how a goal is written.
+/// A piece of the notation of a goal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FormPiece {
     /// Literal text.
@@ -293,42 +294,44 @@ pub enum FormPiece {
     Parameter(usize),
 }
 
-/// A word that goals are told in, for example `put({item}, {place})`.
+/// A goal word: a predicate in which goals are written, for example `put({item}, {place})`.
 #[derive(Debug, Clone)]
 pub struct GoalWord {
-    /// The text before the parenthesis; forms may share it.
+    /// The text before the parenthesis; several forms may share it.
     pub word: String,
-    /// How it is written.
+    /// The notation of a goal with this word.
     pub form: Vec<FormPiece>,
-    /// The parameters; slots from 0 of the conditions.
+    /// The parameters: slots from 0 of the conditions.
     pub parameters: Vec<Parameter>,
-    /// What it stands for.
+    /// The condition that the goal requires.
     pub condition: Condition,
-    /// Which arguments make sense in the state at hand.
+    /// The condition on arguments that make sense in the current state.
     pub offered: Condition,
-    /// Stems of the words that usually ask for it; a further goal of an answer needs one in the instruction.
+    /// Stems of the words that usually ask for this goal; a further goal of an answer needs one of them in the
+    /// instruction.
     pub cues: Vec<String>,
-    /// Stems of verbs that say where a thing should end: after one of them, a place that is spoken of is meant
-    /// even if the thing is there already.
+    /// Stems of verbs that introduce a destination. After one of them, a place in the instruction is meant as the
+    /// destination even if the object is already there.
     pub destination_verbs: Vec<String>,
-    /// Words that are meant instead where everything that they need is spoken of.
+    /// Goal words preferred over this one if the instruction mentions all their arguments.
     pub yields_to: Vec<String>,
-    /// Ways to say it, one of which the instruction must use with the argument, as in `top of {place}`.
+    /// Phrases with the index of a parameter, as in `top of {place}`. The instruction must use one of them with the
+    /// argument.
     pub phrases: Vec<(String, usize)>,
-    /// The parameter that the instruction must speak of.
+    /// The parameter whose argument the instruction must mention.
     pub subject: Option<usize>,
-    /// Of words with the same mark, one goal has at most one for the same first argument.
+    /// The mark of a group of goal words. A goal contains at most one word of a group with the same first argument.
     pub exclusive: Option<String>,
-    /// Parameters that achieving it may move, so that what held of them may be asked for again.
+    /// Parameters whose arguments the goal may move, so that their earlier facts may be requested again.
     pub disturbs: Vec<usize>,
-    /// The goal as a sentence for a person.
+    /// The template for the goal as a sentence for a person.
     pub says: Template,
-    /// What it means, as a model is told.
+    /// The description of the goal word, for models.
     pub means: String,
 }
 
 impl GoalWord {
-    /// How it is written, with the parameters' names in capitals: `put(ITEM, PLACE)`.
+    /// Returns the notation, with the parameters' names in capitals: `put(ITEM, PLACE)`.
     pub fn shown(&self) -> String {
         let piece = |piece: &FormPiece| match piece {
             FormPiece::Text(text) => text.clone(),
@@ -338,32 +341,32 @@ impl GoalWord {
     }
 }
 
-/// What each way to change a draft costs; keeping a step that can be done is free.
+/// The cost of each edit of a draft in repair; keeping an applicable step is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RepairCosts {
-    /// A step more.
+    /// Inserting a step.
     pub insert: u32,
-    /// Another verb for the same things, one that changes some of the same facts in the same way.
+    /// Replacing the action of a step by another one with the same objects and with some of the same effects.
     pub replace: u32,
-    /// The same verb for the same things by another hand, arm or robot. Where the step's explanation speaks of that
-    /// one, `rebind` takes its place, since the explanation is kept; where it speaks of the one in the call, both.
+    /// Replacing the actor of a step. If the step's explanation names the new actor, the cost is `rebind` instead,
+    /// since the explanation remains valid; if it names the actor in the call, the cost is the sum of both.
     pub other_actor: u32,
-    /// A step later than the draft has it.
+    /// Moving a step to a later position.
     pub postpone: u32,
-    /// Another argument in an open place than the step's explanation speaks of.
+    /// Binding an implicit parameter to another argument than the one in the step's explanation.
     pub rebind: u32,
-    /// Leaving out a step that would change nothing where it stands.
+    /// Dropping a step that changes nothing at its position.
     pub drop_idle: u32,
-    /// Leaving out a step that can never be done in this world, and no other verb for it either.
+    /// Dropping a step that is never applicable in this world, if no other action can replace it.
     pub drop_impossible: u32,
-    /// Leaving out a step that does something: more than inserting what it needs.
+    /// Dropping a step with an effect. This costs more than inserting the steps that it needs.
     pub drop: u32,
-    /// Ending with another relation between two things than the draft says, on rather than in: more than opening,
-    /// replacing a verb and closing, which is what the one that was said may take.
+    /// Ending with another relation between two objects than the draft claims, for example on instead of in. This costs
+    /// more than the claimed relation usually takes: opening, replacing an action and closing.
     pub other_relation: u32,
-    /// Ending without something that the draft says will have come about.
+    /// Ending without a fact that the draft claims to be achieved.
     pub forgo: u32,
-    /// Ending without something that the draft says will be as before.
+    /// Ending without a fact that the draft claims to be unchanged.
     pub unsettle: u32,
 }
 
@@ -385,86 +388,86 @@ impl Default for RepairCosts {
     }
 }
 
-/// The words for the environment's two lists.
+/// The types of the environment's two lists.
 #[derive(Debug, Clone)]
 pub struct EnvironmentTypes {
-    /// The type of what `assets` lists.
+    /// The type of the entities in `assets`.
     pub asset: TypeId,
-    /// The type of what `objects` lists.
+    /// The type of the entities in `objects`.
     pub object: TypeId,
 }
 
-/// A robot's domain, ready for use. Make one with [`load`](crate::domain::load), [`shipped`](crate::domain::shipped) or
+/// A robot's domain. Create one with [`load`](crate::domain::load), [`shipped`](crate::domain::shipped) or
 /// [`from_pddl`](crate::domain::from_pddl).
 #[derive(Debug, Clone)]
 pub struct Domain {
     /// The name.
     pub name: String,
-    /// The name that `domain.pddl` gives it, which problems refer to.
+    /// The name in `domain.pddl`, to which PDDL problems refer.
     pub pddl_name: String,
-    /// One sentence on what it is for.
+    /// A description in one sentence.
     pub about: String,
     /// The types.
     pub types: Types,
-    /// The constants: names and types; the first entities of every world.
+    /// The constants with their types, the first entities of every world.
     pub constants: Vec<(String, TypeId)>,
     /// The predicates.
     pub predicates: Vec<Predicate>,
-    /// The words of the predicates, in the same order.
+    /// The wording of the predicates, in the same order.
     pub predicate_words: Vec<PredicateWords>,
     /// The actions.
     pub actions: Vec<Action>,
-    /// Which types an environment's lists have.
+    /// The types of the environment's lists.
     pub environment: EnvironmentTypes,
-    /// The words for states.
+    /// The state words.
     pub states: Vec<StateWord>,
-    /// The words for properties.
+    /// The property words.
     pub properties: Vec<PropertyWord>,
-    /// What follows from names and facts.
+    /// The derivations of static facts.
     pub derivations: Vec<Derivation>,
-    /// What is taken to hold at the start.
+    /// The facts assumed in the initial state.
     pub defaults: Vec<DefaultFact>,
     /// The rules.
     pub rules: Vec<Rule>,
-    /// The words that goals are told in.
+    /// The goal words.
     pub goal_words: Vec<GoalWord>,
-    /// What changes to a draft cost.
+    /// The costs of edits in repair.
     pub repair: RepairCosts,
-    /// Everyday names.
+    /// The everyday names.
     pub lexicon: Lexicon,
-    /// Stems of words that speak of a thing without naming it, by the last word of its identifier: who throws something
-    /// away speaks of the trash bin.
+    /// Stems of words that imply an entity without naming it, by the last word of its identifier: "throw away" implies
+    /// the trash bin.
     pub implied: indexmap::IndexMap<String, Vec<String>>,
 }
 
 impl Domain {
-    /// The predicate with this id.
+    /// Returns the predicate with this id.
     pub fn predicate(&self, id: PredicateId) -> &Predicate {
         &self.predicates[id.index()]
     }
 
-    /// The entities that a fact is about, in order.
+    /// Iterates over the arguments of a fact.
     pub fn arguments(&self, fact: Fact) -> impl Iterator<Item = EntityId> + use<> {
         let arity = self.predicate(fact.predicate()).parameters.len();
         (0..arity).map(move |place| fact.argument(place))
     }
 
-    /// Whether a fact relates several things rather than telling a property of one.
+    /// Returns true if the fact has more than one argument.
     pub fn is_relation(&self, fact: Fact) -> bool {
         self.predicate(fact.predicate()).parameters.len() > 1
     }
 
-    /// The words of the predicate with this id.
+    /// Returns the wording of the predicate with this id.
     pub fn words(&self, id: PredicateId) -> &PredicateWords {
         &self.predicate_words[id.index()]
     }
 
-    /// The action with this id.
+    /// Returns the action with this id.
     pub fn action(&self, id: ActionId) -> &Action {
         &self.actions[id.index()]
     }
 
-    /// Every action with its id, in the order of `domain.pddl`.
+    /// Iterates over all actions with their ids, in the order of `domain.pddl`.
     pub fn action_ids(&self) -> impl Iterator<Item = (ActionId, &Action)> {
         self.actions
             .iter()
@@ -472,13 +475,13 @@ impl Domain {
             .map(|(index, action)| (ActionId::new(index), action))
     }
 
-    /// Whether some action tells whether this fact holds.
+    /// Returns true if some sensing action reveals facts of this predicate.
     pub fn is_sensed(&self, predicate: PredicateId) -> bool {
         self.sensing_of(predicate).is_some()
     }
 
-    /// The outcomes of the sensing that tells whether the fact holds, itself among them, in the order in which the
-    /// action lists them: exactly one of them holds. Nothing for a fact that no action tells.
+    /// Returns all outcomes of the sensing action that reveals the fact, the fact itself included, in the order of the
+    /// action. Exactly one of them holds. Empty for a fact that no action senses.
     pub fn outcomes(&self, fact: Fact) -> Vec<Fact> {
         let Some(action) = self.sensing_of(fact.predicate()) else {
             return Vec::new();
@@ -493,7 +496,7 @@ impl Domain {
         self.actions.iter().find(tells)
     }
 
-    /// The goal word with this id.
+    /// Returns the goal word with this id.
     pub fn goal_word(&self, id: GoalWordId) -> &GoalWord {
         &self.goal_words[id.index()]
     }

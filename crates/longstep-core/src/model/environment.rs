@@ -4,9 +4,9 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
-/// An environment as it is written: which entities there are and what is said of each.
+/// An environment as its file writes it: the entities and the states of each.
 ///
-/// Reading and writing keep the order of everything and whether a state stood alone or in a list.
+/// Reading and writing preserve the order of everything, and single states stay distinct from lists of one.
 ///
 /// ```
 /// use longstep_core::environment::Environment;
@@ -17,41 +17,41 @@ use serde_json::Value;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Environment {
-    /// What cannot be manipulated: shelves, tables.
+    /// Entities that cannot be manipulated: shelves, tables.
     #[serde(default)]
     pub assets: Vec<String>,
-    /// What is said of the assets.
+    /// The states of the assets.
     #[serde(default)]
     pub asset_states: IndexMap<String, Words>,
-    /// What can be manipulated: cans, handles.
+    /// Entities that can be manipulated: cans, handles.
     #[serde(default)]
     pub objects: Vec<String>,
-    /// What is said of the objects.
+    /// The states of the objects.
     #[serde(default)]
     pub object_states: IndexMap<String, Words>,
-    /// What never changes about the assets.
+    /// The static properties of the assets.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub asset_properties: Option<IndexMap<String, Words>>,
-    /// What never changes about the objects.
+    /// The static properties of the objects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub object_properties: Option<IndexMap<String, Words>>,
-    /// Everyday names: how a person and a model call an entity.
+    /// Everyday names of entities, by identifier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub names: Option<IndexMap<String, String>>,
 }
 
-/// One word, or a list of them.
+/// One word or a list of words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Words {
-    /// A word that stands alone.
+    /// A single word, not in a list.
     One(String),
     /// A list.
     Many(Vec<String>),
 }
 
 impl Words {
-    /// The words, however they were written.
+    /// Returns the words of either form.
     pub fn as_slice(&self) -> &[String] {
         match self {
             Self::One(word) => std::slice::from_ref(word),
@@ -80,18 +80,18 @@ impl<'de> Deserialize<'de> for Words {
 }
 
 impl Environment {
-    /// Reads an environment, bare or wrapped in `{"environment": ...}`.
+    /// Parses an environment, bare or wrapped in `{"environment": ...}`.
     ///
     /// # Errors
     ///
-    /// What serde_json says, with line and column.
+    /// The error of serde_json, with line and column.
     pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
         #[derive(Deserialize)]
         struct Wrapped {
             environment: Environment,
         }
-        // The shape is told from the keys, so that errors speak of the shape that was meant. Reading
-        // the text again, rather than the value, keeps line and column in the errors.
+        // The keys decide between both forms, so that errors refer to the form that was meant. Parsing the text again,
+        // rather than the value, keeps line and column in the errors.
         let value: Value = serde_json::from_str(text)?;
         if value.get("environment").is_some() {
             Ok(serde_json::from_str::<Wrapped>(text)?.environment)
@@ -100,7 +100,7 @@ impl Environment {
         }
     }
 
-    /// Whether states are written as lists here, even single ones.
+    /// Returns true if some states are written as lists.
     pub(crate) fn prefers_lists(&self) -> bool {
         let mut all = self.asset_states.values().chain(self.object_states.values());
         all.any(|words| matches!(words, Words::Many(_)))

@@ -1,25 +1,25 @@
-//! Whether a condition holds, and for which entities it can.
+//! Evaluation of conditions, and enumeration of the entities for which a condition can hold.
 
 use std::ops::ControlFlow;
 
 use super::{Atom, Condition, EntityId, Fact, Slot, State, Term, TypeId, World};
 use crate::effort;
 
-/// The entities that the slots of a condition are bound to.
+/// The entities bound to the slots of a condition.
 pub type Bindings = Vec<EntityId>;
 
-/// The state that a condition is asked of, and the one in which the instruction was given.
+/// The current state and, in the world, the initial state of the instruction.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment<'a> {
     /// The entities and their types.
     pub world: &'a World,
-    /// The state at hand.
+    /// The current state.
     pub state: &'a State,
 }
 
-/// Returns whether `condition` holds under `bindings`, which are the same again afterwards.
+/// Returns true if `condition` holds under `bindings`, which are unchanged afterwards.
 ///
-/// Spends a unit of the budget for each part and for each entity that a quantifier tries; false when it is spent.
+/// Spends one unit for each part and for each entity that a quantifier tries; returns false if the budget is exhausted.
 pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings) -> bool {
     match condition {
         Condition::And(all) => effort::spend(all.len()) && all.iter().all(|c| holds(moment, c, bindings)),
@@ -35,7 +35,7 @@ pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings)
     }
 }
 
-/// Whether `inner` has the value for some entity in the slot.
+/// Returns true if `inner` evaluates to `value` for some entity in the slot.
 fn some(moment: Moment<'_>, slot: Slot, kind: TypeId, inner: &Condition, value: bool, bindings: &mut Bindings) -> bool {
     for_candidates(moment, (slot, kind), inner, value, bindings, &mut |bindings| {
         if holds(moment, inner, bindings) == value {
@@ -47,10 +47,10 @@ fn some(moment: Moment<'_>, slot: Slot, kind: TypeId, inner: &Condition, value: 
     .is_break()
 }
 
-/// Calls `visit` with every entity of the type in the slot for which `condition` may have the value.
+/// Calls `visit` with every entity of the type in the slot for which `condition` may evaluate to `value`.
 ///
-/// Mostly a condition can have a value only where some fact holds: "nothing is in hand" fails only for what is in
-/// hand. Then only the entities of such facts are visited, not everything that there is; some perhaps twice.
+/// Most conditions can have a value only where some fact holds: "nothing is in the hand" is false only for an object in
+/// the hand. In that case only the entities of such facts are visited, some of them possibly twice.
 pub(crate) fn for_candidates(
     moment: Moment<'_>,
     (slot, kind): (Slot, TypeId),
@@ -93,16 +93,16 @@ pub(crate) fn for_candidates(
         .try_for_each(|entity| bind(*entity, bindings))
 }
 
-/// Tells of an atom, and whether it is asked of the start, whether what holds of it now may be relied on.
+/// Returns true if the facts of an atom, initial or current, may be relied on in every later state.
 type Reliable<'a> = &'a dyn Fn(&Atom, bool) -> bool;
 
-/// Of the state at hand, everything may be.
+/// Relies on all facts of the current state.
 fn any(_: &Atom, _: bool) -> bool {
     true
 }
 
-/// The entities of the type for which the condition can ever have the value, in order, as far as facts tell that may
-/// be relied on whatever is done; none if they do not tell.
+/// Returns the entities of the type for which the condition can ever evaluate to `value`, in order, judged by facts
+/// that are reliable in every state. None if such facts do not restrict the entities.
 pub(crate) fn ever_candidates(
     moment: Moment<'_>,
     (slot, kind): (Slot, TypeId),
@@ -126,7 +126,7 @@ pub(crate) fn ever_candidates(
     Some(found)
 }
 
-/// Whether the condition can have the value only for entities of certain facts.
+/// Returns true if the condition can evaluate to `value` only for entities in certain facts.
 fn guarded(condition: &Condition, value: bool, slot: Slot, reliable: Reliable<'_>) -> bool {
     let part_guarded = |part: &Condition| guarded(part, value, slot, reliable);
     if let Condition::And(parts) | Condition::Or(parts) = condition {
@@ -146,7 +146,7 @@ fn guarded(condition: &Condition, value: bool, slot: Slot, reliable: Reliable<'_
     }
 }
 
-/// What the slot is equal to, if the other side is bound before it.
+/// Returns the term that the slot must equal, if that term is bound before the slot.
 fn other_side(left: Term, right: Term, slot: Slot) -> Option<Term> {
     let bound = |term: Term| match term {
         Term::Variable(other) => other < slot,
@@ -195,8 +195,8 @@ fn for_guards(
     }
 }
 
-/// Visits the entities that stand in the slot in facts that hold, the slots before it being bound; none when the budget
-/// is spent.
+/// Visits the entities that fill the slot in facts of the state that match the atom, given the bindings of the slots
+/// before it. Visits none if the budget is exhausted.
 pub(crate) fn for_matching(
     state: &State,
     atom: &Atom,
@@ -237,7 +237,7 @@ impl<'a> Moment<'a> {
     }
 }
 
-/// The fact that an atom is under `bindings`.
+/// Returns the atom grounded with `bindings`.
 pub(crate) fn ground(atom: &Atom, bindings: &[EntityId]) -> Fact {
     Fact::new(
         atom.predicate,
@@ -245,7 +245,7 @@ pub(crate) fn ground(atom: &Atom, bindings: &[EntityId]) -> Fact {
     )
 }
 
-/// The entity that a term is under `bindings`.
+/// Returns the entity of a term under `bindings`.
 pub(crate) fn grounded_term(term: Term, bindings: &[EntityId]) -> EntityId {
     match term {
         Term::Variable(slot) => bindings[slot],

@@ -9,18 +9,18 @@ use super::{PredicateId, id};
 use crate::effort;
 
 id!(
-    /// Something in the world: an asset, an object, or a constant of the domain.
+    /// An entity of a world: an asset, an object, or a constant of the domain.
     EntityId
 );
 
-/// A predicate applied to entities, packed into one number: copied, compared and hashed at once.
+/// A predicate applied to entities, packed into one 128-bit number.
 ///
-/// Facts sort by predicate, then by arguments.
+/// Facts are ordered by predicate, then by arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Fact(u128);
 
 impl Fact {
-    /// The fact that `predicate` holds of `arguments`, of which there are at most seven.
+    /// Creates the fact that applies `predicate` to `arguments`, at most seven.
     ///
     /// ```
     /// use longstep_core::{domain::PredicateId, environment::{EntityId, Fact}};
@@ -41,29 +41,28 @@ impl Fact {
         PredicateId::new((self.0 >> 112) as usize)
     }
 
-    /// The argument at `place`, from 0; the domain knows how many there are.
+    /// The argument at `place`, from 0; the arity is in the domain's predicate.
     pub fn argument(self, place: usize) -> EntityId {
         EntityId::new((self.0 >> (96 - 16 * place)) as usize & 0xffff)
     }
 }
 
-/// What is true, all else being false.
+/// A state: the set of facts that hold. All other facts are false.
 ///
-/// The facts of each predicate stand in a sorted list of their own, shared until one of its copies changes: a copy of
-/// a state costs next to nothing, what holds of a predicate is at hand without looking at the rest, and everything
-/// comes out in order.
+/// The facts of each predicate are in one sorted list, which copies of the state share until one of them changes it. So
+/// copying a state is cheap, the facts of one predicate are found without a scan, and iteration is in order.
 #[derive(Debug, Clone, Default)]
 pub struct State {
     by_predicate: Vec<Arc<Vec<Fact>>>,
 }
 
 impl State {
-    /// Whether the fact holds.
+    /// Returns true if the fact holds.
     pub fn holds(&self, fact: Fact) -> bool {
         self.of_predicate(fact.predicate()).binary_search(&fact).is_ok()
     }
 
-    /// Makes the fact hold, or not; tells whether that changed anything.
+    /// Makes the fact true or false; returns true if that changed the state.
     pub fn set(&mut self, fact: Fact, holds: bool) -> bool {
         let index = fact.predicate().index();
         if self.by_predicate.len() <= index {
@@ -77,24 +76,24 @@ impl State {
             }
             _ => return false,
         }
-        // A list that is shared is copied.
+        // A shared list is copied.
         effort::spend(1 + facts.len() / 8);
         true
     }
 
-    /// Everything that holds, in order.
+    /// Iterates over all facts that hold, in order.
     pub fn iter(&self) -> impl Iterator<Item = Fact> + '_ {
         self.by_predicate.iter().flat_map(|facts| facts.iter().copied())
     }
 
-    /// What holds of one predicate, in order.
+    /// Returns the facts of a predicate that hold, in order.
     pub fn of_predicate(&self, predicate: PredicateId) -> &[Fact] {
         self.by_predicate
             .get(predicate.index())
             .map_or(&[], |facts| facts.as_slice())
     }
 
-    /// What holds of one predicate and this first argument, in order.
+    /// Returns the facts of a predicate with this first argument that hold, in order.
     pub fn of_first(&self, predicate: PredicateId, first: EntityId) -> &[Fact] {
         let facts = self.of_predicate(predicate);
         let from = facts.partition_point(|fact| fact.argument(0) < first);
@@ -102,8 +101,8 @@ impl State {
         &facts[from..from + length]
     }
 
-    /// What of it is not as in another state, list by list: two states that come from that one are the same if these
-    /// are. Lists that both share need no look, so this costs as much as has changed.
+    /// Returns the lists of this state that differ from those of `from`. Two states derived from the same `from` are
+    /// equal if these lists are equal. Shared lists are not compared, so the cost grows with the number of changes.
     pub(crate) fn changed_lists(&self, from: &State) -> ChangedLists {
         let empty = Arc::default();
         let changed = |(index, facts): (usize, &Arc<Vec<Fact>>)| {
@@ -113,12 +112,12 @@ impl State {
         self.by_predicate.iter().enumerate().filter_map(changed).collect()
     }
 
-    /// How many facts hold.
+    /// Returns the number of facts that hold.
     pub fn len(&self) -> usize {
         self.by_predicate.iter().map(|facts| facts.len()).sum()
     }
 
-    /// Whether nothing holds.
+    /// Returns true if no fact holds.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -126,7 +125,7 @@ impl State {
 
 impl PartialEq for State {
     fn eq(&self, other: &Self) -> bool {
-        // A predicate of which nothing ever held may have no list at all.
+        // A predicate without facts may have no list.
         self.iter().eq(other.iter())
     }
 }
@@ -139,8 +138,8 @@ impl Hash for State {
     }
 }
 
-/// The lists of a state that are not as in another one, by predicate.
+/// The lists of a state that differ from those of another state, with the index of their predicate.
 pub(crate) type ChangedLists = Vec<(usize, Arc<Vec<Fact>>)>;
 
-/// Facts in no order that anybody may see.
+/// A set of facts; its order must not reach any output.
 pub type FactSet = FxHashSet<Fact>;

@@ -1,4 +1,4 @@
-//! Ids of entries of a list.
+//! Ids: typed indexes into a list.
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -7,13 +7,13 @@ macro_rules! id {
         pub struct $name(u16);
 
         impl $name {
-            /// The id of the thing at `index` in its list.
+            /// The id of the entry at `index` in its list.
             pub fn new(index: usize) -> Self {
                 debug_assert!(index <= usize::from(u16::MAX));
                 Self(index as u16)
             }
 
-            /// The index in its list.
+            /// Returns the index in its list.
             pub fn index(self) -> usize {
                 usize::from(self.0)
             }

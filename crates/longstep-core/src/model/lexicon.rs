@@ -1,9 +1,9 @@
-//! Everyday names for identifiers, and the few rules of English that matching them needs.
+//! Everyday names for identifiers, and the rules of English needed to match them.
 
 use indexmap::IndexMap;
 
-/// Everyday names by identifier (without angle brackets and number): the one that is shown first,
-/// then a longer one to tell it from another thing of the same name, then synonyms.
+/// Everyday names by identifier, without angle brackets and number. The first name is displayed, the second, longer one
+/// distinguishes entities that share the first, and the others are synonyms.
 #[derive(Debug, Clone, Default)]
 pub struct Lexicon {
     entries: IndexMap<String, Vec<String>>,
@@ -14,7 +14,7 @@ impl Lexicon {
         Self { entries }
     }
 
-    /// The names of the identifier, shown one first; the identifier itself, cleaned, is always the last.
+    /// Returns the names of an identifier, the displayed one first and the cleaned identifier last.
     ///
     /// ```
     /// let domain = longstep_core::domain::shipped("household").unwrap().unwrap();
@@ -31,7 +31,7 @@ impl Lexicon {
     }
 }
 
-/// An identifier without angle brackets, case and trailing number: `<Plate_274>` is `plate`.
+/// Returns the identifier in lower case, without angle brackets and trailing number: `<Plate_274>` is `plate`.
 pub fn base_name(identifier: &str) -> String {
     let bare = identifier.trim_start_matches('<').trim_end_matches('>').to_lowercase();
     let base = bare
@@ -40,15 +40,15 @@ pub fn base_name(identifier: &str) -> String {
     if base.is_empty() { bare } else { base.to_owned() }
 }
 
-/// Whether an identifier's last word is `name`. Identifiers are often run together (`coffeetable`), so a
-/// name of four letters or more may also be the end of a longer word.
+/// Returns true if the last word of an identifier is `name`. Identifiers are often compounds without a separator
+/// (`coffeetable`), so a name of four letters or more may also end a longer word.
 pub fn ends_with(base: &str, name: &str) -> bool {
     base.strip_suffix(name)
         .is_some_and(|rest| rest.is_empty() || rest.ends_with('_') || name.len() >= 4)
 }
 
-/// An identifier as words: `<shelf_top>` is "shelf top", `<table2>` is "table 2". A number behind an
-/// underscore is an id and goes; a number right behind the letters is part of the name and stays.
+/// Returns an identifier as words: `<shelf_top>` is "shelf top", `<table2>` is "table 2". A number after an underscore
+/// is an id and is removed; a number directly after letters is part of the name.
 fn cleaned(identifier: &str) -> String {
     let bare = identifier.trim_start_matches('<').trim_end_matches('>').to_lowercase();
     let without_id = match bare.rsplit_once('_') {
@@ -56,7 +56,7 @@ fn cleaned(identifier: &str) -> String {
         _ => &bare,
     };
     let words = plain_words(without_id);
-    // What has neither letters nor digits has to be called something.
+    // An identifier without letters and digits still needs a name.
     if words.is_empty() {
         "thing".to_owned()
     } else {
@@ -64,7 +64,7 @@ fn cleaned(identifier: &str) -> String {
     }
 }
 
-/// The words of a text in lower case, letters and digits apart: `Put it on table2!` is put, it, on, table, 2.
+/// Splits a text into lower-case words, with letters and digits apart: `Put it on table2!` is put, it, on, table, 2.
 pub fn plain_words(text: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut last = ' ';
@@ -77,7 +77,7 @@ pub fn plain_words(text: &str) -> Vec<String> {
             _ if character.is_alphanumeric() => words.push(character.to_string()),
             _ => {}
         }
-        // An apostrophe belongs to its word: "let's" is one.
+        // An apostrophe is part of its word: "let's" is one word.
         last = if character == '\'' || character == '\u{2019}' {
             last
         } else {
@@ -87,7 +87,7 @@ pub fn plain_words(text: &str) -> Vec<String> {
     words
 }
 
-/// The word of a name that says what it is: "glass" of "water glass 2", "bunch" of "bunch of bananas".
+/// Returns the head noun of a name, in the singular: "glass" of "water glass 2", "bunch" of "bunch of bananas".
 pub fn head(name: &str) -> String {
     let words = plain_words(name);
     let end = words.iter().position(|word| word == "of").unwrap_or(words.len());
@@ -96,7 +96,7 @@ pub fn head(name: &str) -> String {
     head.map(|word| singular(word)).unwrap_or_default()
 }
 
-/// The singular of an English noun, as far as simple rules go; other words come back as they are.
+/// Returns the singular of an English noun by simple rules, and other words unchanged.
 ///
 /// ```
 /// use longstep_core::domain::singular;

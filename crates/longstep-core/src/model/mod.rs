@@ -1,7 +1,8 @@
-//! Data below everything else: domains, facts, states, worlds, conditions, and what they evaluate to.
+//! The data model: domains, facts, states, worlds, conditions, and the evaluation of conditions.
 //!
-//! Nothing here reads a file, searches or verifies. A [`Domain`] says what a robot can do, a [`World`] what is there and
-//! what holds, [`holds`] evaluates a [`Condition`] in a [`Moment`], and [`apply`] changes a [`State`] as an action does.
+//! This module reads no files, and does not search or verify. A [`Domain`] defines the actions of a robot, a [`World`]
+//! its entities and initial state. [`holds`] evaluates a [`Condition`] in a [`Moment`], and [`apply`] applies an action
+//! to a [`State`].
 
 mod condition;
 mod diff;

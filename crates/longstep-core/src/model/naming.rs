@@ -5,11 +5,11 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Domain, Entity, EntityId, Fact, World, base_name, head, plain_words, singular, with_article};
 
-/// The everyday name of every identifier, unique, with all the names that it may be called by.
+/// Returns for every identifier a unique everyday name and all its names, synonyms included.
 ///
-/// A name comes from the environment file, else from the domain's lexicon, else it is the identifier,
-/// cleaned. Things of one kind are numbered in their order (plate 1, plate 2); things of different
-/// kinds that share a name take their longer one (kitchen table, coffee table).
+/// A name comes from the environment file, else from the domain's lexicon, else from the cleaned identifier. Entities
+/// of one kind are numbered in order (plate 1, plate 2). Entities of different kinds that share a name take their
+/// longer one (kitchen table, coffee table).
 pub(crate) fn name_entities(
     domain: &Domain,
     identifiers: &[&str],
@@ -24,7 +24,7 @@ pub(crate) fn name_entities(
         }
         choices.push(names);
     }
-    // By shown name: the kinds of things that are called so.
+    // By displayed name: the kinds of entities that have this name.
     let mut kinds: FxHashMap<&str, FxHashSet<String>> = FxHashMap::default();
     for (identifier, names) in identifiers.iter().zip(&choices) {
         kinds.entry(&names[0]).or_default().insert(base_name(identifier));
@@ -38,7 +38,7 @@ pub(crate) fn name_entities(
     for name in &shown {
         *counts.entry(name).or_default() += 1;
     }
-    // "table 2" may be taken by a thing that is called so.
+    // An entity of its own may already have the name "table 2".
     let mut taken: FxHashSet<String> = shown.iter().cloned().collect();
     let mut next: FxHashMap<&str, usize> = FxHashMap::default();
     let mut unique = Vec::with_capacity(shown.len());
@@ -60,17 +60,17 @@ pub(crate) fn name_entities(
     unique.into_iter().zip(choices).collect()
 }
 
-/// How things are called, depending on who is told.
+/// The reader of a sentence, which decides how it names entities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Voice {
-    /// For a person: "the fridge".
+    /// A person, who reads everyday names: "the fridge".
     Person,
-    /// For a model, which reads and writes the environment's identifiers: `<fridge_306>`.
+    /// A model, which reads and writes the environment's identifiers: `<fridge_306>`.
     Model,
 }
 
 impl Voice {
-    /// The entity in this voice.
+    /// Returns the name of an entity for this reader.
     pub fn name(self, world: &World, entity: EntityId) -> String {
         let entity = world.entity(entity);
         match self {
@@ -79,7 +79,7 @@ impl Voice {
         }
     }
 
-    /// A fact, or its opposite, as a sentence.
+    /// Writes a fact, or its negation, as a sentence for this reader.
     pub fn fact(self, domain: &Domain, world: &World, fact: Fact, holds: bool) -> String {
         let words = domain.words(fact.predicate());
         let template = if holds { &words.says } else { &words.denies };
@@ -87,24 +87,24 @@ impl Voice {
     }
 }
 
-/// A fact, or its opposite, as a sentence for a person.
+/// Writes a fact, or its negation, as a sentence for a person.
 pub fn fact_text(domain: &Domain, world: &World, fact: Fact, holds: bool) -> String {
     Voice::Person.fact(domain, world, fact, holds)
 }
 
 impl Entity {
-    /// The name with its article.
+    /// Returns the everyday name with its article.
     pub fn with_article(&self) -> String {
         with_article(&self.name)
     }
 
-    /// How many words of its best fitting name stand among `words`, which are singular and in lower case.
-    /// A name counts only if its head does: "kitchen" is not a mention of the kitchen table.
+    /// Returns the largest number of words of one of its names that occur in `words`, which are singular and in lower
+    /// case. A name counts only if its head noun occurs: "kitchen" does not mention the kitchen table.
     pub fn words_in(&self, words: &[String]) -> usize {
         self.words_said(&|word| words.iter().any(|said| said == word))
     }
 
-    /// The same for words that a set has.
+    /// Like [`words_in`](Self::words_in), with a predicate in place of the list of words.
     pub fn words_said(&self, is_said: &dyn Fn(&str) -> bool) -> usize {
         let fit = |name: &String| {
             if !is_said(&head(name)) {

@@ -1,18 +1,18 @@
-//! Bindings under which a rule is broken.
+//! Evaluation of rules: the bindings that violate a rule.
 
 use super::{Atom, Bindings, Condition, EntityId, Moment, Rule, State, Term, World, holds};
 use crate::effort;
 
-/// The bindings of the rule's variables under which it does not hold, in order.
+/// Returns the bindings of the rule's variables under which its condition is false, in order.
 ///
-/// A rule is mostly of the form "not (this and that)", so candidates come from the facts that hold rather
-/// than from all combinations of entities.
+/// Most rules have the form "not (A and B)". Candidates therefore come from the facts that hold, not from all
+/// combinations of entities.
 pub fn broken_bindings(rule: &Rule, world: &World, state: &State) -> Vec<Bindings> {
     let parts = match &rule.condition {
         Condition::Or(parts) => parts.as_slice(),
         other => std::slice::from_ref(other),
     };
-    // For the rule to be broken, each atom that must not hold in one of the alternatives has to hold.
+    // A binding violates the rule only if every negated atom of the alternatives holds.
     let mut partial = vec![vec![None; rule.variables.len()]];
     for (atom, initially) in parts.iter().flat_map(denied_atoms) {
         partial = join(&partial, atom, if initially { &world.state } else { state });
@@ -26,7 +26,8 @@ pub fn broken_bindings(rule: &Rule, world: &World, state: &State) -> Vec<Binding
     broken
 }
 
-/// Atoms that have to hold for the alternative to fail, and whether they are asked of the start.
+/// Returns the negated atoms that must hold for the alternative to be false, with `true` for those evaluated in the
+/// initial state.
 fn denied_atoms(part: &Condition) -> Vec<(&Atom, bool)> {
     match part {
         Condition::Atom {
@@ -39,11 +40,11 @@ fn denied_atoms(part: &Condition) -> Vec<(&Atom, bool)> {
     }
 }
 
-/// Each partial binding, extended in every way in which the atom holds.
+/// Extends each partial binding by every fact that matches the atom.
 fn join(partial: &[Vec<Option<EntityId>>], atom: &Atom, state: &State) -> Vec<Vec<Option<EntityId>>> {
     let mut joined = Vec::new();
     for bindings in partial {
-        // Facts are sorted by their first argument: where that is known, only those are looked at.
+        // Facts are sorted by first argument, so a known first argument selects a range of them.
         let first = match atom.terms.first() {
             Some(Term::Constant(constant)) => Some(*constant),
             Some(Term::Variable(slot)) => bindings.get(*slot).copied().flatten(),
@@ -62,7 +63,7 @@ fn join(partial: &[Vec<Option<EntityId>>], atom: &Atom, state: &State) -> Vec<Ve
                 let entity = fact.argument(place);
                 match term {
                     Term::Constant(constant) => *constant == entity,
-                    // A variable that is quantified inside the rule is not one of the rule's own.
+                    // A variable quantified inside the rule has no place in these bindings.
                     Term::Variable(slot) => extended
                         .get_mut(*slot)
                         .is_none_or(|bound| *bound.get_or_insert(entity) == entity),
@@ -87,7 +88,7 @@ fn complete(
 ) {
     let Some(variable) = rule.variables.get(bindings.len()) else {
         if !holds(Moment { world, state }, &rule.condition, bindings) {
-            // A list of its own, and a violation that is made of it.
+            // Charges the list and the violation made from it.
             effort::spend(4 * effort::KEPT);
             broken.push(bindings.clone());
         }

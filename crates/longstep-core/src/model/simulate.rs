@@ -1,4 +1,4 @@
-//! One step: what it needs, and what it changes.
+//! Simulation of one step: missing preconditions and effects.
 
 use std::ops::ControlFlow;
 
@@ -10,18 +10,18 @@ use super::{
 };
 use crate::effort;
 
-/// A fact that a step needed.
+/// A precondition fact that a step lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Missing {
-    /// The fact; none when no fact could have helped.
+    /// The fact; none if no fact could satisfy the precondition.
     pub fact: Option<Fact>,
-    /// True if it had to hold, false if it must not.
+    /// True if the fact must hold, false if it must not.
     pub holds: bool,
-    /// The step that took it away, counted from 0; none if it never was.
+    /// The step that undid the fact, counted from 0; none if no step did.
     pub undone_by: Option<usize>,
 }
 
-/// Applies an action, whether or not it is applicable; returns what changed, sorted by fact.
+/// Applies an action, applicable or not; returns the changes, sorted by fact.
 pub fn apply(world: &World, state: &mut State, action: &Action, arguments: &[EntityId]) -> Vec<Change> {
     let mut changes = Vec::new();
     apply_onto(
@@ -35,7 +35,7 @@ pub fn apply(world: &World, state: &mut State, action: &Action, arguments: &[Ent
     changes
 }
 
-/// The same, with `bindings` that begin with the arguments and room to work in; what changed is added to `changes`.
+/// Like [`apply`], but appends to `changes` and reuses the buffers. `bindings` begins with the arguments.
 pub(crate) fn apply_onto(
     world: &World,
     state: &mut State,
@@ -48,7 +48,7 @@ pub(crate) fn apply_onto(
     for effect in &action.effects {
         fire(world, state, effect, 0, bindings, fired);
     }
-    // All conditions were asked of the state before; what is both taken away and given stays.
+    // Conditions were evaluated in the state before. A fact both added and deleted is added.
     fired.sort_unstable_by_key(|(fact, adds)| (*fact, !*adds));
     fired.dedup_by_key(|(fact, _)| *fact);
     for (fact, holds) in fired.drain(..) {
@@ -75,7 +75,7 @@ fn fire(
         return;
     };
     if !effect.adds && effect.atom.terms.contains(&Term::Variable(slot)) {
-        // Only what holds can be taken away.
+        // Only facts that hold can be deleted.
         let _ = for_matching(state, &effect.atom, slot, bindings, &mut |entity, bindings| {
             if world.is_of_kind(entity, kind) {
                 bindings.push(entity);
@@ -100,8 +100,8 @@ fn fire(
     );
 }
 
-/// What is missing for a condition to hold: the shortest list of facts that would make it hold, the last
-/// written one of equally short ones. Empty if it holds.
+/// Returns the facts missing for a condition to hold: the shortest list that would satisfy it, the last one among
+/// equally short ones. Empty if the condition holds.
 pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut Bindings) -> Vec<Missing> {
     if holds(Moment { world, state }, condition, bindings) {
         return Vec::new();
@@ -109,7 +109,7 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
     let instances = |kind, inner: &Condition, bindings: &mut Bindings| -> Vec<Vec<Missing>> {
         let mut all = Vec::new();
         for entity in world.of_kind(kind) {
-            // A list for each entity, which is copied into the list of each quantifier around it.
+            // Charges a list per entity, which each enclosing quantifier copies.
             if !effort::spend(8 * effort::KEPT) {
                 break;
             }
@@ -135,7 +135,7 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
             holds: *holds,
             undone_by: None,
         }],
-        // Nothing that a step does makes two things one.
+        // No step can make two entities equal.
         Condition::Equal { .. } => Vec::new(),
     };
     if missing.is_empty() {
@@ -148,7 +148,7 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
     missing
 }
 
-/// The alternative with the fewest facts missing; one that no fact can bring about comes last.
+/// Returns the alternative with the fewest missing facts; alternatives that no fact can satisfy come last.
 fn shortest(alternatives: impl Iterator<Item = Vec<Missing>>) -> Vec<Missing> {
     let length = |missing: &Vec<Missing>| {
         let impossible = missing.iter().filter(|m| m.fact.is_none()).count();
@@ -157,7 +157,8 @@ fn shortest(alternatives: impl Iterator<Item = Vec<Missing>>) -> Vec<Missing> {
     alternatives.min_by_key(length).unwrap_or_default()
 }
 
-/// Adds to `rested` the facts assumed at the start, and not `touched` since, that make the condition hold.
+/// Adds to `rested` the facts that satisfy the condition, were assumed in the initial state and are not `touched`
+/// since.
 pub(crate) fn rests_on(
     moment: Moment<'_>,
     condition: &Condition,
@@ -169,14 +170,14 @@ pub(crate) fn rests_on(
         Condition::And(parts) => parts
             .iter()
             .for_each(|part| rests_on(moment, part, bindings, touched, rested)),
-        // Only what makes an alternative hold counts.
+        // Only the first alternative that holds counts.
         Condition::Or(parts) => {
             let holding = parts.iter().find(|part| holds(moment, part, bindings));
             holding
                 .into_iter()
                 .for_each(|part| rests_on(moment, part, bindings, touched, rested));
         }
-        // What holds of everything rests on nothing that is assumed to hold, unless an alternative within does.
+        // A universal condition without positive atoms cannot rest on an assumed fact.
         Condition::Forall(_, _, inner) if !asks_for_facts(inner) => {}
         Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
             let all = matches!(condition, Condition::Forall(..));
@@ -205,7 +206,7 @@ pub(crate) fn rests_on(
     }
 }
 
-/// Whether the condition can hold because some fact does.
+/// Returns true if the condition has a positive atom.
 fn asks_for_facts(condition: &Condition) -> bool {
     let mut asks = false;
     condition.for_each_atom(&mut |_, holds| asks |= holds);

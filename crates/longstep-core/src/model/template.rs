@@ -1,6 +1,6 @@
-//! Sentences with holes for entities: `put {item} on {place}`.
+//! Sentence templates with holes for entities: `put {item} on {place}`.
 
-/// A sentence with holes.
+/// A sentence template.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Template {
     pieces: Vec<Piece>,
@@ -9,18 +9,18 @@ pub struct Template {
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Piece {
     Text(String),
-    /// The index of a parameter.
+    /// The index of a parameter, filled in with an article.
     Hole(usize),
-    /// The index of a parameter whose name stands there without an article.
+    /// The index of a parameter, filled in without an article.
     Bare(usize),
 }
 
 impl Template {
-    /// Reads `text`; `index_of` tells the parameter of a hole's name.
+    /// Parses `text`; `index_of` maps the name of a hole to a parameter.
     ///
     /// # Errors
     ///
-    /// The name of a hole that is no parameter, or `"{"` when a hole is not closed.
+    /// The name of an unknown hole, or `"{"` for a hole that is not closed.
     pub fn read(text: &str, index_of: impl Fn(&str) -> Option<usize>) -> Result<Self, String> {
         let mut pieces = Vec::new();
         let mut rest = text;
@@ -41,7 +41,7 @@ impl Template {
         Ok(Self { pieces })
     }
 
-    /// A fact or a step as PDDL writes it, `(on cup table)`, with a hole for each argument.
+    /// Returns a template in PDDL notation, `(on cup table)`, with one hole per argument.
     pub(crate) fn pddl(name: &str, arguments: usize) -> Self {
         let mut pieces = vec![Piece::Text(format!("({name}"))];
         for index in 0..arguments {
@@ -52,7 +52,7 @@ impl Template {
         Self { pieces }
     }
 
-    /// The opposite of a fact as PDDL writes it.
+    /// Returns a template for a negated fact in PDDL notation, with one hole per argument.
     pub(crate) fn pddl_not(name: &str, arguments: usize) -> Self {
         let mut pieces = vec![Piece::Text("(not ".to_owned())];
         pieces.extend(Self::pddl(name, arguments).pieces);
@@ -60,7 +60,7 @@ impl Template {
         Self { pieces }
     }
 
-    /// The sentence with `name` called for each hole.
+    /// Fills every hole with the text that `name` returns for its parameter.
     pub fn fill(&self, mut name: impl FnMut(usize) -> String) -> String {
         self.pieces
             .iter()
@@ -75,12 +75,12 @@ impl Template {
             .collect()
     }
 
-    /// Whether there is a hole for the parameter at `index`.
+    /// Returns true if the template has a hole for the parameter at `index`.
     pub fn mentions(&self, index: usize) -> bool {
         self.pieces.contains(&Piece::Hole(index))
     }
 
-    /// Whether it says nothing.
+    /// Returns true if the template is empty or white space.
     pub fn is_blank(&self) -> bool {
         let blank = |piece: &Piece| matches!(piece, Piece::Text(text) if text.trim().is_empty());
         self.pieces.iter().all(blank)
@@ -89,7 +89,7 @@ impl Template {
 
 const ARTICLE: &str = "the ";
 
-/// A name with its article: "the juice", but "plate 2".
+/// Returns a name with its article: "the juice", but "plate 2".
 ///
 /// ```
 /// use longstep_core::domain::with_article;

@@ -1,54 +1,54 @@
-//! Changes that the steps of a plan made, and how it ended.
+//! State changes made by the steps of a plan, and the endings of a plan.
 
 use super::{Fact, State};
 
-/// A step of a plan, in reading order.
+/// The index of a step of a plan, in reading order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct StepId(u32);
 
 impl StepId {
-    /// The id of the step at `index` in its plan.
+    /// Creates the id of the step at `index` in its plan.
     pub fn new(index: usize) -> Self {
         debug_assert!(u32::try_from(index).is_ok());
         Self(index as u32)
     }
 
-    /// The index in its plan.
+    /// Returns the index of the step in its plan.
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// A fact that a step made true or false.
+/// The change of one fact by a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Change {
     /// The fact.
     pub fact: Fact,
-    /// Whether it holds now.
+    /// The new value of the fact.
     pub holds: bool,
 }
 
-/// The changes of one way through a plan, step by step.
+/// The changes along one execution path of a plan, step by step.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Trace {
     changes: Vec<Change>,
-    /// Each step with the place where its changes begin.
+    /// Each executed step with the index of its first change.
     begins: Vec<(StepId, usize)>,
 }
 
 impl Trace {
-    /// Adds a step with what it changed.
+    /// Appends a step and its changes.
     pub(crate) fn add(&mut self, step: StepId, changes: &[Change]) {
         self.begins.push((step, self.changes.len()));
         self.changes.extend_from_slice(changes);
     }
 
-    /// All changes, in order.
+    /// Returns all changes, in order of execution.
     pub fn changes(&self) -> &[Change] {
         &self.changes
     }
 
-    /// Each step that was done, in the order in which it was done, with what it changed, sorted by fact.
+    /// Iterates over the executed steps in order, each with its changes, sorted by fact.
     pub fn steps(&self) -> impl DoubleEndedIterator<Item = (StepId, &[Change])> {
         self.begins.iter().enumerate().map(|(index, (step, begin))| {
             let end = self.begins.get(index + 1).map_or(self.changes.len(), |(_, end)| *end);
@@ -57,13 +57,13 @@ impl Trace {
     }
 }
 
-/// One way in which a plan can end.
+/// One possible ending of a plan.
 #[derive(Debug, Clone)]
 pub struct Ending {
-    /// Outcomes of sensing on the way, as far as they are still known; empty for a plan without sensing.
+    /// Sensing outcomes on the path to this ending, as far as they are still known; empty for a plan without sensing.
     pub when: Vec<Fact>,
-    /// Changes of each step, on one way that ends so.
+    /// The changes of each step, on one path to this ending.
     pub trace: Trace,
-    /// The world after the last step.
+    /// The state after the last step.
     pub after: State,
 }

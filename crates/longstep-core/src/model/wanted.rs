@@ -1,18 +1,18 @@
-//! A condition to be reached.
+//! A goal condition with its bindings.
 
 use super::{Atom, Condition, Domain, EntityId, Fact, Term};
 
-/// A condition to be reached, with the entities that its first slots are bound to.
+/// A condition to achieve, with the entities bound to its first slots.
 #[derive(Debug, Clone)]
 pub struct Wanted {
     /// The condition.
     pub condition: Condition,
-    /// Slots from 0.
+    /// The entities bound to the slots from 0.
     pub bindings: Vec<EntityId>,
 }
 
 impl Wanted {
-    /// A fact as a condition to be reached.
+    /// Creates the goal condition that a fact holds.
     pub fn of_fact(domain: &Domain, fact: Fact) -> Self {
         let arity = domain.predicate(fact.predicate()).parameters.len();
         let atom = Atom {

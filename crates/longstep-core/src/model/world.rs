@@ -1,4 +1,4 @@
-//! A world: its entities, and what holds at the start.
+//! A world: its entities and its initial state.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use indexmap::IndexMap;
 
 use super::{EntityId, Environment, Fact, State, TypeId, Types};
 
-/// More entities than this do not fit into a fact.
+/// The largest number of entities; ids have 16 bits in a [`Fact`].
 pub(crate) const ENTITY_LIMIT: usize = 60_000;
 
 /// An entity of a world.
@@ -14,42 +14,42 @@ pub(crate) const ENTITY_LIMIT: usize = 60_000;
 pub struct Entity {
     /// The identifier as the environment writes it, for example `<plate_274>`.
     pub identifier: String,
-    /// Its type.
+    /// The type.
     pub kind: TypeId,
-    /// Its everyday name, which no other entity of the world has: "plate 2".
+    /// The everyday name, unique in the world: "plate 2".
     pub name: String,
-    /// Every name it may be called by, synonyms included.
+    /// All names that a text may use for it, synonyms included.
     pub names: Vec<String>,
 }
 
-/// Why something is taken to hold that the environment does not say.
+/// The reason to assume a fact that the environment does not give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum AssumptionSource {
-    /// Its name says so.
+    /// The name of the entity implies it.
     Derived,
-    /// It is usual.
+    /// The domain declares it as the default.
     Default,
-    /// Nothing speaks against it.
+    /// The environment gives neither the fact nor its negation, and the domain assumes it then.
     Unknown,
 }
 
-/// A world: its entities and what holds at the start of an instruction.
+/// A world: its entities and the state in which an instruction is given.
 #[derive(Debug, Clone)]
 pub struct World {
-    // Shared with the worlds that follow: a session holds one for each instruction.
+    // Shared with successor worlds: a session holds one world per instruction.
     pub(crate) entities: Arc<[Entity]>,
     pub(crate) by_identifier: Arc<IndexMap<String, EntityId>>,
     by_kind: Arc<[Vec<EntityId>]>,
-    /// What holds, assumptions included.
+    /// The initial state, assumptions included.
     pub state: State,
-    /// What of it is assumed, and why.
+    /// The assumed facts of the state, with their reasons.
     pub(crate) assumed: rustc_hash::FxHashMap<Fact, AssumptionSource>,
-    /// The environment that it was read from.
+    /// The environment from which the world was read.
     pub environment: Environment,
 }
 
 impl World {
-    /// A world in which nothing holds yet. Identifiers must be unique; constants of the domain come first.
+    /// Creates a world with an empty state. Identifiers must be unique, and the domain's constants must come first.
     pub(crate) fn new(types: &Types, entities: Vec<Entity>, environment: Environment) -> Self {
         let identified = entities.iter().enumerate();
         let by_identifier = identified
@@ -72,7 +72,7 @@ impl World {
         }
     }
 
-    /// Every entity with its id: constants of the domain, assets, objects.
+    /// Iterates over all entities with their ids: constants of the domain, assets, objects.
     pub fn entities(&self) -> impl Iterator<Item = (EntityId, &Entity)> {
         self.entities
             .iter()
@@ -80,41 +80,41 @@ impl World {
             .map(|(index, entity)| (EntityId::new(index), entity))
     }
 
-    /// The entity with this id.
+    /// Returns the entity with this id.
     pub fn entity(&self, id: EntityId) -> &Entity {
         &self.entities[id.index()]
     }
 
-    /// The entity with this identifier.
+    /// Returns the entity with this identifier.
     pub fn find(&self, identifier: &str) -> Option<EntityId> {
         self.by_identifier.get(identifier).copied()
     }
 
-    /// The entity with this everyday name.
+    /// Returns the entity with this everyday name.
     pub fn find_name(&self, name: &str) -> Option<EntityId> {
         self.entities()
             .find(|(_, entity)| entity.name == name)
             .map(|(id, _)| id)
     }
 
-    /// The entities of a type, in order.
+    /// Returns the entities of a type, in order.
     pub fn of_kind(&self, kind: TypeId) -> &[EntityId] {
         &self.by_kind[kind.index()]
     }
 
-    /// Whether the entity is of the type.
+    /// Returns true if the entity is of the type or of a subtype.
     pub fn is_of_kind(&self, entity: EntityId, kind: TypeId) -> bool {
         let all = self.of_kind(kind);
-        // The lists are in order, and the one of everything needs no look.
+        // The lists are sorted, and a list of all entities needs no lookup.
         all.len() == self.entities.len() || all.binary_search(&entity).is_ok()
     }
 
-    /// Why the fact is assumed at the start, if it is.
+    /// Returns the reason why the fact is assumed in the initial state; none if it is not.
     pub fn assumed(&self, fact: Fact) -> Option<AssumptionSource> {
         self.assumed.get(&fact).copied()
     }
 
-    /// What holds at the start without what is only taken for granted because nobody says otherwise.
+    /// Returns the initial state without the facts assumed only because the environment does not give them.
     pub fn known(&self) -> State {
         let mut known = self.state.clone();
         for (fact, ground) in &self.assumed {
