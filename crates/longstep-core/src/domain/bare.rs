@@ -2,8 +2,8 @@
 
 use super::pddl::{self, Semantics, Written};
 use super::{
-    Action, Atom, Domain, EnvironmentTypes, Lexicon, Predicate, PredicateWords, RepairCosts, StateWord, Template, Term,
-    TypeId, Unknown,
+    Action, Atom, Domain, DomainData, EnvironmentTypes, Lexicon, Predicate, PredicateWords, RepairCosts, StateWord,
+    Template, Term, TypeId, Unknown,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
@@ -73,7 +73,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         },
         means: String::new(),
     };
-    Domain {
+    let data = DomainData {
         about: format!("The PDDL domain {}, without words of its own.", semantics.name),
         environment: EnvironmentTypes {
             asset: TypeId::OBJECT,
@@ -111,5 +111,6 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         types: semantics.types,
         constants: semantics.constants,
         predicates: semantics.predicates,
-    }
+    };
+    data.into()
 }

@@ -8,9 +8,9 @@ use toml::Spanned;
 use super::pddl::{Reader, Scope, Semantics, Written};
 use super::words::{self, DomainFile, TimeEntry, UnknownEntry};
 use super::{
-    Action, ActionSchema, Atom, Condition, DefaultFact, Derivation, Domain, Effect, EnvironmentTypes, Files, FormPiece,
-    GoalWord, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule,
-    RuleTime, StateWord, Template, TypeId, Unknown, base_name, pddl, plain_words, sexpr,
+    Action, ActionSchema, Atom, Condition, DefaultFact, Derivation, Domain, DomainData, Effect, EnvironmentTypes,
+    Files, FormPiece, GoalWord, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
+    RepairCosts, Rule, RuleTime, StateWord, Template, TypeId, Unknown, base_name, pddl, plain_words, sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
@@ -221,7 +221,7 @@ impl Loader<'_> {
         let implied = self.implied(&file.implied);
         let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
         let repair = self.repair_costs(&file.repair);
-        Domain {
+        let data = DomainData {
             name: file.name,
             pddl_name: self.semantics.name.clone(),
             about: file.about,
@@ -240,7 +240,8 @@ impl Loader<'_> {
             repair,
             lexicon: Lexicon::new(file.lexicon),
             implied,
-        }
+        };
+        data.into()
     }
 
     fn predicates(&mut self, entries: &[words::PredicateEntry]) -> Vec<PredicateWords> {

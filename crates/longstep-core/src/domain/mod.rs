@@ -16,10 +16,10 @@ mod starter;
 pub mod words;
 
 pub use crate::model::{
-    Action, ActionId, Atom, Condition, DefaultFact, Derivation, Domain, Effect, EnvironmentTypes, FormPiece, GoalWord,
-    GoalWordId, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule,
-    RuleTime, Slot, StateWord, Template, Term, TypeId, Types, Unknown, base_name, ends_with, head, plain_words,
-    singular, with_article,
+    Action, ActionId, Atom, Condition, DefaultFact, Derivation, Domain, DomainData, Effect, EnvironmentTypes,
+    FormPiece, GoalWord, GoalWordId, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
+    RepairCosts, Rule, RuleTime, Slot, StateWord, Template, Term, TypeId, Types, Unknown, base_name, ends_with, head,
+    plain_words, singular, with_article,
 };
 pub use bare::from_pddl;
 pub use files::Files;

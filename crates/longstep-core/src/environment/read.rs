@@ -145,7 +145,7 @@ impl EnvironmentReader<'_> {
                 names,
             })
             .collect();
-        let mut world = World::new(&domain.types, entities, environment.clone());
+        let mut world = World::new(domain, entities, environment.clone());
         self.states(&mut world, "asset_states", &environment.asset_states);
         self.states(&mut world, "object_states", &environment.object_states);
         let mut denied: FxHashSet<Fact> = FxHashSet::default();

@@ -44,7 +44,7 @@ impl World {
             let arguments: Option<Vec<EntityId>> = domain.arguments(fact).map(|id| renumbered[id.index()]).collect();
             Some(Fact::new(fact.predicate(), arguments?))
         };
-        let mut part = World::new(&domain.types, entities.clone(), environment);
+        let mut part = World::new(domain, entities.clone(), environment);
         for fact in self.state.iter().filter_map(carried) {
             part.state.set(fact, true);
         }

@@ -1,5 +1,8 @@
 //! A robot's domain as data: types, predicates, actions, rules, and their wording.
 
+use std::ops::Deref;
+use std::sync::Arc;
+
 use super::id;
 use super::{Atom, Condition, Effect, EntityId, Fact, Lexicon, Template};
 
@@ -399,8 +402,28 @@ pub struct EnvironmentTypes {
 
 /// A robot's domain. Create one with [`load`](crate::domain::load), [`shipped`](crate::domain::shipped) or
 /// [`from_pddl`](crate::domain::from_pddl).
+///
+/// A handle on [`DomainData`], which is read through it: clones share the data, and each world holds one.
 #[derive(Debug, Clone)]
-pub struct Domain {
+pub struct Domain(Arc<DomainData>);
+
+impl Deref for Domain {
+    type Target = DomainData;
+
+    fn deref(&self) -> &DomainData {
+        &self.0
+    }
+}
+
+impl From<DomainData> for Domain {
+    fn from(data: DomainData) -> Self {
+        Self(Arc::new(data))
+    }
+}
+
+/// The content of a [`Domain`].
+#[derive(Debug, Clone)]
+pub struct DomainData {
     /// The name.
     pub name: String,
     /// The name in `domain.pddl`, to which PDDL problems refer.
@@ -441,6 +464,21 @@ pub struct Domain {
 }
 
 impl Domain {
+    /// Returns a copy with a change; worlds that hold this domain keep it as it is.
+    #[must_use]
+    pub fn edited(&self, change: impl FnOnce(&mut DomainData)) -> Self {
+        let mut data = (*self.0).clone();
+        change(&mut data);
+        data.into()
+    }
+
+    /// Returns whether both are handles on the same data.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl DomainData {
     /// Returns the predicate with this id.
     pub fn predicate(&self, id: PredicateId) -> &Predicate {
         &self.predicates[id.index()]

@@ -25,9 +25,9 @@ pub use condition::{Atom, Condition, Effect, Slot, Term};
 pub use diff::{Difference, differences};
 pub(crate) use domain::ActionSchema;
 pub use domain::{
-    Action, ActionId, DefaultFact, Derivation, Domain, EnvironmentTypes, FormPiece, GoalWord, GoalWordId, Literal,
-    Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord, TypeId,
-    Types, Unknown,
+    Action, ActionId, DefaultFact, Derivation, Domain, DomainData, EnvironmentTypes, FormPiece, GoalWord, GoalWordId,
+    Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord,
+    TypeId, Types, Unknown,
 };
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 
-use super::{EntityId, Environment, Fact, State, TypeId, Types};
+use super::{Domain, EntityId, Environment, Fact, State, TypeId};
 
 /// The largest number of entities; ids have 16 bits in a [`Fact`].
 pub(crate) const ENTITY_LIMIT: usize = 60_000;
@@ -36,6 +36,7 @@ pub enum AssumptionSource {
 /// A world: its entities and the state in which an instruction is given.
 #[derive(Debug, Clone)]
 pub struct World {
+    domain: Domain,
     // Shared with successor worlds: a session holds one world per instruction.
     pub(crate) entities: Arc<[Entity]>,
     pub(crate) by_identifier: Arc<IndexMap<String, EntityId>>,
@@ -50,7 +51,7 @@ pub struct World {
 
 impl World {
     /// Creates a world with an empty state. Identifiers must be unique, and the domain's constants must come first.
-    pub(crate) fn new(types: &Types, entities: Vec<Entity>, environment: Environment) -> Self {
+    pub(crate) fn new(domain: &Domain, entities: Vec<Entity>, environment: Environment) -> Self {
         let identified = entities.iter().enumerate();
         let by_identifier = identified
             .map(|(index, entity)| (entity.identifier.clone(), EntityId::new(index)))
@@ -58,18 +59,24 @@ impl World {
         let of_kind = |kind: usize| {
             let members = entities.iter().enumerate();
             members
-                .filter(|(_, entity)| types.is_a(entity.kind, TypeId::new(kind)))
+                .filter(|(_, entity)| domain.types.is_a(entity.kind, TypeId::new(kind)))
                 .map(|(index, _)| EntityId::new(index))
                 .collect()
         };
         Self {
-            by_kind: (0..types.len()).map(of_kind).collect(),
+            domain: domain.clone(),
+            by_kind: (0..domain.types.len()).map(of_kind).collect(),
             entities: entities.into(),
             by_identifier: Arc::new(by_identifier),
             state: State::default(),
             assumed: rustc_hash::FxHashMap::default(),
             environment,
         }
+    }
+
+    /// The domain that the world was read with.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
     }
 
     /// Iterates over all entities with their ids: constants of the domain, assets, objects.

@@ -165,7 +165,7 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
     };
     let entities: Vec<Entity> = names.constants.iter().map(entity).collect();
     let environment = environment(domain, &entities, &state);
-    let mut world = World::new(&domain.types, entities, environment);
+    let mut world = World::new(domain, entities, environment);
     world.state = state;
     Some(Problem { name, world, wanted })
 }

@@ -217,11 +217,12 @@ fn problems_that_are_written_mean_the_same_when_read_back() {
 
 #[test]
 fn a_rule_for_every_state_cannot_be_said() {
-    let mut domain = domain::shipped("household").unwrap().unwrap();
+    let domain = domain::shipped("household").unwrap().unwrap().edited(|data| {
+        let rule = data.rules.iter_mut().find(|rule| rule.name == "one-hand").unwrap();
+        rule.time = crate::domain::RuleTime::Always;
+    });
     let environment = Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>", "<jug>"]}"#).unwrap();
     let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
-    let rule = domain.rules.iter_mut().find(|rule| rule.name == "one-hand").unwrap();
-    rule.time = crate::domain::RuleTime::Always;
     let error = write_problem(&domain, &world, &[], "p").unwrap_err();
     assert_eq!(
         error.to_string(),

@@ -2,7 +2,7 @@
 
 mod prompts;
 
-use std::ops::{Deref, DerefMut};
+use std::ops::Deref;
 
 pub use longstep_core::domain::*;
 
@@ -22,11 +22,5 @@ impl Deref for Domain {
 
     fn deref(&self) -> &Self::Target {
         &self.domain
-    }
-}
-
-impl DerefMut for Domain {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.domain
     }
 }

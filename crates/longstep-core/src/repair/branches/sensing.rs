@@ -8,25 +8,25 @@ use crate::verify::{Purpose, Violation, check};
 
 /// The domain in which sensing tells just this: on one way through a plan, it is an action like any other.
 pub(super) fn with_outcomes(domain: &Domain, told: &[Fact]) -> Domain {
-    let mut known = domain.clone();
-    for action in &mut known.actions {
-        for atom in std::mem::take(&mut action.senses) {
-            for fact in told.iter().filter(|fact| fact.predicate() == atom.predicate) {
-                let same = |(place, term): (usize, &Term)| Condition::Equal {
-                    left: *term,
-                    right: Term::Constant(fact.argument(place)),
-                    holds: true,
-                };
-                action.effects.push(Effect {
-                    forall: Vec::new(),
-                    condition: Condition::And(atom.terms.iter().enumerate().map(same).collect()),
-                    atom: atom.clone(),
-                    adds: true,
-                });
+    domain.edited(|data| {
+        for action in &mut data.actions {
+            for atom in std::mem::take(&mut action.senses) {
+                for fact in told.iter().filter(|fact| fact.predicate() == atom.predicate) {
+                    let same = |(place, term): (usize, &Term)| Condition::Equal {
+                        left: *term,
+                        right: Term::Constant(fact.argument(place)),
+                        holds: true,
+                    };
+                    action.effects.push(Effect {
+                        forall: Vec::new(),
+                        condition: Condition::And(atom.terms.iter().enumerate().map(same).collect()),
+                        atom: atom.clone(),
+                        adds: true,
+                    });
+                }
             }
         }
-    }
-    known
+    })
 }
 
 /// The steps and edits of a repaired way, with what was put in before sensing put behind it where that will do: there it
