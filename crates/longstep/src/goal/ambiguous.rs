@@ -1,15 +1,15 @@
-//! Which of several things is meant, where an instruction fits more than one and it makes a difference.
+//! Questions about ambiguous references that affect the plan.
 
 use super::mention::{DETERMINERS, among};
 use super::{Goal, GoalFact, Spoken};
 use crate::environment::{EntityId, Fact, Moment, Voice, World, holds};
 use crate::model::{Domain, base_name, head, singular};
 
-/// Articles that speak of no certain thing.
+/// Indefinite articles.
 const ANY: &str = "a an";
 
-/// The question which of several things is meant: "the mug", where there are two, in different places, and nothing that
-/// is said tells one from the other. None if it is clear, or makes no difference.
+/// Returns a question if the instruction refers to a definite object and several in different places fit: "the mug".
+/// Returns none if the reference is clear or the choice makes no difference.
 pub(super) fn which(domain: &Domain, world: &World, spoken: &Spoken, goal: &Goal) -> Option<String> {
     let facts = goal.facts.iter().filter(|fact| matches!(fact, GoalFact::Word { .. }));
     for fact in facts {
@@ -49,7 +49,7 @@ pub(super) fn which(domain: &Domain, world: &World, spoken: &Spoken, goal: &Goal
             .filter(|other| !taken(*other) && wish_is_open(*other))
             .filter(|other| where_from(domain, &places(domain, world, *other)) != where_from(domain, &here))
             .collect();
-        // Who says where the one stands has said which it is.
+        // A mentioned place identifies the object.
         if rivals.is_empty() || told(&here) || rivals.iter().any(|rival| told(&places(domain, world, *rival))) {
             continue;
         }
@@ -63,7 +63,7 @@ pub(super) fn which(domain: &Domain, world: &World, spoken: &Spoken, goal: &Goal
     None
 }
 
-/// Whether the instruction speaks of it as of a certain one: "the mug", "my mug".
+/// Returns true if the instruction refers to the entity with a definite determiner: "the mug", "my mug".
 fn is_certain(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
     let heads: Vec<String> = world.entity(entity).names.iter().map(|name| head(name)).collect();
     let words = spoken.words();
@@ -71,7 +71,7 @@ fn is_certain(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
         .iter()
         .enumerate()
         .filter(|(_, word)| heads.contains(&singular(word)));
-    // Up to two words may describe it: "the big red mug".
+    // Up to two words of description may follow the determiner: "the big red mug".
     places.into_iter().any(|(place, _)| {
         let before = words[place.saturating_sub(3)..place].iter().rev();
         let article = before.into_iter().find(|word| among(DETERMINERS, word));
@@ -79,14 +79,14 @@ fn is_certain(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
     })
 }
 
-/// The facts that tell where a thing is.
+/// Returns the facts about where an entity is.
 fn places(domain: &Domain, world: &World, entity: EntityId) -> Vec<Fact> {
     let about =
         |fact: &Fact| domain.is_relation(*fact) && domain.words(fact.predicate()).fluent && fact.argument(0) == entity;
     world.state.iter().filter(about).collect()
 }
 
-/// Where a thing is, without the thing.
+/// Returns the places of an entity, without the entity itself, for comparison.
 fn where_from(domain: &Domain, places: &[Fact]) -> Vec<(usize, Vec<EntityId>)> {
     let rest = |fact: &Fact| (fact.predicate().index(), domain.arguments(*fact).skip(1).collect());
     places.iter().map(rest).collect()
@@ -94,7 +94,7 @@ fn where_from(domain: &Domain, places: &[Fact]) -> Vec<(usize, Vec<EntityId>)> {
 
 fn described(domain: &Domain, world: &World, entity: EntityId) -> String {
     let name = &world.entity(entity).name;
-    // The last is the nearest: what it stands on rather than the room.
+    // The last fact is the most specific: the surface rather than the room.
     let place = places(domain, world, entity).into_iter().rev().find_map(|fact| {
         let says = Voice::Person.fact(domain, world, fact, true);
         says.strip_prefix(&format!("{name} is ")).map(str::to_owned)

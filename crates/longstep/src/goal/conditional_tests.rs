@@ -1,4 +1,4 @@
-//! Goals that depend on what sensing tells: how they are written, read, offered and understood.
+//! Goals that depend on sensing: notation, parsing, grammar and interpretation.
 
 use super::*;
 use crate::dialogue::{Constraint, ConstraintKind, Finish, GoalDialogue, Reply, Turn, Usage};
@@ -18,7 +18,7 @@ fn kitchen() -> (Domain, World) {
     (domain, world)
 }
 
-/// How a goal is written when it was read, as a model writes it and as a sentence; or why it cannot be read.
+/// Compares a parsed goal, written for the model and as a sentence, or the parse error.
 #[track_caller]
 fn check(text: &str, written: &str, sentence: &str) {
     let (domain, world) = kitchen();
@@ -54,7 +54,7 @@ fn conditional_goals_are_read_and_written() {
         "the fridge is closed; if the table is dirty, the table has been wiped with the sponge and the sponge is at the \
          fridge; the milk is at the table",
     );
-    // Of two outcomes, not the one is the other.
+    // With two outcomes, the negation of one is the other.
     check(
         "if not expired(<milk>) then put(milk, fridge)",
         "if fresh(milk) then put(milk, fridge)",
@@ -84,7 +84,7 @@ fn conditional_goals_are_read_and_written() {
     );
 }
 
-/// What a model may say next, after the answer so far: the grammar's lines that tell.
+/// Compares the relevant lines of the grammar after a partial answer.
 #[track_caller]
 fn check_next(instruction: &str, replies: &[&str], expected: &[&str]) {
     let (domain, world) = kitchen();
@@ -100,7 +100,7 @@ fn check_next(instruction: &str, replies: &[&str], expected: &[&str]) {
     let Constraint::Lark(grammar) = dialogue.request(&domain, &world).constraint else {
         panic!("no grammar");
     };
-    // Of the goals, the first line tells enough.
+    // The first line of the goals is sufficient.
     let goals = |line: &&str| {
         line.starts_with("question:") || line.starts_with("  | \"opened") || line.starts_with("  | \"wiped")
     };
@@ -137,7 +137,7 @@ fn a_condition_is_offered_where_the_instruction_has_one() {
             r#"goal: "put(" (("milk") ", " (("fridge") ")"))"#,
         ],
     );
-    // Without "if", nothing depends on anything.
+    // Without "if", no goal depends on a condition.
     check_next(
         "Put the milk into the fridge",
         &[],
@@ -147,7 +147,7 @@ fn a_condition_is_offered_where_the_instruction_has_one() {
             r#"goal: "put(" (("milk") ", " (("fridge") ")"))"#,
         ],
     );
-    // What cannot be found out has to be asked.
+    // No sensing action decides this condition, so only a question is possible.
     check_next("If the milk is cold, put it into the fridge", &[], &["start: question"]);
 }
 
@@ -196,7 +196,7 @@ fn conditional_answers_are_understood() {
         ConstraintKind::JsonSchema,
         &format!("{answer} (0 left out)"),
     );
-    // A goal that nobody spoke of goes, the rest stays.
+    // An unmentioned goal is dropped, the others stay.
     check_understood(
         instruction,
         &[r#"{"question": "", "goals": ["if expired(milk) then put(milk, trash bin) else put(sponge, fridge)"]}"#],

@@ -1,31 +1,31 @@
-//! What an instruction speaks of after a person said something about the answer to it.
+//! Instructions with later utterances about the answers to them.
 
 use super::{GoalFact, QUESTION, Spoken, parse, unknown_thing};
 use crate::environment::{EntityId, World};
 use crate::model::{Domain, head, plain_words, singular};
 
-/// What an instruction and the words after it come to together. The words win.
+/// An instruction combined with later utterances, which take precedence.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Correction {
-    /// What is spoken of.
+    /// The mentions.
     pub(crate) spoken: Spoken,
-    /// What is not meant.
+    /// Entities that are ruled out.
     pub(crate) excluded: Vec<EntityId>,
-    /// What was answered and is not wanted.
+    /// Goals of earlier answers that the person rejected.
     pub(crate) rejected: Vec<GoalFact>,
-    /// What was answered already, where the last words only add to it.
+    /// Goals of the last answer, if the last utterance only adds to them.
     pub(crate) begun: Vec<GoalFact>,
-    /// A thing in the words that there is not.
+    /// An object in the last utterance that does not exist.
     pub(crate) unknown: Option<String>,
 }
 
-/// Words that begin what is not meant, up to the next sign or "but".
+/// Words that begin a negation, up to the next punctuation mark or "but".
 const DENYING: &str = "not dont isnt wasnt never neither nor";
-/// Words that say that an answer was wrong.
+/// Words that reject an answer.
 const CORRECTING: &str = "no not dont isnt instead rather wrong other different meant wanted actually nope sorry else";
-/// Words that say yes.
+/// Words that confirm.
 const AGREEING: &str = "yes yeah yep right exactly sure correct ok okay please";
-/// Words that add to an answer rather than take it back.
+/// Words that extend an answer and do not reject it.
 const ADDING: &str = "also too well additionally afterwards besides plus";
 
 fn among(list: &str, word: &str) -> bool {
@@ -33,7 +33,7 @@ fn among(list: &str, word: &str) -> bool {
 }
 
 impl Correction {
-    /// What an instruction speaks of.
+    /// Starts with an instruction.
     pub(crate) fn of(domain: &Domain, world: &World, instruction: &str) -> Self {
         Self {
             spoken: Spoken::of(domain, world, instruction),
@@ -42,18 +42,18 @@ impl Correction {
         }
     }
 
-    /// Listens to what was said about an answer: goals, or a question.
+    /// Takes in an utterance about an answer (goals or a question).
     ///
-    /// What stands behind "not" is not meant; of the things that it can mean, those of the answer are meant first. "The
-    /// other one" is not the one of the answer. A thing that the words name stands for another with the same last word
-    /// that only the instruction names.
+    /// Words after "not" rule entities out, preferably those of the answer. "The other one" excludes the entity of the
+    /// answer. An entity that the utterance names replaces entities with the same last word that only the instruction
+    /// mentions.
     pub(crate) fn hear(&mut self, domain: &Domain, world: &World, answer: &str, said: &str) {
         let facts = match answer.starts_with(QUESTION) {
             true => Vec::new(),
             false => parse(domain, world, answer).map_or_else(|_| Vec::new(), |goal| goal.facts),
         };
         let handled: Vec<EntityId> = facts.iter().flat_map(|fact| entities_of(domain, fact)).collect();
-        // Who says yes to a question speaks of what it asks about.
+        // "Yes" refers to the content of the question.
         let agrees =
             answer.starts_with(QUESTION) && plain_words(said).first().is_some_and(|word| among(AGREEING, word));
         let said = match agrees {
@@ -62,7 +62,7 @@ impl Correction {
         };
         let (meant, denied) = parts(said);
         let mut not_meant = exactly(world, Spoken::of(domain, world, &denied).entities, &denied);
-        // "Not that plate" is the plate that was taken for it.
+        // "Not that plate" rules out the plate of the answer.
         if not_meant.iter().any(|entity| handled.contains(entity)) {
             not_meant.retain(|entity| handled.contains(entity));
         }
@@ -124,7 +124,7 @@ fn entities_of(domain: &Domain, fact: &GoalFact) -> Vec<EntityId> {
     }
 }
 
-/// Of things that share their last word, those that the words call by number: "mug 3" is no other mug.
+/// Filters entities that share a last word by an explicit number: "mug 3" excludes the other mugs.
 fn exactly(world: &World, mut entities: Vec<EntityId>, words: &str) -> Vec<EntityId> {
     let words = plain_words(words);
     let by_number = |entity: &EntityId| {
@@ -139,8 +139,8 @@ fn exactly(world: &World, mut entities: Vec<EntityId>, words: &str) -> Vec<Entit
     entities
 }
 
-/// What is said to be meant, and what is said not to be: "not that plate, the blue one" is "the blue one" and "that
-/// plate".
+/// Splits an utterance into its asserted and its negated part: "not that plate, the blue one" gives "the blue one" and
+/// "that plate".
 pub(crate) fn parts(said: &str) -> (String, String) {
     let (mut meant, mut denied) = (String::new(), String::new());
     for clause in said.split([',', '.', ';', '!', '?', ':']) {
@@ -164,7 +164,7 @@ pub(crate) fn parts(said: &str) -> (String, String) {
     (meant, denied)
 }
 
-/// The words with a noun for "one" and "ones".
+/// Replaces "one" and "ones" by the noun.
 fn with_noun(words: &str, noun: Option<&str>) -> String {
     let Some(noun) = noun else { return words.to_owned() };
     let one = |word: &str| matches!(word.to_lowercase().as_str(), "one" | "ones");

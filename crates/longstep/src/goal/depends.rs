@@ -1,4 +1,4 @@
-//! What an instruction makes its wishes depend on: "if the milk is past its date".
+//! Conditions in instructions: "if the milk is past its date".
 
 use longstep_core::model::state_word;
 
@@ -10,37 +10,37 @@ use crate::model::{Domain, plain_words};
 const CONDITIONAL: &str = "if unless whether when whenever depending depends provided case";
 /// Words after which "if" is only polite: "if you like", "if possible".
 const POLITE: &str = "you i we possible necessary needed";
-/// Words that tell of a condition said before.
+/// Words that refer to the negation of an earlier condition.
 const ALTERNATIVE: &str = "otherwise else";
-/// What follows "if" where the other case is meant, and what follows "depending".
+/// Words that begin the other case after "if" ("if not") and after "depending".
 const OTHER_CASE: &str = "not on";
-/// Words with which a condition ends.
+/// Words that end a condition.
 const ENDING: &str = "then please just";
 
 fn among(list: &str, word: &str) -> bool {
     list.split_whitespace().any(|entry| entry == word)
 }
 
-/// Something that a goal may depend on.
+/// A condition on which a goal may depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Dependence {
     /// The fact.
     pub(crate) fact: Fact,
-    /// Whether it depends on another outcome.
+    /// True if the goal depends on the absence of the fact.
     pub(crate) negated: bool,
 }
 
-/// The words of an instruction's conditions.
+/// The conditions of an instruction.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Clauses {
     words: Vec<Vec<String>>,
-    /// How many of them stand after "unless".
+    /// Number of conditions that begin with "unless".
     unless: usize,
-    /// Whether the instruction is one sentence that begins with its condition.
+    /// True if the instruction is one sentence that begins with its condition.
     leading: bool,
-    /// Whether there is an "otherwise".
+    /// True if the instruction contains "otherwise" or "else".
     alternative: bool,
-    /// Whether there is a condition that is no point in time: "when you are done" is none.
+    /// True if a condition is not a time clause, such as "when you are done".
     strict: bool,
 }
 
@@ -70,7 +70,7 @@ impl Clauses {
         clauses
     }
 
-    /// Takes in what was said later.
+    /// Appends the conditions of a later utterance.
     pub(super) fn add(&mut self, later: Self) {
         self.words.extend(later.words);
         self.unless += later.unless;
@@ -79,7 +79,7 @@ impl Clauses {
         self.strict |= later.strict;
     }
 
-    /// Whether it says what is wanted in the other case, too: "otherwise", "if not", or a second condition.
+    /// Returns true if the instruction covers the other case too, by "otherwise", "if not" or a second condition.
     pub(super) fn has_other_case(&self) -> bool {
         let other = |words: &Vec<String>| words.first().is_some_and(|word| among(OTHER_CASE, word));
         self.alternative || self.words.len() > 1 || self.words.iter().any(other)
@@ -90,7 +90,7 @@ impl Clauses {
     }
 }
 
-/// Whether the words have a row of words that begin like those of the cue.
+/// Returns true if consecutive words begin with the stems of the cue.
 fn has_cue(words: &[String], cue: &str) -> bool {
     let stems = plain_words(cue);
     let begins = |window: &[String]| {
@@ -102,11 +102,12 @@ fn has_cue(words: &[String], cue: &str) -> bool {
     !stems.is_empty() && words.windows(stems.len()).any(begins)
 }
 
-/// What the goals of an instruction can depend on: the outcomes of sensing of which it speaks with its things, where it
-/// has a condition at all. What is said in the condition counts before what is said elsewhere.
+/// Returns the conditions on which goals of the instruction can depend: outcomes of sensing actions whose cues it
+/// contains, about entities that it mentions. Cues inside a condition take precedence over cues elsewhere. Empty if the
+/// instruction has no condition.
 ///
-/// Of two outcomes each is the opposite of the other. Of more, one can be denied; and after "unless" the one that is
-/// spoken of is.
+/// With two outcomes, each is the negation of the other. With more, an outcome can also be negated; "unless" negates
+/// the mentioned one.
 pub(crate) fn conditions(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<Dependence> {
     let clauses = spoken.clauses();
     if clauses.is_empty() {
@@ -163,24 +164,23 @@ pub(crate) fn conditions(domain: &Domain, world: &World, spoken: &Spoken) -> Vec
     found
 }
 
-/// Whether the condition of an instruction governs all that it asks for: "if it is dirty, wipe it and put the cloth
-/// away".
+/// Returns true if the condition governs the whole instruction: "if it is dirty, wipe it and put the cloth away".
 pub(crate) fn governs_all(spoken: &Spoken) -> bool {
     spoken.clauses().leading
 }
 
-/// Whether the instruction says what is wanted where its condition does not hold.
+/// Returns true if the instruction covers the case that its condition does not hold.
 pub(crate) fn has_other_case(spoken: &Spoken) -> bool {
     spoken.clauses().has_other_case()
 }
 
-/// Whether the instruction has a condition about which nothing here can tell anything.
+/// Returns true if the instruction has a condition that no sensing action can decide.
 pub(crate) fn cannot_be_told(domain: &Domain, world: &World, spoken: &Spoken) -> bool {
     let senses = domain.actions.iter().any(|action| !action.senses.is_empty());
     senses && spoken.clauses().strict && conditions(domain, world, spoken).is_empty()
 }
 
-/// Whether a word belongs to the ways in which people speak of what sensing tells: "the best-by date" is no thing.
+/// Returns true if a word belongs to a cue for a sensing outcome: "the best-by date" is no object.
 pub(super) fn is_word_of_outcomes(domain: &Domain, word: &str) -> bool {
     let cues = domain.predicate_words.iter().flat_map(|words| &words.cues);
     cues.flat_map(|cue| plain_words(cue))

@@ -1,4 +1,4 @@
-//! The goals on offer as a grammar, and as a JSON schema.
+//! Structured output for goals: a grammar and a JSON schema of the offered goals.
 
 use indexmap::IndexMap;
 use serde_json::{Value, json};
@@ -10,35 +10,35 @@ use crate::environment::{EntityId, World};
 use crate::model::{Domain, FormPiece, GoalWord};
 use longstep_core::model::written_fact;
 
-/// Where in an answer a goal stands.
+/// Position of a goal in an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// At the beginning.
+    /// The first goal.
     First {
-        /// Whether a question may stand there instead.
+        /// True if a question may replace the goal.
         question: bool,
     },
-    /// After another goal; the text begins with a blank.
+    /// A goal after another one; the text begins with a space.
     Next,
 }
 
-/// What may be said next in an answer.
+/// Possible continuations of an answer.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Ways<'a> {
     /// Goals.
     pub(crate) offers: &'a [Offer],
-    /// What a goal may depend on.
+    /// Conditions on which a goal may depend.
     pub(crate) conditions: &'a [Dependence],
-    /// The words with which the answer may go on after a goal.
+    /// Separators that may follow a goal.
     pub(crate) joints: &'a [&'static str],
-    /// Whether it may also end there.
+    /// True if the answer may also end after the goal.
     pub(crate) may_end: bool,
 }
 
-/// A grammar in llguidance's Lark dialect for the next goal of an answer.
+/// Returns a grammar in llguidance's Lark dialect for the next goal of an answer.
 ///
-/// After the goal the answer may end, or go on with " &" when `more` is true. When nothing is on offer, only
-/// a question is left to say.
+/// After the goal the answer may end, or continue with " &" if `more` is true. If `offers` is empty, the grammar admits
+/// only a question.
 pub fn grammar(domain: &Domain, world: &World, offers: &[Offer], place: Place, more: bool) -> String {
     let joints: &[&str] = if more { &[JOINT] } else { &[] };
     let ways = Ways {
@@ -50,7 +50,7 @@ pub fn grammar(domain: &Domain, world: &World, offers: &[Offer], place: Place, m
     written(domain, world, &ways, place)
 }
 
-/// The same with all that may be said.
+/// Returns the grammar for all possible continuations.
 pub(crate) fn written(domain: &Domain, world: &World, ways: &Ways<'_>, place: Place) -> String {
     let alternatives: Vec<String> = ways
         .offers
@@ -91,7 +91,7 @@ pub(crate) fn written(domain: &Domain, world: &World, ways: &Ways<'_>, place: Pl
     text
 }
 
-/// The rule for the beginning of a goal that depends on something, up to "then".
+/// Returns the rule for the condition of a goal, up to "then".
 fn condition_rule(domain: &Domain, world: &World, conditions: &[Dependence]) -> String {
     let name = |entity: EntityId| world.entity(entity).name.clone();
     let beginning = |depends: &Dependence| {
@@ -108,7 +108,7 @@ fn word_rule(word: &GoalWord, world: &World, arguments: &[Vec<EntityId>]) -> Str
     parts.join(" ")
 }
 
-/// The rule for the rest of a form, given the arguments that are possible from here on.
+/// Appends the rule for the rest of a form, given the remaining argument lists.
 fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], parts: &mut Vec<String>) {
     let Some((piece, rest)) = form.split_first() else {
         return;
@@ -122,7 +122,7 @@ fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
         }
         FormPiece::Parameter(index) => *index,
     };
-    // Entities with the same possible continuations share one rule for them.
+    // Entities with equal continuations share one rule.
     let mut continuations: IndexMap<EntityId, Vec<Vec<EntityId>>> = IndexMap::new();
     for bindings in arguments {
         let mut others = bindings.clone();
@@ -148,25 +148,25 @@ fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
     parts.push(format!("({})", alternatives.join(" | ")));
 }
 
-/// A string of the grammar; JSON's escapes are the dialect's own.
+/// Returns a string literal of the grammar. The dialect uses the escapes of JSON.
 pub(crate) fn quoted(text: &str) -> String {
     Value::String(text.to_owned()).to_string()
 }
 
-/// What servers accept in one enumeration.
+/// Maximum number of values in an enumeration that servers accept.
 const ENUM_LIMIT: usize = 500;
-/// And how long all of it may be, in bytes.
+/// Maximum total length of an enumeration, in bytes.
 const ENUM_BYTES: usize = 12_000;
 
-/// A JSON schema for a whole answer: `{"question": "", "goals": ["put(pie, oven)"]}`.
+/// Returns a JSON schema for a whole answer: `{"question": "", "goals": ["put(pie, oven)"]}`.
 ///
-/// The goals on offer are listed when servers can be expected to take the list; otherwise any text is
-/// allowed, and reading the answer finds what is not a goal.
+/// The schema enumerates the offered goals if servers can be expected to accept the list. Otherwise it admits any
+/// string, and the parser rejects strings that are no goals.
 pub fn schema(domain: &Domain, world: &World, offers: &[Offer]) -> Value {
     schema_of(domain, world, offers, false)
 }
 
-/// The same; where goals may depend on something, any text is allowed.
+/// Returns the schema; with `depends`, goals may have conditions, so it admits any string.
 pub(crate) fn schema_of(domain: &Domain, world: &World, offers: &[Offer], depends: bool) -> Value {
     let texts: Vec<String> = offers
         .iter()

@@ -1,8 +1,8 @@
-//! Does the goal fit what the instruction speaks of?
+//! Comparison of goals with the entities that the instruction mentions.
 //!
-//! The commonest mistake of a small model is a goal too many, about a thing that nobody mentioned. Code can
-//! see that: a goal whose subject the instruction does not speak of is left out, and shown as left out. When
-//! nothing is left, or when the instruction speaks of a thing that is not there, the person is asked.
+//! The most frequent error of small models is an extra goal about an entity that the instruction does not mention. Such
+//! a goal is left out and reported. If no goal remains, or if the instruction mentions an unknown object, the person is
+//! asked.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -14,26 +14,27 @@ use crate::effort;
 use crate::environment::{EntityId, World};
 use crate::model::{Domain, base_name, ends_with, head, plain_words, singular};
 
-/// What was made of a model's answer.
+/// Result for a model's answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Understanding {
-    /// A goal, and what was left out of it.
+    /// The accepted goal and the goals that were left out.
     Goal(Goal, Vec<LeftOut>),
-    /// The person must say more first.
+    /// A question to the person.
     Question(String),
 }
 
-/// A goal that the model named and the instruction does not.
+/// A goal of the model's answer that the instruction does not support.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LeftOut {
     /// The goal.
     pub fact: GoalFact,
-    /// Why, for a person.
+    /// The reason, for a person.
     pub why: String,
 }
 
 impl Understanding {
-    /// The same in another world that has its things ([`Goal::carried`]). None if something of it is not there.
+    /// Returns the understanding for another world with these entities (see [`Goal::carried`]), or none if the other
+    /// world lacks one of them.
     pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Self> {
         Some(match self {
             Self::Question(question) => Self::Question(question.clone()),
@@ -50,7 +51,7 @@ impl Understanding {
     }
 }
 
-/// Words that end a noun phrase, or name no thing by themselves.
+/// Words that end a noun phrase or name no object by themselves.
 pub(super) const NOT_THINGS: &str = "a about above after again all an and another any anything around as at away back be before \
     beside bit both bottom but by can could down each every everything first for from front half here in inside into \
     is it its last left little lower me middle my near next not now of off on one onto or other our out over place \
@@ -60,37 +61,37 @@ pub(super) const NOT_THINGS: &str = "a about above after again all an and anothe
 
 pub(super) const DETERMINERS: &str = "the a an that this my your some those these our";
 
-/// Words that speak of several things at once.
+/// Words that mark several objects.
 const SEVERAL: &str = "all both each every everything two three four five six several many";
 
 pub(super) fn among(list: &str, word: &str) -> bool {
-    // No list has longer words, and looking through one takes longer than asking for its length.
+    // A bound on the length first: scanning a list costs more than comparing lengths.
     word.len() <= LONGEST_LISTED && list.split_ascii_whitespace().any(|entry| entry == word)
 }
 
-/// The bytes of the longest word in a list.
+/// Length of the longest word in a list, in bytes.
 const LONGEST_LISTED: usize = 16;
 
-/// What an instruction speaks of.
+/// The mentions in an instruction.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Spoken {
-    /// The things that its words can mean.
+    /// Entities that the instruction may refer to.
     pub entities: Vec<EntityId>,
-    /// Its words, in lower case, without what it says only to rule it out.
+    /// Words in lower case, without those that only rule something out.
     words: Vec<String>,
-    /// The singulars of its words.
+    /// Singulars of `words`.
     singulars: Vec<String>,
-    /// The same without determiners.
+    /// Singulars of `words` that are no determiners.
     bare: Vec<String>,
-    /// What it makes its wishes depend on.
+    /// Conditions.
     clauses: Clauses,
-    /// Whether something was said later, as an answer or about a plan.
+    /// True if a later utterance was added, as an answer or as feedback on a plan.
     later: bool,
 }
 
 impl Spoken {
-    /// Reads an instruction. Of things that share their last word, those that fit better are meant: "the water
-    /// glass" is not the wine glass.
+    /// Finds the mentions in an instruction. Among entities that share the last word of their names, those with the
+    /// most matching words are meant: "the water glass" excludes the wine glass.
     pub fn of(domain: &Domain, world: &World, instruction: &str) -> Self {
         let words = asserted(instruction);
         let singulars: Vec<String> = words.iter().map(|word| singular(word)).collect();
@@ -136,7 +137,7 @@ impl Spoken {
         }
     }
 
-    /// Takes in what was said later.
+    /// Appends the mentions of a later utterance.
     pub(super) fn add(&mut self, later: Self) {
         self.entities.extend(later.entities);
         self.entities.sort_unstable();
@@ -156,7 +157,7 @@ impl Spoken {
         &self.clauses
     }
 
-    /// Whether the instruction can mean several things that go by these names: "both jars", "a jar and the other
+    /// Returns true if the instruction can mean several entities with these names: "both jars", "a jar and the other
     /// jar".
     pub fn several(&self, names: &[String]) -> bool {
         let heads: Vec<String> = names.iter().map(|name| head(name)).collect();
@@ -172,7 +173,7 @@ impl Spoken {
         said > 1
     }
 
-    /// Whether the instruction has `before` right in front of a name of the entity, articles aside.
+    /// Returns true if the instruction has `before` directly in front of a name of the entity, apart from articles.
     pub(super) fn has_phrase(&self, world: &World, before: &str, entity: EntityId) -> bool {
         world.entity(entity).names.iter().any(|name| {
             let phrase = bare(&plain_words(&format!("{before} {name}")));
@@ -181,7 +182,7 @@ impl Spoken {
         })
     }
 
-    /// The same, for words that are no part of what the things are called that it speaks of.
+    /// Returns true if a word that is no part of a mentioned entity's name begins with one of the stems.
     pub(super) fn says(&self, world: &World, stems: &[String]) -> bool {
         let names = self.entities.iter().flat_map(|entity| &world.entity(*entity).names);
         let parts: Vec<String> = names
@@ -192,8 +193,8 @@ impl Spoken {
         begins_with_any(&other.cloned().collect::<Vec<_>>(), stems)
     }
 
-    /// Whether the instruction leads to the entity by one of the words, with up to two words that describe it between
-    /// them: "into the big red box".
+    /// Returns true if one of the prepositions in `before` leads to the entity, with at most two words of description
+    /// between them: "into the big red box".
     pub(super) fn comes_after(&self, world: &World, entity: EntityId, before: &str) -> bool {
         const APART: &str = "and or with of from off out on onto in into to at by";
         let heads: Vec<String> = world.entity(entity).names.iter().map(|name| head(name)).collect();
@@ -210,13 +211,13 @@ impl Spoken {
         })
     }
 
-    /// Whether a word of the instruction begins with one of the stems.
+    /// Returns true if a word of the instruction begins with one of the stems.
     pub(super) fn has_any(&self, stems: &[String]) -> bool {
         begins_with_any(&self.words, stems)
     }
 }
 
-/// The places at which each word of an instruction stands.
+/// Positions of each word in an instruction.
 struct Places<'w>(FxHashMap<&'w str, Vec<usize>>);
 
 impl<'w> Places<'w> {
@@ -237,17 +238,17 @@ impl<'w> Places<'w> {
     }
 }
 
-/// The places at which an instruction says whole names of entities.
+/// Positions at which an instruction contains full names of entities.
 ///
-/// Many entities share a name ("box"), and an instruction may say it at every second word. So occurrences are found once
-/// for each name, not for each entity, and a place knows only the longest name that covers it and the longest one of any
-/// other entity.
+/// Many entities may share a name ("box"), and an instruction may repeat it often. To keep the work linear, occurrences
+/// are found once for each name, and each position stores only its longest name and the longest name of a different
+/// entity.
 struct FullNames {
-    /// By entity: the names that the instruction says, as numbers into `occurrences`.
+    /// For each entity, indices into `occurrences` of the names in the instruction.
     names: FxHashMap<EntityId, Vec<usize>>,
-    /// By name: its length in words, and the places at which it begins.
+    /// For each name, its length in words and its start positions.
     occurrences: Vec<(usize, Vec<usize>)>,
-    /// By place: the longest name that covers it, and the longest one of another entity than the first one's.
+    /// For each position, the longest name that covers it, and the longest one of another entity.
     longest: Vec<[(usize, Option<EntityId>); 2]>,
 }
 
@@ -256,7 +257,7 @@ impl FullNames {
         let mut numbers: FxHashMap<Vec<String>, Option<usize>> = FxHashMap::default();
         let mut names: FxHashMap<EntityId, Vec<usize>> = FxHashMap::default();
         let mut occurrences: Vec<(usize, Vec<usize>)> = Vec::new();
-        // Of the entities with a name, two are enough to know the longest name of any other entity.
+        // Two entities with a name suffice to find the longest name of any other entity.
         let mut owners: Vec<[Option<EntityId>; 2]> = Vec::new();
         for (id, entity) in world.entities() {
             for name in std::iter::once(&entity.name).chain(&entity.names) {
@@ -303,8 +304,8 @@ impl FullNames {
         }
     }
 
-    /// Whether the words that could mean the entity are all parts of longer names of other entities: "drawer 2" names no
-    /// other drawer, and "tv stand" names no tv.
+    /// Returns true if every word that could mean the entity is part of a longer name of another entity: "drawer 2"
+    /// mentions no other drawer, and "tv stand" mentions no tv.
     fn cover(&self, world: &World, said: &Places<'_>, id: EntityId) -> bool {
         let heads: FxHashSet<String> = world.entity(id).names.iter().map(|name| head(name)).collect();
         let own = self.names.get(&id).map_or(&[][..], Vec::as_slice);
@@ -325,7 +326,7 @@ impl FullNames {
     }
 }
 
-/// Enters a name that covers a place.
+/// Records a name that covers a position.
 fn enter(longest: &mut [(usize, Option<EntityId>); 2], length: usize, owner: EntityId) {
     let [first, second] = longest;
     if first.1 == Some(owner) {
@@ -337,7 +338,7 @@ fn enter(longest: &mut [(usize, Option<EntityId>); 2], length: usize, owner: Ent
     }
 }
 
-/// The singulars of words that are no determiners.
+/// Returns the singulars of the words that are no determiners.
 fn bare(words: &[String]) -> Vec<String> {
     let kept = words.iter().filter(|word| !among(DETERMINERS, word));
     kept.map(|word| singular(word)).collect()
@@ -349,14 +350,14 @@ fn begins_with_any(words: &[String], stems: &[String]) -> bool {
         .any(|stem| words.iter().any(|word| word.starts_with(stem.as_str())))
 }
 
-/// Looks at a goal against the instruction.
+/// Compares a goal with the instruction.
 pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal) -> Understanding {
     let spoken = Spoken::of(domain, world, instruction);
     let unknown = unknown_thing(domain, world, instruction);
     understand_spoken(domain, world, &spoken, unknown, goal)
 }
 
-/// A goal; one that depends on something as what of it is about what the instruction speaks of, and the rest.
+/// Splits a goal into its supported and its other parts. A conditional goal keeps its supported parts.
 fn sorted_out(fact: GoalFact, about: &impl Fn(&GoalFact) -> bool) -> Vec<GoalFact> {
     let GoalFact::If(conditional) = fact else {
         return vec![fact];
@@ -374,7 +375,7 @@ fn sorted_out(fact: GoalFact, about: &impl Fn(&GoalFact) -> bool) -> Vec<GoalFac
     rest
 }
 
-/// The same for an instruction that has been read, and the thing in it that there is not.
+/// Compares a goal with parsed mentions. `unknown` is an object of the instruction that does not exist.
 pub(crate) fn understand_spoken(
     domain: &Domain,
     world: &World,
@@ -392,7 +393,7 @@ pub(crate) fn understand_spoken(
     if goal.facts.is_empty() {
         return Understanding::Question("What should I do?".to_owned());
     }
-    // A goal about something else, and a thing in the instruction that is not there: that is why.
+    // The goal is about something else because the instruction mentions an unknown object.
     if !goal.facts.iter().all(about)
         && let Some(missing) = unknown
     {
@@ -419,15 +420,15 @@ pub(crate) fn understand_spoken(
             })
             .collect();
         let goal = Goal { facts: kept };
-        // Asked once: what was answered is for the model to understand.
+        // This question is asked once; the model interprets the answer.
         let unclear = (!spoken.later).then(|| which(domain, world, spoken, &goal)).flatten();
         return match unclear {
             Some(question) => Understanding::Question(question),
             None => Understanding::Goal(goal, left_out),
         };
     }
-    // The instruction does not name what the goal is about. A guess is asked about rather than acted on, unless
-    // the instruction names nothing at all and has a word for the wish ("It is dark in here").
+    // The instruction does not mention the goal's subject. The person is asked to confirm the guess, unless the
+    // instruction mentions no entity and contains a cue of the goal ("It is dark in here").
     if let Some(fact @ GoalFact::Word { word, .. }) = goal.facts.first()
         && !(meant.is_empty() && spoken.has_any(&domain.goal_word(*word).cues))
     {
@@ -441,7 +442,7 @@ pub(crate) fn understand_spoken(
     Understanding::Goal(Goal { facts: first }, left_out)
 }
 
-/// A thing that the instruction names with a determiner and that nothing in the world is called.
+/// Finds a noun phrase after a determiner that matches no entity of the world.
 pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Option<String> {
     let words = plain_words(instruction);
     let mut known: FxHashSet<String> = FxHashSet::default();
@@ -460,7 +461,7 @@ pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Optio
             continue;
         }
         let phrase: Vec<&String> = words[at..].iter().take_while(|word| !among(NOT_THINGS, word)).collect();
-        // Any known word in the phrase makes it one of ours: "the big plate carefully".
+        // One known word makes the phrase known: "the big plate carefully".
         let is_ours = |word: &String| known.contains(&singular(word)) || is_word_of_outcomes(domain, word);
         let ours = phrase.iter().any(|word| is_ours(word));
         if !ours && !phrase.is_empty() {

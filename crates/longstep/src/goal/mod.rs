@@ -1,8 +1,8 @@
-//! Goals from a person's words.
+//! Goals from instructions.
 //!
-//! A [`Goal`] is written `put(cup, shelf) & closed(door)`. A model writes one under a grammar that only lets
-//! it say what makes sense ([`offers`], [`grammar()`]); [`understand`] then looks at the answer once more
-//! against what the instruction speaks of; search turns the goal into steps.
+//! A [`Goal`] is written as `put(cup, shelf) & closed(door)`. A model writes one under a grammar that admits only
+//! sensible goals ([`offers`], [`grammar()`]). [`understand`] then compares the answer with the entities that the
+//! instruction mentions, and search turns the goal into steps.
 
 mod ambiguous;
 #[cfg(test)]

@@ -1,16 +1,16 @@
-//! What an instruction says only to rule it out: "not the milk, the wine", "don't touch the cake".
+//! Negation in instructions: "not the milk, the wine", "don't touch the cake".
 //!
-//! What is ruled out is not spoken of as far as goals go. This reads English only, and takes away no more than it is
-//! sure of: "don't leave the fridge open" is about the fridge.
+//! Ruled-out entities do not count as mentioned. The cues are English and deliberately narrow: "don't leave the fridge
+//! open" does mention the fridge.
 
 use super::mention::{DETERMINERS, NOT_THINGS, among};
 use crate::model::plain_words;
 
-/// What is done to a thing that is to be let alone.
+/// Verbs that, when negated, tell the robot to leave an object alone.
 const TOUCHING: &str = "touch move take use disturb want mean need bring grab pick mind bother include";
-/// Words before "not" that make it a statement or a condition.
+/// Words before "not" that make a statement or a condition.
 const STATING: &str = "is are was were its if or whether do does am has have why";
-/// Words that stand before one thing in place of which, or beside which, another is meant.
+/// Word pairs before an object that is replaced or excepted.
 const IN_PLACE_OF: [[&str; 2]; 5] = [
     ["instead", "of"],
     ["rather", "than"],
@@ -18,10 +18,10 @@ const IN_PLACE_OF: [[&str; 2]; 5] = [
     ["apart", "from"],
     ["except", "for"],
 ];
-/// How "leave the cup" goes on where the cup stays as it is.
+/// Endings of "leave the cup ..." after which the cup stays as it is.
 const AS_IT_IS: [&str; 6] = ["alone", "be", "where it is", "where they are", "as it is", "out of it"];
 
-/// The words of an instruction, without what it rules out; all of them if nothing else is left.
+/// Returns the words of an instruction that are not ruled out, or all words if none remain.
 pub(super) fn asserted(instruction: &str) -> Vec<String> {
     let mut kept = Vec::new();
     for clause in instruction.split([',', '.', ';', ':', '!', '?']) {
@@ -43,12 +43,12 @@ pub(super) fn asserted(instruction: &str) -> Vec<String> {
     }
 }
 
-/// How many words from here on rule something out.
+/// Returns the number of words from `at` that rule something out.
 fn ruled_out(words: &[String], at: usize) -> usize {
     let word = |place: usize| words.get(place).map_or("", String::as_str);
     let before = at.checked_sub(1).map_or("", word);
     let rest = &words[at..];
-    // "Not the milk"; but "it is not the milk" tells something.
+    // "Not the milk", in contrast to the statement "it is not the milk".
     if word(at) == "not" && among(DETERMINERS, word(at + 1)) && !among(STATING, before) {
         return 1 + noun_phrase(&words[at + 1..]);
     }
@@ -82,14 +82,14 @@ fn ruled_out(words: &[String], at: usize) -> usize {
     }
 }
 
-/// How many words a thing takes: its article, and what follows up to a word that names nothing.
+/// Returns the length of a noun phrase: its article and the words up to one that names no object.
 fn noun_phrase(words: &[String]) -> usize {
     let article = usize::from(words.first().is_some_and(|word| among(DETERMINERS, word)));
     let names = words[article..].iter().take_while(|word| !among(NOT_THINGS, word));
     article + names.count()
 }
 
-/// How many words it takes until "and" begins something else to do: "... and put the milk away", not "... and the milk".
+/// Returns the number of words until "and" begins another clause: "... and put the milk away", not "... and the milk".
 fn until_next_wish(words: &[String]) -> usize {
     let begins = |place: &usize| {
         let next = words.get(place + 1);

@@ -1,4 +1,4 @@
-//! Which goals make sense in the state at hand.
+//! Goals that make sense in the current state.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -9,30 +9,31 @@ use crate::model::{Domain, GoalWord, GoalWordId, base_name};
 use crate::search::{self, Limits, Outcome};
 use crate::verify;
 
-/// Words that lead to where something goes, and to where it comes from.
+/// Prepositions before a destination and before an origin.
 const TOWARDS: &str = "on onto in into inside to atop upon at under by beside";
 const FROM: &str = "from off out";
 
-/// The arguments that a goal word may be said with.
+/// A goal word with the arguments that it is offered with.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Offer {
-    /// The word.
+    /// The goal word.
     pub word: GoalWordId,
-    /// Its arguments, in order.
+    /// Argument lists, in the order of the word's parameters.
     pub arguments: Vec<Vec<EntityId>>,
 }
 
-/// What can still be said after `said`: arguments of the right type for which the word is offered, nothing
-/// that holds already unless something said disturbs it, one place for an object, nothing twice.
+/// Returns the goals that can follow `said`: with arguments of the right types, not true already (unless a goal of
+/// `said` may disturb them), one place for each object, and no repetition.
 ///
-/// What the instruction speaks of narrows this. Where something fits that it speaks of, nothing else is
-/// offered in its place: who says "table" does not mean the floor. A further goal has to be about something
-/// that it speaks of, and be asked for by one of its words where the domain says which words those are.
+/// The instruction narrows the offers. If an argument that it mentions fits, the others are not offered: "table"
+/// excludes the floor. A further goal must have a mentioned subject, and the instruction must contain one of its cues
+/// if the domain lists any.
 pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Offer> {
     offers_on(domain, world, said, spoken, !said.is_empty())
 }
 
-/// The same; a `further` goal need not come after `said`: what is wanted in the other case comes after nothing.
+/// Returns the offers for a first or a `further` goal. The first goal of an "otherwise" branch is not `further`,
+/// although `said` is not empty.
 pub(crate) fn offers_on(
     domain: &Domain,
     world: &World,
@@ -49,7 +50,7 @@ pub(crate) fn offers_on(
             continue;
         }
         let mut arguments = Vec::new();
-        // What is known to make sense; only if nothing is, what might.
+        // Offers come from the known facts, and from the assumed ones only if that gives none.
         for state in [&known, &world.state] {
             if arguments.is_empty() {
                 let mut bindings = Vec::with_capacity(word.parameters.len());
@@ -63,7 +64,7 @@ pub(crate) fn offers_on(
                 );
             }
         }
-        // "Take the milk out and close the fridge": it is closed, and will not be.
+        // "Take the milk out and close the fridge": the fridge is closed now, but not after the first goal.
         if further && spoken.has_any(&word.cues) {
             let undone = settled(domain, world, word, said, spoken)
                 .into_iter()
@@ -81,7 +82,7 @@ pub(crate) fn offers_on(
             arguments.retain(|bindings| spoken_of(bindings) && !held.arguments.contains(bindings));
         }
         if !spoken.entities.is_empty() {
-            // A phrase decides between forms of a word; for a word with one form it only narrows.
+            // A phrase decides between the forms of a word; for a word with one form it only narrows.
             let only_form = domain.goal_words.iter().filter(|other| other.word == word.word).count() == 1;
             let phrases = Phrases::of(world, word, spoken);
             let phrased = |bindings: &Vec<EntityId>| phrases.fit(bindings);
@@ -101,11 +102,11 @@ pub(crate) fn offers_on(
         }
     }
     let mut offers = likely(domain, spoken, offers);
-    // Of what comes later, the word may have been for something else: "wipe it, and leave the sponge on the table".
+    // For a further goal, the cue may belong to an earlier one: "wipe it, and leave the sponge on the table".
     if !further {
         offers = named_for_the_same(domain, world, spoken, offers);
     }
-    // Everything asked for holds already: nothing else is to be made of it.
+    // Every requested goal holds already: offer no other reading.
     let asked = |offer: &Offer| spoken.has_any(&domain.goal_word(offer.word).destination_verbs) && fits(offer, spoken);
     if !held.is_empty() && !further && !is_plain(domain, &offers, spoken) && !offers.iter().any(asked) {
         return Vec::new();
@@ -113,7 +114,8 @@ pub(crate) fn offers_on(
     offers
 }
 
-/// The state that a plan for the goals leaves; the present one if none is found, or if it depends on sensing.
+/// Returns the state after a plan for the goals, or the current state if search finds none or a goal depends on
+/// sensing.
 fn state_after(domain: &Domain, world: &World, said: &[GoalFact]) -> State {
     let goal = Goal { facts: said.to_vec() };
     let mut state = world.state.clone();
@@ -128,22 +130,22 @@ fn state_after(domain: &Domain, world: &World, said: &[GoalFact]) -> State {
     state
 }
 
-/// Whether the instruction asks, with a word that the domain knows for it, for something whose things it all
-/// names: then there is nothing to ask back.
+/// Returns true if the instruction contains a cue of an offered goal and mentions all of its arguments. No question is
+/// needed then.
 pub(crate) fn is_plain(domain: &Domain, offers: &[Offer], spoken: &Spoken) -> bool {
     offers
         .iter()
         .any(|offer| spoken.has_any(&domain.goal_word(offer.word).cues) && fits(offer, spoken))
 }
 
-/// Whether the instruction speaks of everything that one of the offered goals needs.
+/// Returns true if the instruction mentions all arguments of one of the offered goals.
 fn fits(offer: &Offer, spoken: &Spoken) -> bool {
     let spoken_of = |bindings: &Vec<EntityId>| bindings.iter().all(|entity| spoken.entities.contains(entity));
     offer.arguments.iter().any(spoken_of)
 }
 
-/// Whether two of the arguments are of one kind, of which the instruction mentions one: "the plate" is not both
-/// what is put and what it is put on.
+/// Returns true if two arguments are of one kind and the instruction mentions only one of that kind: "the plate" is not
+/// both the object to put and its destination.
 fn doubles(world: &World, spoken: &Spoken, bindings: &[EntityId]) -> bool {
     let kind = |entity: EntityId| base_name(&world.entity(entity).identifier);
     bindings.iter().enumerate().any(|(place, entity)| {
@@ -153,7 +155,7 @@ fn doubles(world: &World, spoken: &Spoken, bindings: &[EntityId]) -> bool {
     })
 }
 
-/// The entities that the instruction names with one of a word's phrases, by parameter.
+/// For each phrase of a word: the parameter, and the entities that the instruction names with that phrase.
 struct Phrases(Vec<(usize, FxHashSet<EntityId>)>);
 
 impl Phrases {
@@ -168,7 +170,7 @@ impl Phrases {
         Self(word.phrases.iter().map(said).collect())
     }
 
-    /// Returns whether the instruction uses one of the phrases with these arguments, if there are any.
+    /// Returns true if the instruction uses one of the phrases with these arguments, or if the word has no phrases.
     fn fit(&self, bindings: &[EntityId]) -> bool {
         self.0.is_empty()
             || self
@@ -178,14 +180,14 @@ impl Phrases {
     }
 }
 
-/// A word and what it holds of already, as the instruction asks.
+/// A goal word with the requested arguments for which it holds already.
 struct Settled<'a> {
     word: &'a str,
     id: GoalWordId,
     arguments: Vec<Vec<EntityId>>,
 }
 
-/// The words that say where something should end, where it is there already.
+/// Returns the requested goals about a destination that hold already.
 fn settled_words<'a>(domain: &'a Domain, world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Settled<'a>> {
     let words = domain.goal_words.iter().enumerate();
     let asked = words.filter(|(_, word)| spoken.has_any(&word.destination_verbs));
@@ -199,7 +201,7 @@ fn settled_words<'a>(domain: &'a Domain, world: &World, said: &[GoalFact], spoke
         .collect()
 }
 
-/// What the instruction asks for, with words that the domain knows for it, and what holds already.
+/// Returns the goals that the instruction requests with a cue or a destination verb, and that hold already.
 pub(crate) fn already(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<GoalFact> {
     let mut all = settled_words(domain, world, &[], spoken);
     for (index, word) in domain
@@ -220,7 +222,7 @@ pub(crate) fn already(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<Go
         .collect()
 }
 
-/// The arguments, all spoken of, for which a word makes sense and holds already.
+/// Returns the argument lists of mentioned entities for which a word is offered and holds already.
 fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], spoken: &Spoken) -> Vec<Vec<EntityId>> {
     let moment = Moment {
         world,
@@ -257,8 +259,9 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
     all
 }
 
-/// Of two wishes about the same things, the one that the instruction has a word for: "give the bench a scrub with the
-/// brush" does not put the brush on it. A word that is a part of a thing's name is none: "the frying pan".
+/// Removes offers without cues that have the arguments of an offer whose cue the instruction contains: "give the bench
+/// a scrub with the brush" does not put the brush on it. A cue inside the name of an object does not count: "the frying
+/// pan".
 fn named_for_the_same(domain: &Domain, world: &World, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
     let sorted = |bindings: &Vec<EntityId>| {
         let mut things = bindings.clone();
@@ -282,11 +285,11 @@ fn named_for_the_same(domain: &Domain, world: &World, spoken: &Spoken, mut offer
     offers
 }
 
-/// Leaves out readings that others beat.
+/// Removes readings that another offer supersedes.
 fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
     let word = |offer: &Offer| domain.goal_word(offer.word);
-    // Two forms of one word are two readings of one wish. One that the instruction uses a phrase of wins for
-    // the same things, also if it says more of them, and so does one of which everything is spoken of.
+    // Two forms of a word are two readings of one goal. A form with a phrase from the instruction supersedes one with
+    // the same or fewer arguments; so does a form whose arguments the instruction all mentions.
     if !spoken.entities.is_empty() {
         let phrased: Vec<Offer> = offers
             .iter()
@@ -314,7 +317,7 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
         .collect();
     let same_word = |offer: &Offer| fitting.iter().any(|id| domain.goal_word(*id).word == word(offer).word);
     offers.retain(|offer| fitting.contains(&offer.word) || !same_word(offer));
-    // What is only meant where nothing else is: it yields to what it names, and to whatever the instruction has a word for.
+    // A word with `yields_to` gives way to those words, and, without a cue of its own, to any word with a cue.
     let yields = |offer: &Offer| {
         let weak = !word(offer).yields_to.is_empty() && !spoken.has_any(&word(offer).cues);
         let names = |id: &GoalWordId| word(offer).yields_to.contains(&domain.goal_word(*id).word);
@@ -322,8 +325,8 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
         fitting.iter().any(|id| names(id) || (weak && said(id)))
     };
     offers.retain(|offer| !yields(offer));
-    // A wish that the instruction names with its things ("wipe the desk with the cloth") comes before those
-    // of which it leaves a part open.
+    // A goal whose cue and arguments are in the instruction ("wipe the desk with the cloth") supersedes goals with
+    // unmentioned arguments.
     let named = |offer: &Offer| fitting.contains(&offer.word) && spoken.has_any(&word(offer).cues);
     if offers.iter().any(named) {
         offers.retain(|offer| fitting.contains(&offer.word));
@@ -331,7 +334,7 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
     offers
 }
 
-/// Whether an answer that has goals already may go on with this one.
+/// Returns true if a goal may follow the goals of `said`.
 fn may_follow(
     domain: &Domain,
     world: &World,
@@ -349,11 +352,11 @@ fn may_follow(
             return true;
         };
         let said = domain.goal_word(*said);
-        // Who fills the dishwasher may well want it to run: that is about something else than where things are.
+        // Goals of different exclusive groups are independent: a filled dishwasher may also be switched on.
         let apart = said.exclusive.is_some() && word.exclusive.is_some() && said.exclusive != word.exclusive;
         arguments.iter().enumerate().all(|(parameter, entity)| {
             let same_role = apart || said.subject == Some(parameter) || said.disturbs.contains(&parameter);
-            // "The plate" is one plate; and what a thing was put on stays where it is.
+            // "The plate" means one plate, and a destination keeps its place.
             let another =
                 *entity != subject && kind(*entity) == kind(subject) && !spoken.several(&world.entity(subject).names);
             !another && (*entity != subject || same_role)
@@ -363,7 +366,7 @@ fn may_follow(
 
 fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
     let meant = &spoken.entities;
-    // Where it says "on the table", a plate beside it is something to carry, and "from the counter" is no place to go.
+    // After "on the table", other portable objects and origins ("from the counter") are no destinations.
     if parameters == 2 && !meant.is_empty() {
         let second: FxHashSet<EntityId> = arguments.iter().map(|bindings| bindings[1]).collect();
         let led_to = |before: &str| -> FxHashSet<EntityId> {
@@ -387,8 +390,8 @@ fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, ar
     for parameter in 0..parameters {
         keep(&|bindings| meant.contains(&bindings[parameter]));
     }
-    // "The pan on the stove by the door" tells where the pan is: of the places that are spoken of, those that
-    // a thing is at already are the last ones that it should go to.
+    // "The pan on the stove by the door" says where the pan is: mentioned places where an object is already are the
+    // last choice as its destination.
     if parameters == 2 && !meant.is_empty() {
         let at = Relations::of(domain, world, arguments);
         let mut keep = |fits: &dyn Fn(&Vec<EntityId>) -> bool| {
@@ -397,7 +400,7 @@ fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, ar
             }
         };
         keep(&|b| !at.lead_to(b[0], b[1]) && !at.lead_to(b[1], b[0]));
-        // "On the tray on the desk" is on the tray.
+        // "On the tray on the desk" means the tray.
         let mut places: FxHashMap<EntityId, Vec<EntityId>> = FxHashMap::default();
         for bindings in arguments.iter().filter(|bindings| meant.contains(&bindings[1])) {
             places.entry(bindings[0]).or_default().push(bindings[1]);
@@ -410,12 +413,11 @@ fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, ar
     }
 }
 
-/// The entities to which changing facts lead from others, over any number of steps: where something is, and where that
-/// is in turn.
+/// Transitive closure of the changing binary facts, by entity: its place, the place of that place, and so on.
 struct Relations(FxHashMap<EntityId, FxHashSet<EntityId>>);
 
 impl Relations {
-    /// Finds where facts lead from the entities of the arguments.
+    /// Computes the closure for the entities of the arguments.
     fn of(domain: &Domain, world: &World, arguments: &[Vec<EntityId>]) -> Self {
         let binary = |fact: &Fact| {
             domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2
@@ -481,7 +483,7 @@ fn collect(
     }
 }
 
-/// Whether achieving `fact` may move `entity`.
+/// Returns true if achieving `fact` may move `entity`.
 fn disturbs(domain: &Domain, fact: &GoalFact, entity: EntityId) -> bool {
     match fact {
         GoalFact::Word { word, arguments } => domain
@@ -494,7 +496,8 @@ fn disturbs(domain: &Domain, fact: &GoalFact, entity: EntityId) -> bool {
     }
 }
 
-/// Whether `fact` leaves no room for another goal.
+/// Returns true if `fact` excludes the goal: it is equal, or both are in one exclusive group with the same first
+/// argument.
 fn excludes(domain: &Domain, fact: &GoalFact, word: &GoalWord, bindings: &[EntityId]) -> bool {
     let GoalFact::Word { word: said, arguments } = fact else {
         return false;

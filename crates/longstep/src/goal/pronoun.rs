@@ -1,28 +1,28 @@
-//! "Put it back": what an instruction leaves to the one before it.
+//! Coreference across instructions: the pronoun in "put it back".
 
 use super::mention::Spoken;
 use crate::environment::{EntityId, World};
 use crate::model::{Domain, plain_words};
 
-/// Words that stand for one thing, and for several.
+/// Pronouns for one object and for several.
 const ONE: [&str; 1] = ["it"];
 const SEVERAL: [&str; 2] = ["them", "these"];
 
-/// An instruction with the things of an earlier one in place of a pronoun that has nothing to stand for.
+/// An instruction whose pronoun is replaced by entities of an earlier one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SpelledOut {
     /// The instruction.
     pub text: String,
     /// The pronoun.
     pub pronoun: String,
-    /// What it was taken for.
+    /// The antecedent.
     pub meant: Vec<EntityId>,
 }
 
-/// Spells out a pronoun that stands before anything that it could mean: in "put it on the desk" it is what was handled
-/// `before`, in "take the pen and put it on the desk" it is the pen.
+/// Resolves a pronoun without an antecedent in its own instruction. In "put it on the desk" it means the entity in
+/// `before`; in "take the pen and put it on the desk" it means the pen.
 ///
-/// None where there is no such pronoun, or where `before` does not tell what it means: "it" is one thing.
+/// Returns none if there is no such pronoun, or if `before` has no or several entities for "it".
 ///
 /// ```
 /// use longstep::{domain, goal, json, environment};
@@ -46,7 +46,7 @@ pub fn spelled_out(domain: &Domain, world: &World, instruction: &str, before: &[
     if before.is_empty() || (one && before.len() > 1) {
         return None;
     }
-    // What is named already is meant.
+    // The instruction itself has the antecedent.
     if !Spoken::of(domain, world, &words[..at].join(" ")).entities.is_empty() {
         return None;
     }

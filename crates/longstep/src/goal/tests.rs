@@ -1,4 +1,4 @@
-//! What an instruction lets a model say, as tables.
+//! Offered goals and understood goals for instructions, as tables.
 
 use super::*;
 use crate::domain;
@@ -21,7 +21,7 @@ fn flat() -> (Domain, World) {
     (domain, world)
 }
 
-/// The places and things that `put` is offered with, after the goals of `said`.
+/// Compares the arguments that `put` is offered with after the goals of `said`.
 #[track_caller]
 fn check_put(instruction: &str, said: &str, expected: &[&str]) {
     let (domain, world) = flat();
@@ -48,7 +48,7 @@ fn check_put(instruction: &str, said: &str, expected: &[&str]) {
 fn what_is_spoken_of_narrows_what_is_offered() {
     check_put("Put the pillow on the shelf", "", &["put(pillow, shelf)"]);
     check_put("Put the apple on the sofa", "", &["put(apple, sofa)"]);
-    // Where a thing is only tells which one is meant.
+    // The current place of an object only identifies it.
     check_put("Take the apple from the desk to the shelf", "", &["put(apple, shelf)"]);
     check_put("Put the pillow on the tray on the desk", "", &["put(pillow, tray)"]);
 }
@@ -106,14 +106,14 @@ fn a_further_goal_is_about_another_thing_that_is_spoken_of() {
         "put(pillow, shelf)",
         &["put(apple, shelf)"],
     );
-    // One mug is one mug; several are several.
+    // "The mug" is one mug, "mugs" are several.
     check_put("Put the mug on the sofa", "put(mug 1, sofa)", &[]);
     check_put(
         "Put two mugs on the sofa",
         "put(mug 1, sofa)",
         &["put(mug 2, sofa)", "put(mug 3, sofa)"],
     );
-    // What something was put on stays.
+    // A destination keeps its place.
     check_put(
         "Put the apple on the desk and the pillow on the tray",
         "put(pillow, tray)",
@@ -147,7 +147,7 @@ fn goals_that_nobody_asked_for_are_left_out() {
         "put(apple, sofa) & put(pillow, desk)",
         "put(apple, sofa) (left out 1)",
     );
-    // Nothing is mentioned: the first goal stands.
+    // Without any mention, the first goal stays.
     check_understood(
         "It is dark in here",
         "on(lamp) & put(pillow, desk)",
@@ -203,7 +203,7 @@ fn goals_are_read_and_written() {
     }
 }
 
-/// What is spoken of, excluded and rejected after words about an answer.
+/// Compares the mentioned, excluded and rejected entities and goals after an utterance about an answer.
 #[track_caller]
 fn check_correction(instruction: &str, answer: &str, said: &str, expected: [&str; 3]) {
     let (domain, world) = flat();
@@ -290,7 +290,7 @@ fn which_of_two_is_asked_where_it_makes_a_difference() {
         "put(mug 3, sofa)",
         "Which mug do you mean: mug 1 on the desk, or mug 3 on the shelf?",
     );
-    // Any will do, all are meant, or it is said which.
+    // No question: any mug fits, all are meant, or the instruction identifies one.
     check_which("Put a mug on the sofa", "put(mug 1, sofa)", "put(mug 1, sofa)");
     check_which("Put the mugs on the sofa", "put(mug 1, sofa)", "put(mug 1, sofa)");
     check_which(
@@ -299,12 +299,12 @@ fn which_of_two_is_asked_where_it_makes_a_difference() {
         "put(mug 1, sofa)",
     );
     check_which("Put mug 2 on the sofa", "put(mug 2, sofa)", "put(mug 2, sofa)");
-    // The others are there already.
+    // No question: the other mugs are there already.
     check_which("Put the mug on the shelf", "put(mug 1, shelf)", "put(mug 1, shelf)");
     check_which("Put the apple on the sofa", "put(apple, sofa)", "put(apple, sofa)");
 }
 
-/// All that is offered after the goals of `said` in a small kitchen of the household.
+/// Compares all offers after the goals of `said` in a small household kitchen.
 #[track_caller]
 fn check_kitchen(instruction: &str, said: &str, expected: &[&str]) {
     let domain = domain::shipped("household").unwrap().unwrap();
@@ -333,7 +333,7 @@ fn check_kitchen(instruction: &str, said: &str, expected: &[&str]) {
 fn what_a_plan_would_undo_can_be_asked_for_again() {
     let instruction = "Take the milk out, put it on the table and close the fridge again";
     check_kitchen(instruction, "put(milk, table)", &["closed(fridge)"]);
-    // Nothing opens it.
+    // No action opens it.
     check_kitchen(
         "Put the brush on the shelf and leave the fridge closed",
         "put(brush, dusty shelf)",
@@ -350,7 +350,7 @@ fn a_wish_that_is_said_wins_over_one_about_the_same_things() {
         "wiped(dusty shelf, brush)",
         &["put(brush, fridge)", "put(brush, dusty shelf)"],
     );
-    // A word of a name is no wish, so it decides nothing.
+    // A word inside a name is no cue, so both readings remain.
     let both = ["put(brush, dusty shelf)", "wiped(dusty shelf, brush)"];
     check_kitchen("Put the brush on the dusty shelf", "", &both);
 }

@@ -1,4 +1,4 @@
-//! What a model and a person are told: explanations, sentences and worked examples.
+//! Lints about explanations, sentences and few-shot examples.
 
 use toml::Spanned;
 
@@ -22,16 +22,16 @@ pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) 
     findings
 }
 
-/// An action, state, goal or predicate with the texts that tell of it.
+/// An action, state, goal or predicate with its texts.
 struct Told<'a> {
     what: &'static str,
     name: &'a str,
     place: Place<'a>,
-    /// `means`, for what has one.
+    /// The `means` text, if the item has one.
     means: Option<&'a str>,
     says: Vec<Sentence<'a>>,
     parameters: &'a [Parameter],
-    /// What a state's word stands for: two words for one fact may be told alike.
+    /// Fact of a state word. Two words for one fact may have equal texts.
     fact: Option<&'a Atom>,
 }
 
@@ -39,7 +39,7 @@ struct Sentence<'a> {
     key: &'static str,
     template: &'a Template,
     place: Place<'a>,
-    /// The parameters that it has to name.
+    /// Parameters that the sentence must mention.
     named: Vec<usize>,
 }
 
@@ -66,7 +66,7 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
             sentence("denies", &words.denies, &entry.denies, all.clone()),
         ];
         if let (Some(short), Some(text)) = (&words.short, &entry.short) {
-            // It stands in the entry of the first argument.
+            // The entry that holds the text implies the first argument.
             says.push(sentence("short", short, text, all[all.len().min(1)..].to_vec()));
         }
         told.push(Told {
@@ -94,7 +94,7 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
         let Some(entry) = places.words.action.iter().find(|e| *e.name.get_ref() == action.name) else {
             continue;
         };
-        // What the verifier finds by itself may go unsaid.
+        // Arguments that the verifier infers may be omitted.
         let named = action.explicit.iter().copied().chain(action.object).collect();
         told.push(Told {
             what: "action",

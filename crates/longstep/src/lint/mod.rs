@@ -1,7 +1,6 @@
-//! What is probably a mistake in a domain that loads.
+//! Lints: probable mistakes in domains that load.
 //!
-//! Everything is decided from the domain alone, before anyone has written an environment for it, and a finding has to
-//! be worth reading: where it is open whether something is wrong, nothing is said.
+//! The lints see the domain only, no environment. They prefer precision: uncertain cases give no finding.
 
 mod explanations;
 mod names;
@@ -23,17 +22,17 @@ use crate::model::{Domain, Files};
 
 macro_rules! lints {
     ($($(#[doc = $doc:literal])+ $variant:ident = $name:literal,)+) => {
-        /// What a [`Finding`] is about.
+        /// The kind of a [`Finding`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Lint {
             $($(#[doc = $doc])+ $variant,)+
         }
 
         impl Lint {
-            /// Every lint.
+            /// All lints.
             pub const ALL: &[Lint] = &[$(Lint::$variant,)+];
 
-            /// Its name, as findings and acceptances write it.
+            /// Returns the name in findings and in `[[accept]]`.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Lint::$variant => $name,)+
@@ -46,50 +45,50 @@ macro_rules! lints {
 lints! {
     /// An action, or a conditional effect of one, whose condition can never hold.
     NeverApplicable = "never-applicable",
-    /// A predicate that is asked about and that nothing makes true.
+    /// A predicate that conditions read and nothing makes true.
     NeverTrue = "never-true",
     /// A goal word that can never be offered or reached, or that no action works towards.
     UnreachableGoal = "unreachable-goal",
-    /// A rule that nothing can break.
+    /// A rule that no plan can break.
     VacuousRule = "vacuous-rule",
-    /// A fact that keeps an action from ever being done again, since no action takes it away.
+    /// A fact that blocks an action forever, since no action removes it.
     OneWayState = "one-way-state",
     /// A predicate that actions change and nothing reads.
     UnreadEffect = "unread-effect",
-    /// An action that changes nothing that anything reads.
+    /// An action whose effects nothing reads.
     UselessAction = "useless-action",
-    /// An action that makes the same fact true and false.
+    /// An action that makes one fact both true and false.
     ContradictoryEffect = "contradictory-effect",
-    /// A fact that environments give, and that no action changes and nothing reads.
+    /// A fact of environments that no action changes and nothing reads.
     DeadState = "dead-state",
-    /// A predicate that nothing mentions.
+    /// A predicate that is never used.
     UnusedPredicate = "unused-predicate",
-    /// A type that nothing has or asks for.
+    /// A type without entities or parameters.
     UnusedType = "unused-type",
-    /// Names that a model will take for one another.
+    /// Names that a model is likely to confuse.
     ConfusableNames = "confusable-names",
-    /// An action, state or goal that is not explained, or only by its name.
+    /// An action, state or goal without an explanation beyond its name.
     MissingExplanation = "missing-explanation",
-    /// A sentence that leaves out what it is about.
+    /// A sentence that omits a parameter.
     UnnamedParameter = "unnamed-parameter",
-    /// Two things that are told in the same words.
+    /// Two items with equal explanations.
     SameExplanation = "same-explanation",
-    /// A goal word, or asking back, that no worked example shows.
+    /// A goal word, or the question form, that no few-shot example shows.
     MissingExample = "missing-example",
-    /// A file of `prompt/` that cannot be rendered, or a worked plan that is not one.
+    /// A file of `prompt/` that cannot be rendered, or an invalid example plan.
     BrokenPrompt = "broken-prompt",
-    /// An acceptance that accepts nothing, or gives no reason.
+    /// An acceptance that matches no finding or gives no reason.
     StaleAcceptance = "stale-acceptance",
 }
 
-/// Something that is probably a mistake, with its place and with what to do about it.
+/// A probable mistake.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
-    /// What kind of mistake.
+    /// The kind of mistake.
     pub lint: Lint,
-    /// The names of what it is about, as `[[accept]]` writes them.
+    /// Names of the affected items, as in `of` of `[[accept]]`.
     pub of: Vec<String>,
-    /// What, where, why it matters, and what to do.
+    /// Message, position and hint.
     pub diagnostic: Diagnostic,
 }
 
@@ -111,8 +110,8 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Looks for what is probably a mistake in a domain; `files` are what it was loaded from. The findings are sorted by
-/// file and place, less those that the domain accepts.
+/// Lints a domain; `files` are the files that it was loaded from. Returns the findings that the domain does not accept,
+/// sorted by file and position.
 ///
 /// ```
 /// use longstep::domain::{lint, load, shipped_files};
@@ -121,7 +120,7 @@ impl fmt::Display for Finding {
 /// ```
 pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     let Some(places) = Places::read(files) else {
-        // Not the files of a domain that loaded.
+        // The files do not belong to a loaded domain.
         return Vec::new();
     };
     let reach = Reach::of(domain);
@@ -144,8 +143,8 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     findings
 }
 
-/// Takes out what `[[accept]]` speaks of; an acceptance that accepts nothing is a finding of its own, since what it
-/// was written for may have come back under another name.
+/// Removes accepted findings. An acceptance that matches none is itself a finding, because its finding may have
+/// returned under another name.
 fn without_accepted(mut findings: Vec<Finding>, places: &Places<'_>) -> Vec<Finding> {
     let mut stale = Vec::new();
     for entry in &places.words.accept {
@@ -182,7 +181,7 @@ fn same_names(left: &[String], right: &[String]) -> bool {
     left.len() == right.len() && left.iter().all(|name| right.contains(name))
 }
 
-/// Names in backticks: `a`, `b` and `c`.
+/// Joins names in backticks: `a`, `b` and `c`.
 fn quoted(names: &[&str]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     match &quoted[..] {

@@ -1,7 +1,7 @@
-//! Names that a model will take for one another.
+//! Names that a model is likely to confuse.
 //!
-//! Wake et al. (2023) trace wrong steps of their model to two names, `Put` (onto) and `PutIn` (into something with a
-//! door): with names that say the difference such mistakes became fewer.
+//! Wake et al. (2023) trace wrong steps of their model to the names `Put` (onto) and `PutIn` (into an object with a
+//! door). Names that state the difference made such errors rarer.
 
 use super::places::{Place, Places};
 use super::reach::{Reach, conjuncts};
@@ -9,11 +9,11 @@ use super::{Finding, Lint};
 use crate::model::{Action, Domain, Parameter, TypeId};
 use crate::model::{Atom, Condition};
 
-/// A name in its family, with the types of what a model writes behind it.
+/// A name with the types of its written arguments.
 struct Named<'a> {
     name: &'a str,
     kinds: Vec<TypeId>,
-    /// What a state's word stands for: two words for one fact may be alike.
+    /// Fact of a state word. Two words for one fact may be similar.
     fact: Option<&'a Atom>,
     place: Place<'a>,
 }
@@ -114,7 +114,7 @@ fn report(
     }
 }
 
-/// What tells two actions apart: the names of their parameters, else what only one of them needs.
+/// Describes the difference between two actions: their parameter names, else a precondition that only one has.
 fn tell_apart(domain: &Domain, left: Option<&Action>, right: Option<&Action>) -> Option<String> {
     let (left, right) = (left?, right?);
     let differing = left
@@ -147,13 +147,13 @@ fn tell_apart(domain: &Domain, left: Option<&Action>, right: Option<&Action>) ->
     only(right, left).or_else(|| only(left, right))
 }
 
-/// The words that both names begin with.
+/// Returns the words that begin both names.
 fn common_start(left: &str, right: &str) -> Vec<String> {
     let pairs = words_of(left).into_iter().zip(words_of(right));
     pairs.take_while(|(l, r)| l == r).map(|(word, _)| word).collect()
 }
 
-/// Words as one name in the style of `like`.
+/// Joins words to a name in the style of `like`.
 fn joined(like: &str, start: &[String], end: &str) -> String {
     let words: Vec<String> = start.iter().cloned().chain(words_of(end)).collect();
     let capitals = like.starts_with(char::is_uppercase);
@@ -169,10 +169,10 @@ fn joined(like: &str, start: &[String], end: &str) -> String {
     words.iter().filter_map(capital).collect()
 }
 
-/// Whether a model will take the names for one another: one continues the other, or they differ in a letter.
+/// Returns true if one name extends the other or they differ by one edit.
 fn are_confusable(left: &str, right: &str) -> bool {
     if left == right {
-        // Two forms of one word, which is meant.
+        // Two forms of one goal word.
         return false;
     }
     let (left, right) = (words_of(left), words_of(right));
@@ -185,7 +185,7 @@ fn are_confusable(left: &str, right: &str) -> bool {
         (&right, &left)
     };
     if short.len() < long.len() {
-        // Numbers are for what is counted.
+        // A number at the end marks one of a series.
         let number = |word: &String| word.chars().all(|c| c.is_ascii_digit());
         return long.starts_with(short) && !long[short.len()..].iter().all(number);
     }
@@ -196,12 +196,12 @@ fn are_confusable(left: &str, right: &str) -> bool {
     }
 }
 
-/// Short words are often a letter apart and yet well known (`in` and `on`).
+/// Compares words of at least four letters; shorter ones are often one letter apart and still distinct (`in` and `on`).
 fn differ_in_a_letter(left: &str, right: &str) -> bool {
     left.chars().count().max(right.chars().count()) >= 4 && strsim::damerau_levenshtein(left, right) == 1
 }
 
-/// The words of a name in lower case: `PutIn`, `put_in` and `put-in` are put, in.
+/// Splits a name into words in lower case: `PutIn`, `put_in` and `put-in` all give put, in.
 pub(super) fn words_of(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut last = ' ';

@@ -1,4 +1,4 @@
-//! What can never be: actions, goals, rules and facts that no environment and no plan brings about.
+//! Lints about actions, goals, rules and facts that no environment and no plan can bring about.
 
 use super::places::Places;
 use super::reach::{Obstacle, Reach, conjuncts, kinds};
@@ -29,7 +29,7 @@ struct Family<'a> {
     domain: &'a Domain,
     reach: &'a Reach<'a>,
     places: &'a Places<'a>,
-    /// Predicates whose not being true is told already, by what it makes impossible.
+    /// Predicates that an earlier finding already reports as never true.
     cited: Vec<PredicateId>,
     findings: Vec<Finding>,
 }
@@ -52,7 +52,7 @@ impl Family<'_> {
         }
         let mut last = None;
         for (index, effect) in action.effects.iter().enumerate() {
-            // The effects of one `when` are told once.
+            // The effects of one `when` give one finding.
             if last == Some(&effect.condition) {
                 continue;
             }
@@ -127,7 +127,7 @@ impl Family<'_> {
         }
     }
 
-    /// Facts that are asked about and never true, where no action, goal or rule has told it.
+    /// Reports facts that are read and never true, unless a finding on an action, goal or rule names them.
     fn facts(&mut self, reads: &Reads) {
         for (index, predicate) in self.domain.predicates.iter().enumerate() {
             let id = PredicateId::new(index);
@@ -144,8 +144,9 @@ impl Family<'_> {
         }
     }
 
-    /// What one action makes true for good, and some action needs to be false of everything: a hand that never lets
-    /// go. (What an action makes true of one thing for good is usual: what has been drunk stays drunk.)
+    /// Reports a predicate that actions only make true, although the precondition of an action requires it to be false
+    /// for all entities: a hand that never releases. (A permanent effect on one object is common: an empty bottle stays
+    /// empty.)
     fn one_way(&mut self) {
         for (index, predicate) in self.domain.predicates.iter().enumerate() {
             let id = PredicateId::new(index);
@@ -166,7 +167,7 @@ impl Family<'_> {
         }
     }
 
-    /// Why something cannot be, to follow "it" or "that", and what to do about it.
+    /// Describes an obstacle as a clause after "it" or "that", with a hint.
     fn explain(&mut self, obstacle: &Obstacle, parameters: &[Parameter]) -> (String, String) {
         let domain = self.domain;
         match obstacle {
@@ -242,7 +243,7 @@ impl Family<'_> {
         )
     }
 
-    /// The word of the file that the obstacle is about.
+    /// Returns the keyword in the file that the obstacle concerns.
     fn keyword(&self, obstacle: &Obstacle) -> String {
         match obstacle {
             Obstacle::NeverTrue(predicate) | Obstacle::NotYet(predicate) => {
@@ -268,7 +269,7 @@ impl Family<'_> {
 
     fn term(&self, term: Term, parameters: &[Parameter]) -> String {
         match term {
-            // Quantified variables have no names any more.
+            // The domain does not keep the names of quantified variables.
             Term::Variable(slot) => parameters
                 .get(slot)
                 .map_or_else(|| "?...".to_owned(), |parameter| format!("?{}", parameter.name)),
@@ -284,14 +285,14 @@ fn source_of(name: &str) -> String {
     )
 }
 
-/// Whether some action makes the predicate true (`adds`) or false; one that is told may turn out to be either. That the
-/// action can never apply is told of it.
+/// Returns true if an action makes the predicate true (`adds`) or false. A sensed predicate can become either.
+/// Applicability is not considered, since other lints cover it.
 fn changes(domain: &Domain, predicate: PredicateId, adds: bool) -> bool {
     let mut effects = domain.actions.iter().flat_map(|action| &action.effects);
     domain.is_sensed(predicate) || effects.any(|effect| effect.atom.predicate == predicate && effect.adds == adds)
 }
 
-/// Whether some action changes something towards the condition.
+/// Returns true if some action can change a fact in favour of the condition.
 fn can_change(condition: &Condition, domain: &Domain) -> bool {
     match condition {
         Condition::And(parts) | Condition::Or(parts) => parts.iter().any(|part| can_change(part, domain)),
@@ -301,7 +302,7 @@ fn can_change(condition: &Condition, domain: &Domain) -> bool {
     }
 }
 
-/// Whether the condition asks that the predicate holds of nothing at all.
+/// Returns true if the condition requires the predicate to be false for all entities.
 fn needs_none(condition: &Condition, predicate: PredicateId) -> bool {
     let mut parts = Vec::new();
     conjuncts(condition, &mut parts);

@@ -1,4 +1,4 @@
-//! Where in its files a domain says what.
+//! Source positions of a domain's items.
 
 use toml::Spanned;
 
@@ -8,26 +8,26 @@ use crate::model::content_position;
 use crate::model::sexpr::{self, Expression};
 use crate::model::words::DomainFile;
 
-/// A place in one of a domain's files.
+/// A position in one of the files of a domain.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place<'a> {
     pub(super) file: &'a str,
     pub(super) position: Position,
 }
 
-/// The files once more, as they are written: a [`crate::model::Domain`] keeps no places.
+/// The parsed files of a domain, since [`crate::model::Domain`] stores no positions.
 pub(super) struct Places<'a> {
     pddl_file: String,
     words_file: String,
     examples_file: String,
     words_text: &'a str,
     sections: Vec<Expression>,
-    /// The entries of `domain.toml`; those of states, rules and goals are in the order of the domain's lists.
+    /// Entries of `domain.toml`. States, rules and goals are in the order of the domain.
     pub(super) words: DomainFile,
 }
 
 impl<'a> Places<'a> {
-    /// None if the files do not read.
+    /// Parses the files. Returns none on a syntax error.
     pub(super) fn read(files: &'a Files) -> Option<Self> {
         let pddl_file = format!("{}domain.pddl", files.folder);
         let define = sexpr::read(&pddl_file, &files.pddl).ok()?.into_iter().next()?;
@@ -41,7 +41,7 @@ impl<'a> Places<'a> {
         })
     }
 
-    /// The place of a text of `domain.toml`.
+    /// Returns the position of a string in `domain.toml`.
     pub(super) fn word<T>(&self, text: &Spanned<T>) -> Place<'_> {
         Place {
             file: &self.words_file,
@@ -49,7 +49,7 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// The beginning of `prompt/examples.toml`.
+    /// Returns the start of `prompt/examples.toml`.
     pub(super) fn examples(&self) -> Place<'_> {
         Place {
             file: &self.examples_file,
@@ -68,7 +68,7 @@ impl<'a> Places<'a> {
         self.sections.iter().filter_map(move |section| section.tail_of(head))
     }
 
-    /// Where a type is declared.
+    /// Returns the declaration of a type.
     pub(super) fn kind(&self, name: &str) -> Place<'_> {
         let mut declared = self.of(":types").flatten();
         self.pddl(
@@ -78,20 +78,20 @@ impl<'a> Places<'a> {
         )
     }
 
-    /// Where a predicate is declared.
+    /// Returns the declaration of a predicate.
     pub(super) fn predicate(&self, name: &str) -> Place<'_> {
         let mut heads = self.of(":predicates").flatten().filter_map(|item| item.list()?.first());
         self.pddl(heads.find(|head| head.word() == Some(name)).map(|head| head.position))
     }
 
-    /// Where an action is declared.
+    /// Returns the declaration of an action.
     pub(super) fn action(&self, name: &str) -> Place<'_> {
         let mut heads = self.of(":action").filter_map(<[Expression]>::first);
         self.pddl(heads.find(|head| head.word() == Some(name)).map(|head| head.position))
     }
 
-    /// Where the `part` of an action (`:parameters`, `:precondition`, `:effect`) first writes `word`, else where the
-    /// action is declared.
+    /// Returns the first occurrence of `word` in a `part` of an action (`:parameters`, `:precondition`, `:effect`),
+    /// else the declaration of the action.
     pub(super) fn within_action(&self, action: &str, part: &str, word: &str) -> Place<'_> {
         let named = |items: &&[Expression]| items.first().is_some_and(|name| name.word() == Some(action));
         let fields = self.of(":action").find(named);
@@ -102,14 +102,14 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// Where `domain.toml` names an action's call, else where the action is declared.
+    /// Returns the entry of an action's call in `domain.toml`, else the declaration of the action.
     pub(super) fn call(&self, action: &str) -> Place<'_> {
         let entry = self.words.action.iter().find(|entry| entry.name.get_ref() == action);
         entry.map_or_else(|| self.action(action), |entry| self.word(&entry.call))
     }
 }
 
-/// The first place of a word: for a list that begins with it, the place of the list.
+/// Finds the first occurrence of a word. For the head of a list, this is the position of the list.
 fn first(expression: &Expression, word: &str) -> Option<Position> {
     match expression.list() {
         Some(items) if items.first().is_some_and(|head| head.word() == Some(word)) => Some(expression.position),

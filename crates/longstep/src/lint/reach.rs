@@ -1,42 +1,42 @@
-//! What can ever be true and done in a domain, whatever its environment says.
+//! Reachability analysis of a domain, independent of the environment.
 //!
-//! Predicates are taken as a whole: one that can be true of something can be true of anything that fits its types, and
-//! every fact can also be false. So what is called impossible here is impossible; some of what is called possible is
-//! not.
+//! The analysis abstracts from arguments: a predicate that can be true for some entities can be true for all that fit
+//! its types, and every fact can be false. It is sound for impossibility: what it rejects is impossible, but some of
+//! what it accepts is impossible too.
 
 use crate::model::{Action, Domain, Literal, Parameter, PredicateId, TypeId, Unknown};
 use crate::model::{Atom, Condition, Term};
 
-/// Why a condition can never hold.
+/// Reason why a condition can never hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Obstacle {
     /// Nothing makes the predicate true.
     NeverTrue(PredicateId),
-    /// The predicate is an event, and is asked of the state in which the instruction was given.
+    /// The predicate is an event, and the condition reads it in the initial state.
     NotYet(PredicateId),
-    /// The condition asks for the atom and for its opposite; with `forall`, one of the two is asked of everything.
+    /// The condition requires the atom and its negation; with `forall`, one of the two for all entities.
     Contradiction { atom: Atom, forall: bool },
-    /// Two terms that cannot be the same, or one term that cannot differ from itself.
+    /// Two terms that cannot be equal, or a term that would have to differ from itself.
     Equality { left: Term, right: Term, holds: bool },
     /// No entity has the type.
     Empty(TypeId),
-    /// No entity has the type that the atom asks for at this argument.
+    /// No entity has both the type of a term and that of its parameter.
     Mismatch(Atom),
-    /// An `or` of nothing.
+    /// An `or` without alternatives.
     Nothing,
 }
 
-/// What can be, in a domain.
+/// The predicates and actions that a domain can reach.
 pub(super) struct Reach<'a> {
     domain: &'a Domain,
-    /// By predicate: whether it can ever be true.
+    /// For each predicate, true if it can ever be true.
     reached: Vec<bool>,
-    /// By action: why it can never apply, if it cannot.
+    /// For each action, the reason why it is never applicable.
     obstacles: Vec<Option<Obstacle>>,
 }
 
 impl<'a> Reach<'a> {
-    /// Finds out what can be true, beginning with what an environment can say and adding what actions can do.
+    /// Computes the fixpoint of facts from environments and effects of applicable actions.
     pub(super) fn of(domain: &'a Domain) -> Self {
         let mut reach = Self {
             domain,
@@ -56,7 +56,7 @@ impl<'a> Reach<'a> {
         reach
     }
 
-    /// What an environment can say, and what can follow from it.
+    /// Returns the predicates that an environment can state or imply.
     fn said(&self) -> Vec<PredicateId> {
         let domain = self.domain;
         let any = [TypeId::OBJECT, TypeId::OBJECT];
@@ -85,7 +85,7 @@ impl<'a> Reach<'a> {
         said
     }
 
-    /// What actions can make true, or tell.
+    /// Returns the predicates that actions can make true or sense.
     fn done(&self) -> Vec<PredicateId> {
         let mut done = Vec::new();
         for action in self
@@ -112,12 +112,12 @@ impl<'a> Reach<'a> {
             .or_else(|| self.obstacle(&action.precondition, &kinds))
     }
 
-    /// Why the action at `index` can never apply, if it cannot.
+    /// Returns the reason why the action at `index` is never applicable, if any.
     pub(super) fn action(&self, index: usize) -> Option<&Obstacle> {
         self.obstacles[index].as_ref()
     }
 
-    /// Why an effect of an action never happens, if it does not.
+    /// Returns the reason why an effect never happens, if any.
     pub(super) fn to_effect(&self, action: &Action, index: usize) -> Option<Obstacle> {
         let effect = &action.effects[index];
         let mut kinds = kinds(&action.parameters);
@@ -131,29 +131,29 @@ impl<'a> Reach<'a> {
         self.obstacle(&both, &kinds)
     }
 
-    /// Whether a predicate can ever be true.
+    /// Returns true if a predicate can ever be true.
     pub(super) fn can_be_true(&self, predicate: PredicateId) -> bool {
         self.reached[predicate.index()]
     }
 
-    /// Whether an entity can have the type.
+    /// Returns true if an entity can have the type.
     pub(super) fn inhabited(&self, kind: TypeId) -> bool {
         self.overlap(kind, kind)
     }
 
-    /// Whether an entity can have both types.
+    /// Returns true if an entity can have both types.
     pub(super) fn overlap(&self, left: TypeId, right: TypeId) -> bool {
         let is_a = |kind: TypeId| self.domain.types.is_a(kind, left) && self.domain.types.is_a(kind, right);
         let environment = &self.domain.environment;
         is_a(environment.asset) || is_a(environment.object) || self.domain.constants.iter().any(|(_, kind)| is_a(*kind))
     }
 
-    /// Why the condition can never hold, if it cannot; `kinds` are the types of the variables around it.
+    /// Returns the reason why the condition can never hold, if any. `kinds` are the types of the enclosing variables.
     pub(super) fn obstacle(&self, condition: &Condition, kinds: &[TypeId]) -> Option<Obstacle> {
         self.obstacle_beside(condition, kinds, &[])
     }
 
-    /// The same where `known` holds as well.
+    /// Finds the obstacle to a condition, given the conditions in `known`.
     fn obstacle_beside(&self, condition: &Condition, kinds: &[TypeId], known: &[&Condition]) -> Option<Obstacle> {
         let mut parts = Vec::new();
         conjuncts(condition, &mut parts);
@@ -189,7 +189,7 @@ impl<'a> Reach<'a> {
                 if !self.inhabited(*kind) {
                     return Some(Obstacle::Empty(*kind));
                 }
-                // Two quantifiers beside one another use the same slot for different variables.
+                // Adjacent quantifiers reuse a slot for different variables.
                 let outer: Vec<&Condition> = literals.iter().copied().filter(|l| speaks_below(l, *slot)).collect();
                 let mut kinds = kinds[..*slot.min(&kinds.len())].to_vec();
                 kinds.push(*kind);
@@ -200,8 +200,8 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// `(forall (?x) (not (p ?x)))` beside `(p ?a)`. By itself a `forall` can always hold: there may be nothing that
-    /// it speaks of.
+    /// Finds a clash such as `(forall (?x) (not (p ?x)))` beside `(p ?a)`. A `forall` alone can always hold, since its
+    /// type may have no entities.
     fn to_everything(&self, part: &Condition, kinds: &[TypeId], literals: &[&Condition]) -> Option<Obstacle> {
         let mut wild = Vec::new();
         let mut inner = part;
@@ -295,12 +295,12 @@ impl<'a> Reach<'a> {
     }
 }
 
-/// The types of parameters.
+/// Returns the types of parameters.
 pub(super) fn kinds(parameters: &[Parameter]) -> Vec<TypeId> {
     parameters.iter().map(|parameter| parameter.kind).collect()
 }
 
-/// The parts of a condition that all have to hold, through nested `and`s.
+/// Collects the conjuncts of a condition, through nested `and`s.
 pub(super) fn conjuncts<'c>(condition: &'c Condition, parts: &mut Vec<&'c Condition>) {
     match condition {
         Condition::And(inner) => inner.iter().for_each(|part| conjuncts(part, parts)),
@@ -347,7 +347,7 @@ fn contradiction(literal: &Condition, forall: bool) -> Option<Obstacle> {
     }
 }
 
-/// Whether a literal has no variable at `slot` or beyond.
+/// Returns true if a literal has no variable at `slot` or above.
 fn speaks_below(literal: &Condition, slot: usize) -> bool {
     let below = |term: &Term| !matches!(term, Term::Variable(own) if *own >= slot);
     match literal {

@@ -1,15 +1,15 @@
-//! What is changed or given, and what reads it.
+//! Lints about facts that nothing reads and types that nothing uses.
 
 use super::places::Places;
 use super::{Finding, Lint, quoted};
 use crate::model::Condition;
 use crate::model::{Action, Domain, Effect, Parameter, PredicateId, TypeId, Unknown};
 
-/// Which predicates are read, by predicate.
+/// Readers of each predicate, by predicate.
 pub(super) struct Reads {
-    /// By a condition: of an action, an effect, a goal, a rule, a derivation or a default.
+    /// Read by a condition: of an action, effect, goal, rule, derivation or default.
     pub(super) asked: Vec<bool>,
-    /// By a model or a person: in the scene, or in the environment after a plan.
+    /// Shown to a model or a person: in the scene, or in the environment after a plan.
     shown: Vec<bool>,
 }
 
@@ -27,7 +27,7 @@ impl Reads {
         for state in &domain.states {
             shown[state.atom.predicate.index()] = true;
         }
-        // Goals that depend on a fact ask for the event that it held, too.
+        // A goal with a condition also reads the event that its fact held.
         for words in &domain.predicate_words {
             if let Some(past) = words.past {
                 asked[past.index()] = true;
@@ -122,7 +122,7 @@ fn effects(domain: &Domain, reads: &Reads, places: &Places<'_>, action: &Action,
     }
 }
 
-/// Whether nothing reads what the action changes, or what it tells.
+/// Returns true if nothing reads the effects and sensing outcomes of the action.
 fn is_useless(reads: &Reads, action: &Action) -> bool {
     let changed = action.effects.iter().map(|effect| effect.atom.predicate);
     let told = action.senses.iter().map(|atom| atom.predicate);
@@ -133,11 +133,11 @@ fn let_it_be_read(name: &str, otherwise: &str) -> String {
     format!("let a precondition, a goal, a rule or a `[[state]]` speak of `{name}`, or {otherwise}")
 }
 
-/// A predicate that actions change.
+/// Checks a predicate that actions change.
 fn changed(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateId, findings: &mut Vec<Finding>) {
     let changes = |action: &&Action| action.effects.iter().any(|effect| effect.atom.predicate == id);
     let changing: Vec<&Action> = domain.actions.iter().filter(changes).collect();
-    // Where the actions are useless themselves, that says it already.
+    // If all of these actions are useless, their own findings suffice.
     if !reads.nothing_reads(id) || changing.iter().all(|action| is_useless(reads, action)) {
         return;
     }
@@ -152,9 +152,9 @@ fn changed(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateId,
     ));
 }
 
-/// A predicate that no action changes.
+/// Checks a predicate that no action changes.
 fn unchanged(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateId, findings: &mut Vec<Finding>) {
-    // That environments have a word for it is no reason to give it; that a model sees it is one.
+    // A state word alone does not use a predicate; a `short` that the model sees does.
     if reads.asked[id.index()] || domain.words(id).short.is_some() {
         return;
     }
@@ -196,7 +196,7 @@ fn unchanged(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateI
     });
 }
 
-/// Types that stand nowhere and have no type below them that does.
+/// Reports types that no declaration uses, directly or through a subtype.
 fn types(domain: &Domain, places: &Places<'_>, findings: &mut Vec<Finding>) {
     let mut used = vec![domain.environment.asset, domain.environment.object];
     let of = |parameters: &[Parameter]| {

@@ -27,7 +27,7 @@ fn greenhouse_files() -> Files {
     }
 }
 
-/// A change to one of the starter's files: which, what, and what instead.
+/// A change to a file of the starter domain: file, old text, new text.
 type Change = (&'static str, &'static str, String);
 
 fn pddl(from: &'static str, to: &str) -> Change {
@@ -38,11 +38,11 @@ fn toml(from: &'static str, to: &str) -> Change {
     ("domain.toml", from, to.to_owned())
 }
 
-/// Checks what is found in the starter after the changes: places, lints, and the names that they are of.
+/// Compares the findings for the changed starter domain: position, lint, names.
 #[track_caller]
 fn check(changes: impl IntoIterator<Item = Change>, expected: &[&str]) {
     let mut files = starter_files();
-    // These plans are good as long as the domain is as it was.
+    // The example plans are valid only for the unchanged domain.
     files.parts.clear();
     for (file, from, to) in changes {
         let text = match file {
@@ -66,7 +66,7 @@ fn check(changes: impl IntoIterator<Item = Change>, expected: &[&str]) {
     assert_eq!(found, expected, "\n{}", shown.join("\n"));
 }
 
-/// A new fact, `winged`, and a new action with this precondition and effect.
+/// Adds the fact `winged` and an action with this precondition and effect.
 fn fly(rest: &str) -> [Change; 3] {
     [
         pddl(
@@ -96,7 +96,7 @@ means = "Fly to a station."
     ]
 }
 
-/// A new fact about parcels that environments give in this word, with more words for the fact.
+/// Adds a fact about parcels with this state word; `more` extends its vocabulary entry.
 fn heavy(word: &str, more: &str) -> [Change; 2] {
     let text = r#"
 [[predicate]]
@@ -120,13 +120,13 @@ means = "It weighs much."
     ]
 }
 
-/// A change to the condition of the starter's goal.
+/// Changes the condition of the starter's goal.
 fn goal(condition: &str) -> Change {
     let text = format!("condition = \"{condition}\"\nsubject");
     toml("condition = \"(at ?parcel ?station)\"\nsubject", &text)
 }
 
-/// A new goal.
+/// Adds a goal.
 fn another_goal(form: &str, parameters: &str, condition: &str) -> Change {
     let text = format!(
         "[[goal]]\nform = \"{form}\"\nparameters = \"{parameters}\"\ncondition = \"{condition}\"\n\
@@ -155,22 +155,22 @@ fn every_lint_is_in_the_documentation() {
 
 #[test]
 fn actions_that_can_never_apply() {
-    // Nothing makes it true.
+    // No effect makes it true.
     check(
         fly(":precondition (winged) :effect (robot-at ?to)"),
         &["domain.pddl:18:15 never-applicable fly"],
     );
-    // Only the action itself makes it true.
+    // Only an effect of this action makes it true.
     check(
         fly(":precondition (winged) :effect (and (winged) (robot-at ?to))"),
         &["domain.pddl:18:15 never-applicable fly"],
     );
-    // A fact and its opposite.
+    // A fact and its negation.
     check(
         [pddl("(and (robot-at ?to)", "(and (robot-at ?to) (not (robot-at ?to))")],
         &["domain.pddl:31:24 never-applicable drop"],
     );
-    // A fact and its opposite of everything.
+    // A fact and its universal negation.
     check(
         [pddl(
             "(and (robot-at ?from)",
@@ -178,7 +178,7 @@ fn actions_that_can_never_apply() {
         )],
         &["domain.pddl:25:24 never-applicable pick"],
     );
-    // Behind `or` and `exists`.
+    // Inside `or` and `exists`.
     check(
         [pddl(
             "(not (robot-at ?to))",
@@ -186,12 +186,12 @@ fn actions_that_can_never_apply() {
         )],
         &["domain.pddl:19:28 never-applicable drive"],
     );
-    // Two things that are never the same.
+    // Two terms that can never be equal.
     check(
         [pddl("(not (robot-at ?to))", "(exists (?p - parcel) (= ?p ?to))")],
         &["domain.pddl:19:41 never-applicable drive"],
     );
-    // A type that no entity has.
+    // A type without entities.
     check(
         [
             pddl("(:types station", "(:types dock - station station"),
@@ -212,10 +212,10 @@ fn actions_that_can_never_apply() {
 #[test]
 fn what_can_be_is_left_alone() {
     for precondition in [
-        // Different variables of the same slot.
+        // Two variables in one slot.
         "(and (exists (?p - parcel) (carrying ?p)) (exists (?p - parcel) (not (carrying ?p))))",
         "(or (not (robot-at ?to)) (robot-at ?to))",
-        // Of everything else.
+        // A `forall` that excludes the object itself.
         "(exists (?p - parcel) (and (carrying ?p) (forall (?o - parcel) (imply (not (= ?o ?p)) (not (carrying ?o))))))",
         // Another argument.
         "(exists (?s - station) (and (robot-at ?s) (not (robot-at ?to))))",
@@ -247,7 +247,7 @@ fn goals_rules_and_facts_that_can_never_be() {
         grounded().into_iter().chain([harmless]),
         &["domain.toml:80:14 vacuous-rule deliver"],
     );
-    // An event at the start.
+    // An event in the initial state.
     check(
         [
             toml("short = \"on the robot\"", "event = true"),
@@ -267,7 +267,7 @@ fn what_is_spent_for_good() {
         fly(":precondition (and (not (winged)) (not (robot-at ?to))) :effect (and (winged) (robot-at ?to))"),
         &["domain.pddl:14:36 one-way-state winged"],
     );
-    // Of one thing it is usual.
+    // A permanent effect on one object is common.
     let once = pddl("(robot-at ?from) (at", "(robot-at ?from) (not (heavy ?parcel)) (at");
     let heavier = pddl(
         "(and (carrying ?parcel) (not",
@@ -331,7 +331,7 @@ fn names_that_a_model_will_confuse() {
         [toml("call = \"pick(", "call = \"drop_off(")],
         &["domain.toml:60:9 confusable-names drop_off drop"],
     );
-    // It takes other things.
+    // The arguments have other types.
     check([toml("call = \"pick(", "call = \"drive_off(")], &[]);
     check(
         heavy("carried_with_care()", "short = \"heavy\""),
@@ -371,7 +371,7 @@ fn what_is_not_explained() {
         [toml("drive to {to}", "drive")],
         &["domain.toml:49:9 unnamed-parameter drive to"],
     );
-    // The first argument is the one whose entry it stands in.
+    // The entry that holds the text implies the first argument.
     check(
         [toml("short = \"at {station}\"", "short = \"somewhere\"")],
         &["domain.toml:16:10 unnamed-parameter at station"],

@@ -1,6 +1,6 @@
-//! The one JSON object that `plan`, `verify`, `repair` and `solve` answer with, for programs.
+//! The JSON object that `plan`, `verify`, `repair` and `solve` print.
 //!
-//! A wire format of its own: the other types of the library are free to change.
+//! These types define the wire format, so the other types of the library can change freely.
 
 use serde::Serialize;
 
@@ -13,24 +13,24 @@ use crate::schedule::Compacted;
 use crate::usage::Usage;
 use crate::verify::{Ending, Report, Violation};
 
-/// What came of a request.
+/// Outcome of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// There is a plan, and it was checked.
+    /// A valid plan.
     Verified,
-    /// There is a plan, and something is wrong with it.
+    /// An invalid plan.
     Invalid,
-    /// There is no plan.
+    /// A proof that no plan exists.
     Unsolvable,
-    /// No plan was found within the limits.
+    /// No plan within the limits.
     GaveUp,
-    /// The person must say more first.
+    /// A question to the person.
     Question,
 }
 
 impl Status {
-    /// The program's exit code for it.
+    /// Returns the exit code of the program.
     pub fn exit_code(self) -> u8 {
         match self {
             Self::Verified => 0,
@@ -42,48 +42,48 @@ impl Status {
     }
 }
 
-/// The answer, fields in the order in which they are written.
+/// The answer to a request. Fields are serialized in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
-    /// What came of it.
+    /// The outcome.
     pub status: Status,
-    /// The plan as the paper writes it.
+    /// The plan in the paper's format.
     pub plan: PlanFile,
-    /// The steps with everything that the call syntax hides.
+    /// The steps with all arguments, including those that a call hides.
     pub steps: Vec<StepAnswer>,
-    /// The goal that was planned for, with the environment's identifiers.
+    /// The goal of the plan, with identifiers of the environment.
     pub goal: Vec<String>,
-    /// What repair changed, in the order of the plan.
+    /// The edits of a repair, in plan order.
     pub edits: Vec<EditAnswer>,
-    /// What is wrong with the plan.
+    /// The violations of the plan.
     pub violations: Vec<ViolationAnswer>,
-    /// How the environment that the plan claims compares with the simulated one.
+    /// Comparison of the claimed environment with the simulated one.
     pub claims: Claims,
-    /// What the verdict rests on beyond the environment, and what was left out of the goal.
+    /// Assumptions behind the verdict, and goals that were left out.
     pub assumptions: Vec<String>,
-    /// What the model cost.
+    /// Token counts.
     pub usage: UsageAnswer,
-    /// How long things took.
+    /// Durations.
     pub timings_ms: Timings,
-    /// Remarks that change no verdict: what was read leniently, what is odd about the plan.
+    /// Remarks that do not affect the verdict: lenient parsing and unusual steps.
     pub notes: Vec<String>,
-    /// The plan as lines for a person.
+    /// The plan as text lines.
     #[serde(skip)]
     pub outline: Vec<OutlineLine>,
 }
 
-/// A change of an [`Answer`].
+/// An edit of a repair.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct EditAnswer {
     /// `insert`, `drop`, `replace` or `move`.
     pub kind: &'static str,
-    /// Where it shows in the plan, from 0: the place of the new step, or the place where a dropped one would stand.
+    /// Index in the repaired plan, from 0: of the new step, or of the position of a dropped one.
     pub at: usize,
-    /// The call before; none for an insertion.
+    /// The call before the edit; none for an insertion.
     pub before: Option<String>,
-    /// The call after; none for a dropped step.
+    /// The call after the edit; none for a dropped step.
     pub after: Option<String>,
-    /// Why, in one sentence.
+    /// The reason, in one sentence.
     pub why: String,
 }
 
@@ -102,72 +102,72 @@ impl From<&Edit> for EditAnswer {
 /// A step of an [`Answer`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StepAnswer {
-    /// From 0.
+    /// Index, from 0.
     pub index: usize,
-    /// The word of the call.
+    /// Name of the call.
     pub action: String,
-    /// The arguments that the call shows.
+    /// Arguments that the call shows.
     pub arguments: Vec<String>,
-    /// The arguments that it hides, by parameter.
+    /// Arguments that the call hides, by parameter name.
     pub implicit: indexmap::IndexMap<String, String>,
-    /// Which hand, arm or robot does it; none if there is only one, or if it takes several.
+    /// The actor (hand, arm or robot); none if the domain has only one or the step takes several.
     pub arm: Option<String>,
-    /// What the step does.
+    /// Description of the step.
     pub explanation: String,
 }
 
 /// A violation of an [`Answer`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ViolationAnswer {
-    /// For example `precondition`.
+    /// Kind, for example `precondition`.
     pub kind: &'static str,
-    /// The step, from 0; none for the plan as a whole.
+    /// Index of the step, from 0; none for the plan as a whole.
     pub step: Option<usize>,
-    /// The call of that step.
+    /// Call of that step.
     pub action: Option<String>,
-    /// The facts that were missing, as sentences.
+    /// Missing facts, as sentences.
     pub missing: Vec<String>,
-    /// The step that took them away, from 0.
+    /// Index of the step that removed them, from 0.
     pub undone_by: Option<usize>,
-    /// What sensing told where it is so, as sentences; empty if it is so in any case.
+    /// Sensing outcomes of the branches with this violation, as sentences; empty if it occurs on every branch.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub when: Vec<String>,
-    /// One sentence for a person.
+    /// The violation as one sentence.
     pub message: String,
 }
 
-/// Claimed and simulated environment, entity by entity.
+/// Comparison of the claimed and the simulated environment, by entity.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Claims {
-    /// Entities of which the plan claims what was simulated.
+    /// Number of entities with equal states.
     pub agreed: usize,
-    /// The others.
+    /// Entities with different states.
     pub differing: Vec<Differing>,
 }
 
-/// An entity of which a plan claims something else than was simulated.
+/// An entity whose claimed state differs from the simulated one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Differing {
     /// The entity.
     pub entity: String,
-    /// What the plan claims.
+    /// Its states as claimed.
     pub claimed: String,
-    /// What was simulated.
+    /// Its states as simulated.
     pub simulated: String,
 }
 
-/// Tokens and calls.
+/// Token counts of model calls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct UsageAnswer {
-    /// Model calls.
+    /// Number of calls.
     pub calls: u32,
-    /// Rounds of feedback.
+    /// Number of feedback rounds.
     pub rounds: u32,
-    /// Tokens of the prompts.
+    /// Prompt tokens.
     pub prompt_tokens: u64,
-    /// Those of them that needed no computation.
+    /// Prompt tokens that came from the prefix cache.
     pub cached_tokens: u64,
-    /// Tokens of the answers.
+    /// Generated tokens.
     pub completion_tokens: u64,
 }
 
@@ -183,21 +183,21 @@ impl From<Usage> for UsageAnswer {
     }
 }
 
-/// Milliseconds.
+/// Durations in milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Timings {
-    /// Opening the model and its calls.
+    /// Loading and calling the model.
     pub model: f64,
     /// Verification.
     pub verify: f64,
     /// Search.
     pub search: f64,
-    /// From the beginning of the command to its answer.
+    /// The whole command.
     pub total: f64,
 }
 
 impl Answer {
-    /// An answer without a plan: the environment stays as it is.
+    /// Creates an answer without a plan; the environment is unchanged.
     pub fn without_plan(status: Status, world: &World, summary: &str, question: &str) -> Self {
         Self {
             status,
@@ -222,7 +222,7 @@ impl Answer {
         }
     }
 
-    /// The answer to a plan that was looked at, good or bad.
+    /// Creates the answer for a simulated plan, valid or invalid.
     pub fn of_report(domain: &Domain, world: &World, report: &Report, goal: Option<&Goal>, summary: &str) -> Self {
         let good = report.violations.is_empty();
         let status = if good { Status::Verified } else { Status::Invalid };
@@ -260,8 +260,8 @@ impl Answer {
         answer
     }
 
-    /// The answer to a plan that was not simulated, since its steps name what there is not or nothing fits them. `calls`
-    /// are its steps as they were written.
+    /// Creates the answer for a plan that cannot be simulated because its steps cannot be resolved. `calls` are the
+    /// steps as written.
     pub fn of_unresolved(
         domain: &Domain,
         world: &World,
@@ -278,8 +278,7 @@ impl Answer {
         answer
     }
 
-    /// Puts a plan whose actors work side by side in place of the one that does the same step by step, and tells how
-    /// much time that saves.
+    /// Replaces the plan by its parallel form and adds a note about the saved time.
     pub fn side_by_side(&mut self, domain: &Domain, world: &World, compacted: &Compacted) {
         let now = Self::of_report(domain, world, compacted.plan.report(), None, "");
         self.plan.task_cohesion = now.plan.task_cohesion;
@@ -293,7 +292,7 @@ impl Answer {
         ));
     }
 
-    /// Adds to the assumptions what was left out of the goal.
+    /// Adds the goals that were left out to the assumptions.
     pub fn tell_left_out(&mut self, domain: &Domain, world: &World, left_out: &[LeftOut]) {
         let sentence = |left: &LeftOut| format!("left out {}: {}", left.fact.everyday(domain, world), left.why);
         self.assumptions.extend(left_out.iter().map(sentence));
@@ -351,7 +350,7 @@ impl StepAnswer {
     }
 }
 
-/// Compares what a plan claims of the world afterwards with what was simulated.
+/// Compares the claimed final state of a plan with the simulated one.
 pub fn compare_claims(domain: &Domain, world: &World, claim: &Claim, simulated: &State) -> Claims {
     let words = |state: &State| words_by_entity(domain, world, state);
     let (claimed, simulated) = (words(&claim.state), words(simulated));
@@ -371,7 +370,7 @@ pub fn compare_claims(domain: &Domain, world: &World, claim: &Claim, simulated: 
     claims
 }
 
-/// What an environment would say of each entity, sorted.
+/// Returns the state words of each entity, sorted.
 fn words_by_entity(domain: &Domain, world: &World, state: &State) -> Vec<Vec<String>> {
     let mut all = vec![Vec::new(); world.entities().count()];
     for fact in state.iter() {
@@ -388,10 +387,10 @@ fn words_by_entity(domain: &Domain, world: &World, state: &State) -> Vec<Vec<Str
     all
 }
 
-/// An entity whose entry differs between two environments: its identifier, what was said, what is said now.
+/// A changed entity: its identifier, and its states before and after.
 pub type Changed = (String, String, String);
 
-/// What differs between two environments, in the order of the first.
+/// Returns the entities whose states differ between two environments: objects first, in the order of `before`.
 pub fn changes(before: &Environment, after: &Environment) -> Vec<Changed> {
     let entry = |environment: &Environment, identifier: &String| {
         let states = environment

@@ -1,5 +1,4 @@
-//! A plan that somebody wrote, against the world that it is for: what `longstep verify`, `longstep repair` and the
-//! direct strategy share.
+//! Assessment of a written plan, shared by `longstep verify`, `longstep repair` and the direct strategy.
 
 use std::cell::OnceCell;
 
@@ -12,29 +11,29 @@ use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
 
-/// More changes than this are counted rather than told in a hint.
+/// Maximum number of edits that a hint lists; more are only counted.
 const TOLD: usize = 4;
 
-/// A written plan in a world: resolved, simulated at most once and repaired at most once, when somebody asks.
+/// A written plan in a world. Simulation and repair run on first use and at most once.
 #[derive(Debug, Clone)]
 pub struct Assessment<'a> {
     domain: &'a Domain,
     world: &'a World,
-    /// The plan as it was written.
+    /// The plan as written.
     pub file: PlanFile,
-    /// The plan in terms of domain and world.
+    /// The plan resolved in domain and world.
     pub resolved: Resolved,
-    /// What it is for, as far as it says.
+    /// The purpose that the plan states.
     pub purpose: Purpose,
-    /// What was read leniently, and what of the claim means nothing.
+    /// Notes on lenient parsing and on ignored claims.
     notes: Vec<String>,
-    /// Steps that a repair keeps as they are.
+    /// Steps that a repair must keep.
     pins: Pins,
     simulation: OnceCell<Result<Simulation, Vec<Violation>>>,
     repair: OnceCell<Outcome>,
 }
 
-/// A simulated plan, and what its open arguments were taken to be.
+/// A simulated plan, and the assumptions that bind its open arguments.
 #[derive(Debug, Clone)]
 pub(crate) struct Simulation {
     pub(crate) report: Report,
@@ -42,8 +41,7 @@ pub(crate) struct Simulation {
 }
 
 impl<'a> Assessment<'a> {
-    /// Resolves a draft. `instruction` is what was asked for, if that is known from elsewhere than the plan's own
-    /// summary.
+    /// Resolves a draft. `instruction` replaces the plan's own summary, if given.
     ///
     /// ```
     /// use longstep::{domain, json, plan, report::Assessment, environment};
@@ -94,7 +92,7 @@ impl<'a> Assessment<'a> {
         }
     }
 
-    /// Sets what a repair leaves as it is.
+    /// Sets the steps that a repair must keep.
     #[must_use]
     pub fn pinned(self, pins: Pins) -> Self {
         Self {
@@ -104,7 +102,7 @@ impl<'a> Assessment<'a> {
         }
     }
 
-    /// The question that is asked back instead of a plan.
+    /// Returns the question that replaces the plan, if any.
     pub fn question(&self) -> Option<&str> {
         let question = self.file.question.trim();
         (self.resolved.written.is_empty() && !question.is_empty()).then_some(question)
@@ -114,7 +112,7 @@ impl<'a> Assessment<'a> {
     ///
     /// # Errors
     ///
-    /// What stands in the way of simulating it: words that mean nothing, arguments that nothing fits.
+    /// The issues that prevent simulation: unknown names, and arguments that no entity fits.
     pub(crate) fn simulation(&self) -> Result<&Simulation, &[Violation]> {
         let simulate = || {
             let claim = self.purpose.claim.as_ref();
@@ -125,7 +123,7 @@ impl<'a> Assessment<'a> {
         self.simulation.get_or_init(simulate).as_ref().map_err(Vec::as_slice)
     }
 
-    /// The answer to the plan as it stands.
+    /// Returns the answer without repair.
     pub fn verdict(&self) -> Answer {
         let (domain, world) = (self.domain, self.world);
         if let Some(question) = self.question() {
@@ -141,7 +139,7 @@ impl<'a> Assessment<'a> {
         }
     }
 
-    /// The answer to a simulated plan.
+    /// Creates the answer for a simulated plan.
     fn answer(&self, report: &Report, open: &[Assumption]) -> Answer {
         let (domain, world) = (self.domain, self.world);
         let mut answer = Answer::of_report(domain, world, report, None, &self.file.instruction_summary);
@@ -176,18 +174,18 @@ impl<'a> Assessment<'a> {
         answer.notes.splice(0..0, self.notes.iter().cloned());
     }
 
-    /// Finds the least change that makes the plan valid and leaves what is pinned.
+    /// Finds the cheapest repair that keeps the pinned steps.
     pub fn repair(&self) -> &Outcome {
         let find = || repair_pinned(self.domain, self.world, &self.resolved, &self.purpose, &self.pins);
         self.repair.get_or_init(find)
     }
 
-    /// The plan as it stands, if it is valid.
+    /// Returns the plan without repair, if it is valid.
     pub fn verified(&self) -> Option<VerifiedPlan> {
         self.simulation().ok()?.report.clone().into_verified().ok()
     }
 
-    /// The answer to what came of the repair.
+    /// Returns the answer after repair.
     pub fn repaired(&self) -> Answer {
         let (domain, world) = (self.domain, self.world);
         let outcome = self.repair();
@@ -203,7 +201,7 @@ impl<'a> Assessment<'a> {
                     let note = "a smaller change may exist: the search for it was cut short";
                     answer.notes.push(note.to_owned());
                 }
-                // What is wrong with a step shows as an edit; the rest was put right without one.
+                // Edits show the issues of single steps; issues of the whole plan become notes.
                 let whole = self.resolved.issues.iter().filter(|issue| issue.step().is_none());
                 let told = whole.map(|issue| issue.message(domain, world, &[], None));
                 answer.notes.extend(told);
@@ -224,7 +222,7 @@ impl<'a> Assessment<'a> {
         answer
     }
 
-    /// What repair would do to an invalid plan, if it can mend it.
+    /// Returns a hint with the edits of a repair, if one exists.
     pub fn advice(&self) -> Option<String> {
         let Outcome::Repaired(repaired) = self.repair() else {
             return None;
@@ -242,7 +240,7 @@ impl<'a> Assessment<'a> {
         Some(format!("`longstep repair` makes it valid: {}", told.join("; ")))
     }
 
-    /// The feedback for a model about the plan, with the smallest change that mends it.
+    /// Returns the feedback for a model, with the edits of the cheapest repair if one exists.
     ///
     /// ```
     /// use longstep::{domain, json, plan, report::Assessment, environment};
@@ -268,7 +266,7 @@ impl<'a> Assessment<'a> {
     }
 }
 
-/// What a repaired plan does without although it was claimed, as sentences.
+/// Returns the claims that a repaired plan violates, as sentences.
 fn given_up(domain: &Domain, world: &World, repaired: &Repaired) -> Vec<String> {
     let told = |fact: &_| Voice::Person.fact(domain, world, *fact, true);
     repaired.given_up.iter().map(told).collect()

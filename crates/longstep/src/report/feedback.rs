@@ -1,4 +1,4 @@
-//! What a model is told about its plan.
+//! Feedback for a model on its plan.
 
 use crate::environment::{Voice, World};
 use crate::model::Domain;
@@ -7,10 +7,10 @@ use crate::repair::Edit;
 use crate::verify::Violation;
 use crate::visible;
 
-/// A turn of feedback: what is wrong, in the model's own identifiers, and the smallest change that mends it if one is
+/// Renders feedback: the violations, with the model's identifiers, and the edits of the cheapest repair if one is
 /// known.
 ///
-/// `steps` are the plan's, and `length` their number as the model wrote them.
+/// `steps` are those of the resolved plan; `length` is the number of steps as written.
 pub(crate) fn feedback(
     domain: &Domain,
     world: &World,

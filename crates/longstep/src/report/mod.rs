@@ -1,7 +1,7 @@
 //! Results for people and programs.
 //!
-//! An [`Assessment`] is a written plan: simulated once, repaired once. A [`Solution`] is a plan that search found. Both
-//! have an [`Answer`], the JSON that programs read and the text that people read are made of.
+//! An [`Assessment`] covers a written plan, a [`Solution`] a plan from search. Both produce an [`Answer`], which is
+//! printed as JSON or as text.
 
 mod answer;
 mod assessment;

@@ -1,4 +1,4 @@
-//! From what is wanted to an answer: a plan searched for and verified, or why there is none.
+//! Planning for a goal: a verified plan, or the reason why there is none.
 
 use super::{Answer, Status};
 use crate::environment::{Voice, World};
@@ -7,20 +7,19 @@ use crate::model::Domain;
 use crate::search::{self, Limits, Outcome, Wanted};
 use crate::verify::{Purpose, VerifiedPlan, check};
 
-/// Milliseconds since some moment. The library has no clock of its own: who wants to know how long things take gives
-/// one, and who does not gives `|| 0.0`.
+/// Returns milliseconds since a fixed moment. The library has no clock: pass one for timings, or `|| 0.0` without.
 pub type Stopwatch = fn() -> f64;
 
-/// What a search came to.
+/// Result of a search.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// The plan, if there is one.
+    /// The plan, if one was found.
     pub plan: Option<VerifiedPlan>,
-    /// The same as everybody is answered.
+    /// The answer for people and programs.
     pub answer: Answer,
 }
 
-/// Plans for a goal and verifies the plan; `summary` says in words what is asked for.
+/// Searches for a plan for a goal and verifies it; `summary` describes the goal in words.
 ///
 /// ```
 /// use longstep::{domain, goal, json, report, environment};
@@ -40,7 +39,7 @@ pub fn of_goal(domain: &Domain, world: &World, goal: &Goal, summary: &str, now: 
     solution
 }
 
-/// Plans for what is wanted and verifies the plan against its purpose; the goal is there for what is said.
+/// Searches for a plan and verifies it against `purpose`. `goal` serves only the wording of the answer.
 pub fn of_wanted(
     domain: &Domain,
     world: &World,
