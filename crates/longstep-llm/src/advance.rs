@@ -1,4 +1,4 @@
-//! Carries a session on with a model.
+//! Drives a session with a model.
 
 use std::time::Instant;
 
@@ -7,26 +7,26 @@ use longstep::session::{Need, Session};
 
 use crate::{ChatModel, FolderError, ModelError, SessionFolder, Watch};
 
-/// Why a session did not go on.
+/// Reason why a session stopped before it needed a person.
 #[derive(Debug, thiserror::Error)]
 pub enum AdvanceError {
-    /// The model failed, or was stopped.
+    /// The model failed or was stopped.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// What must be said cannot be said, or does not fit into the model.
+    /// The request cannot be built, or does not fit into the model's context.
     #[error(transparent)]
     Prompt(#[from] PromptError),
-    /// What happened cannot be written down.
+    /// The session's events cannot be saved.
     #[error(transparent)]
     Folder(#[from] FolderError),
 }
 
-/// Asks the model until the session needs a person, and writes down what happens where there is a folder for it.
+/// Sends requests to the model until the session needs a person, and saves the events if there is a folder for them.
 ///
 /// # Errors
 ///
-/// When the model fails: the session then has its plan back if the call was about one, and is stuck otherwise. When
-/// the call was stopped, it is cancelled in the session too.
+/// When the model fails: a session that had a plan keeps it; otherwise it waits for a new instruction. A stopped call
+/// is also cancelled in the session.
 pub fn advance(
     session: &mut Session,
     model: &mut dyn ChatModel,
@@ -43,7 +43,7 @@ pub fn advance(
             need => return Ok(need),
         };
         let asked = Instant::now();
-        // The session waits for a model in both arms, so that neither is out of turn.
+        // The session waits for a model in both arms, so `supply`, `cancel` and `failed` are never out of turn.
         match model.chat(&request, watch) {
             Ok(reply) => {
                 let milliseconds = asked.elapsed().as_secs_f64() * 1000.0;

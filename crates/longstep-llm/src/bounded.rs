@@ -1,18 +1,18 @@
-//! Files that are read up to a limit.
+//! Reads files up to a limit.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Bytes of a session's log, a recording or the results of a run that are read at most: 256 MiB.
+/// Limit of bytes for a session's log, a recording and the results of a run: 256 MiB.
 pub const LOG_LIMIT: u64 = 256 << 20;
 
-/// Reads a file, a pipe or a device to its end. More than `limit` bytes are an error, and no more than one of them is
-/// read: `/dev/zero` has no end.
+/// Reads a file, a pipe or a device to its end. More than `limit` bytes are an error; the read stops one byte behind
+/// the limit, because `/dev/zero` has no end.
 ///
 /// # Errors
 ///
-/// [`std::io::ErrorKind::FileTooLarge`] beyond the limit, or what the system says.
+/// [`std::io::ErrorKind::FileTooLarge`] beyond the limit, or the error of the operating system.
 ///
 /// ```
 /// # fn main() -> std::io::Result<()> {
@@ -26,7 +26,7 @@ pub fn read_bounded(path: &Path, limit: u64) -> std::io::Result<Vec<u8>> {
     read_to_limit(&mut File::open(path)?, limit)
 }
 
-/// Reads what is left of an open file; see [`read_bounded`].
+/// Reads the rest of an open file; see [`read_bounded`].
 pub(crate) fn read_to_limit(file: &mut File, limit: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes)?;

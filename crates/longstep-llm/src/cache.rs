@@ -1,4 +1,4 @@
-//! Where models, engine states and sessions are kept.
+//! The folders for models, engine states and sessions.
 
 use std::path::PathBuf;
 

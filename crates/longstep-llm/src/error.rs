@@ -1,34 +1,34 @@
-//! What can go wrong with a model.
+//! Errors of models.
 
 use std::path::{Path, PathBuf};
 
-/// What went wrong with a model, and where. `Display` is one line; [`ModelError::hint`] says
-/// what to do about it.
+/// An error of a model: what failed, and where. `Display` is one line; [`ModelError::hint`] is the next step for the
+/// user.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// A text that names no model.
+    /// The text does not name a model.
     #[error(
         "`{text}` is not a model: expected a name of the catalogue ({catalogue}), a path ending in .gguf, \
          openai:NAME, azure:DEPLOYMENT, ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE"
     )]
     UnknownReference {
-        /// What was given.
+        /// The given text.
         text: String,
         /// The names of the catalogue, joined with commas.
         catalogue: String,
-        /// The name of the catalogue that is spelt most alike, if one is.
+        /// The name in the catalogue with the most similar spelling, if there is one.
         close: Option<&'static str>,
     },
-    /// A model of the catalogue whose file is not in the cache.
+    /// The file of a model of the catalogue is not in the cache.
     #[error("the model {name} is not in the cache ({})", cache.display())]
     NotPulled {
         /// Its name in the catalogue.
         name: &'static str,
-        /// The cache that was looked into.
+        /// The folder of the cache.
         cache: PathBuf,
     },
-    /// A model file that is not the one of the catalogue.
+    /// The hash of a model file differs from the one in the catalogue.
     #[error("{place} is not the model {name}: expected SHA-256 {expected}, got {got}")]
     WrongHash {
         /// Its name in the catalogue.
@@ -40,17 +40,17 @@ pub enum ModelError {
         /// The hash of the file.
         got: String,
     },
-    /// No folder for the cache is known.
+    /// No cache folder is configured, and there is no home folder.
     #[error("no cache folder: neither LONGSTEP_CACHE nor a home folder is set")]
     NoCacheDirectory,
-    /// A file or folder that could not be read or written.
+    /// A file or folder cannot be read or written.
     #[error("{action} {}: {source}", path.display())]
     File {
-        /// What was tried, such as `cannot write`.
+        /// The action that failed, such as `cannot write`.
         action: &'static str,
-        /// On what.
+        /// The file or folder.
         path: PathBuf,
-        /// Why it failed.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// No source had the model.
@@ -58,54 +58,54 @@ pub enum ModelError {
     NotFetched {
         /// Its name in the catalogue.
         name: &'static str,
-        /// For each source, why it failed.
+        /// The reason of the failure for each source.
         reasons: Vec<String>,
     },
-    /// A file that the engine cannot load.
+    /// The engine cannot load the file.
     #[error("{} cannot be loaded: {reason}", path.display())]
     NotLoaded {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// An embedded model, and this build has no engine for it (the feature `embedded` is off).
+    /// An embedded model, but this build has no engine for it (the feature `embedded` is off).
     #[error("{model} cannot be opened: this build has no embedded engine")]
     NoEngine {
-        /// The model, as it was named.
+        /// The model, as the user wrote it.
         model: String,
     },
-    /// A request that the model cannot serve as it stands.
+    /// The model cannot serve a request of this form.
     #[error("{model} cannot serve this request: {reason}")]
     Unsupported {
         /// The model.
         model: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// A grammar or schema that the engine cannot use.
+    /// The engine cannot use the grammar or schema.
     #[error("the grammar of the request cannot be used: {0}")]
     Grammar(String),
-    /// A prompt that leaves no room for the answer.
+    /// The prompt leaves no room for the answer.
     #[error("the request needs {tokens} tokens (prompt and answer), the model has room for {limit}")]
     TooLong {
-        /// Tokens of the prompt plus the most tokens of the answer.
+        /// Tokens of the prompt, plus the limit for the answer.
         tokens: usize,
         /// The size of the context in tokens.
         limit: usize,
     },
-    /// Whoever waited for the answer called it off.
+    /// The caller cancelled the request.
     #[error("stopped")]
     Stopped,
-    /// The engine failed while it computed.
+    /// The engine failed during the computation.
     #[error("the engine of {model} failed: {reason}")]
     Engine {
         /// The model.
         model: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// A server that needs a key, and none is set.
+    /// The server needs a key, and none is set.
     #[error("{server} needs a key, and {variable} is not set")]
     NoKey {
         /// The server.
@@ -113,7 +113,7 @@ pub enum ModelError {
         /// The environment variable.
         variable: &'static str,
     },
-    /// A kind of server whose address is yours to say.
+    /// The server has no default address, and none is set.
     #[error("the address of {server} is not set ({variable})")]
     NoAddress {
         /// The kind of server.
@@ -121,23 +121,23 @@ pub enum ModelError {
         /// The environment variable.
         variable: &'static str,
     },
-    /// A server that said nothing for too long.
+    /// The server sent nothing for too long.
     #[error("{server} said nothing for {seconds} s")]
     Silent {
         /// The server.
         server: String,
-        /// How long it may.
+        /// The limit in seconds.
         seconds: f64,
     },
-    /// A call to a server that took longer than it may.
+    /// The call took longer than its limit.
     #[error("{server} gave no whole answer within {seconds} s")]
     TimedOut {
         /// The server.
         server: String,
-        /// The time for the call, with all its tries.
+        /// The limit for the call in seconds, including all retries.
         seconds: f64,
     },
-    /// An answer of a server that passed a limit on its size.
+    /// The answer exceeds a limit on its size.
     #[error("the answer of {server} is too large: {limit}")]
     TooLarge {
         /// The server.
@@ -145,48 +145,48 @@ pub enum ModelError {
         /// The limit.
         limit: AnswerLimit,
     },
-    /// A request that is not in the recording that is replayed.
+    /// The replayed recording does not contain the request.
     #[error("{} has no answer to this request: {difference}", path.display())]
     NotRecorded {
         /// The recording.
         path: PathBuf,
-        /// What is different from the nearest recorded request.
+        /// The difference from the nearest recorded request.
         difference: String,
     },
-    /// A recording that cannot be read.
+    /// The recording cannot be read.
     #[error("{} is no recording: line {line}: {reason}", path.display())]
     BadRecording {
         /// The file.
         path: PathBuf,
         /// The line, from 1.
         line: usize,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// A server that could not be reached or did not answer in time.
+    /// The server cannot be reached.
     #[error("{server} cannot be reached: {reason}")]
     Unreachable {
         /// The server.
         server: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// A server that answered with an error.
+    /// The server answered with an error status.
     #[error("{server} answered with status {status}: {message}")]
     Status {
         /// The server.
         server: String,
         /// The HTTP status.
         status: u16,
-        /// What the server said, on one line, shortened, without keys.
+        /// The server's error message: one line, shortened, without keys.
         message: String,
     },
-    /// An answer of a server that cannot be read.
+    /// The server's answer cannot be read.
     #[error("the answer of {server} cannot be read: {reason}")]
     BadAnswer {
         /// The server.
         server: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
 }
@@ -213,7 +213,7 @@ pub enum AnswerLimit {
 }
 
 impl ModelError {
-    /// What to do about it, where something can be said.
+    /// The next step for the user, if there is one.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -268,7 +268,7 @@ impl ModelError {
         }
     }
 
-    /// For `map_err` on file operations: `action` on `path` failed.
+    /// An error constructor for `map_err` on file operations: `action` on `path` failed.
     pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self::File { action, path, source }

@@ -1,10 +1,9 @@
 //! Language models for Longstep, behind one trait.
 //!
-//! A [`ModelReference`] says which model is meant, [`open`] makes a [`ChatModel`] of it: the
-//! embedded engine for a model of the [`catalogue`] or a `.gguf` file (feature `embedded`, on by default), a client for a server, or a
-//! recording that is replayed. Models of the catalogue come into the cache by [`store::pull`].
-//! Answers of servers are streamed; what a server does not take is left out with a warning, and one
-//! that is busy is asked again.
+//! [`open`] turns a [`ModelReference`] into a [`ChatModel`]: the embedded engine for a model of the [`catalogue`] or a
+//! `.gguf` file (feature `embedded`, on by default), a client for a server, or the replay of a recording.
+//! [`store::pull`] downloads models of the catalogue into the cache. Answers of servers are streamed. A parameter that
+//! a server rejects is omitted with a warning, and a busy server gets the request again.
 //!
 //! ```no_run
 //! use longstep::dialogue::{ChatRequest, Constraint, Message, Role};

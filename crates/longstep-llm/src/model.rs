@@ -1,4 +1,4 @@
-//! The trait that every model stands behind, and the options of one.
+//! The trait of all models, and the options for opening one.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,36 +9,35 @@ use longstep::dialogue::{ChatRequest, ConstraintKind, Reply, TokenCounter};
 
 use crate::ModelError;
 
-/// A language model that answers one request at a time, and counts tokens as it does.
+/// A language model that answers one request at a time, and counts tokens for itself.
 pub trait ChatModel: TokenCounter {
-    /// What to call it in reports: the catalogue name, the file's name, or the server's name
-    /// for it.
+    /// The name in reports: the catalogue name, the file name, or the name on the server.
     fn name(&self) -> &str;
 
-    /// Which kind of constraint it obeys, which decides how it is asked.
+    /// The kind of constraint it supports, which decides the form of requests.
     fn constraint_kind(&self) -> ConstraintKind;
 
-    /// Answers a request. The same request gives the same answer from an embedded model.
+    /// Answers a request. An embedded model gives equal answers to equal requests.
     ///
     /// # Errors
     ///
-    /// A [`ModelError`] that says what failed, or [`ModelError::Stopped`]; a refused or cut-off answer is not an error
-    /// but a [`Finish`](longstep::dialogue::Finish).
+    /// A [`ModelError`] with the cause, or [`ModelError::Stopped`]. A refused or truncated answer is not an error but a
+    /// [`Finish`](longstep::dialogue::Finish).
     fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError>;
 
-    /// How many tokens prompt and answer may have together; none if nobody knows.
+    /// Tokens of prompt and answer together; `None` if unknown.
     fn context_tokens(&self) -> Option<u64>;
 }
 
-/// Whoever waits for a model: is told what it does, and may call it off.
+/// An observer of a model call: it receives progress and may cancel the call.
 ///
-/// Any `FnMut(Progress)` is one that never does.
+/// Any `FnMut(Progress)` is an observer that never cancels.
 pub trait Watch {
-    /// Hears what the model is doing.
+    /// Receives progress.
     fn tell(&mut self, progress: Progress);
 
-    /// Whether the answer is not wanted any more. Asked at least ten times a second; the call then ends with
-    /// [`ModelError::Stopped`], and the model can be asked again.
+    /// Returns true to cancel the call. Called at least ten times a second; the call then ends with
+    /// [`ModelError::Stopped`], and the model accepts further requests.
     fn stop(&self) -> bool {
         false
     }
@@ -50,7 +49,7 @@ impl<F: FnMut(Progress)> Watch for F {
     }
 }
 
-/// What a model is doing, told while it does it.
+/// Progress of a model call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Progress {
@@ -58,28 +57,28 @@ pub enum Progress {
     Loading,
     /// The embedded engine reads the prompt.
     ReadingPrompt {
-        /// Tokens in the cache or computed so far.
+        /// Tokens from the cache or computed so far.
         done: usize,
-        /// All tokens of the prompt.
+        /// Tokens of the whole prompt.
         total: usize,
     },
-    /// The model writes.
+    /// The model generates the answer.
     Writing {
-        /// Tokens written so far; from a server, pieces of the answer, which are a token or a few.
+        /// Tokens generated so far. For a server, the number of received pieces, each of one token or a few.
         tokens: usize,
     },
-    /// A request has gone to a server.
+    /// The request was sent to a server.
     Waiting,
-    /// Something went less well than it could, in one line; the answer is not affected.
+    /// A problem that does not affect the answer, in one line.
     Warning(String),
 }
 
-/// A request to stop, shared by whoever makes it and whoever heeds it.
+/// A shared flag that requests a stop.
 #[derive(Debug, Clone, Default)]
 pub struct StopFlag(Arc<AtomicBool>);
 
 impl StopFlag {
-    /// Requests to stop, or takes the request back.
+    /// Requests a stop, or withdraws the request.
     pub fn set(&self, stop: bool) {
         self.0.store(stop, Ordering::Relaxed);
     }
@@ -90,21 +89,21 @@ impl StopFlag {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// The flag itself, for what takes one.
+    /// The underlying atomic flag.
     #[must_use]
     pub fn atomic(&self) -> &AtomicBool {
         &self.0
     }
 }
 
-/// Two flags are equal if they are the same.
+/// Flags are equal if they share one value.
 impl PartialEq for StopFlag {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
 }
 
-/// How a model is opened.
+/// Options for opening a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenOptions {
     /// Threads of the embedded engine; `None` takes the machine's physical cores.
@@ -112,27 +111,26 @@ pub struct OpenOptions {
     /// The folder for models and engine states, usually
     /// [`cache_directory`](crate::cache_directory).
     pub cache: PathBuf,
-    /// How many tokens prompt and answer may have together. `None` takes 8192 for the embedded engine, whose memory
-    /// grows with it (about 28 KB a token with the default model). A server that says how many it has is believed more
-    /// than this.
+    /// Tokens of prompt and answer together. `None` means 8192 for the embedded engine, whose memory grows with it
+    /// (about 28 KB a token with the default model). If a server reports its own value, that one counts.
     pub context_tokens: Option<u32>,
-    /// How the next token is chosen.
+    /// How the next token is sampled.
     pub sampling: Sampling,
-    /// How long a server may send nothing, before its answer and between the pieces of it; 60 s.
+    /// Longest time in which a server may send nothing, before its answer and within it; 60 s.
     pub silence: Duration,
-    /// The time for one call of [`ChatModel::chat`] to a server, with all its tries; 600 s. Afterwards the call ends with
-    /// [`ModelError::TimedOut`].
+    /// Time limit for one call of [`ChatModel::chat`] to a server, including all retries; 600 s. Then the call ends
+    /// with [`ModelError::TimedOut`].
     pub timeout: Duration,
-    /// Calls off what goes on with a server, also where no [`Watch`] looks on: the questions about the size of its
-    /// context and about tokens.
+    /// Cancels all traffic with a server, also requests without a [`Watch`]: those for the size of its context and for
+    /// token counts.
     pub stop: StopFlag,
-    /// A file that every request and reply is appended to, as `replay:FILE` reads it. It holds what was said, and no
+    /// A file to which every request and reply is appended, for `replay:FILE`. It contains the conversation, and no
     /// keys.
     pub record: Option<PathBuf>,
 }
 
 impl OpenOptions {
-    /// The likeliest token always, nothing recorded, and as many threads as the machine has physical cores.
+    /// Greedy decoding, no recording, and as many threads as the machine has physical cores.
     #[must_use]
     pub fn new(cache: PathBuf) -> Self {
         Self {
@@ -148,15 +146,15 @@ impl OpenOptions {
     }
 }
 
-/// How the next token is chosen among the allowed ones. A server that does not take one of these is asked without it,
-/// with a [`Progress::Warning`].
+/// How the next token is sampled among the allowed ones. A parameter that a server rejects is omitted, with a
+/// [`Progress::Warning`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sampling {
-    /// 0 (the default) takes the likeliest token; above, less likely ones have a chance: 1 leaves the model's
-    /// probabilities as they are, more evens them out. Negative or not a number counts as 0 for the embedded engine.
+    /// 0 (the default) takes the most likely token. 1 samples with the model's probabilities; higher values make them
+    /// more even. The embedded engine treats a negative value or NaN as 0.
     pub temperature: f64,
-    /// Only the likeliest tokens that together have this probability (0 to 1) are considered.
+    /// Nucleus sampling: keeps the most likely tokens up to this total probability (0 to 1).
     pub top_p: Option<f64>,
-    /// The same seed gives the same answer. `None` is 0 for the embedded engine, and leaves it to a server.
+    /// Seed of the sampling. `None` means 0 for the embedded engine, and the server's choice otherwise.
     pub seed: Option<u64>,
 }

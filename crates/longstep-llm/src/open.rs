@@ -1,4 +1,4 @@
-//! Opening a model by its reference.
+//! Opens a model by its reference.
 
 #[cfg(feature = "embedded")]
 use crate::embedded::EmbeddedModel;
@@ -9,17 +9,19 @@ use crate::server::ServerModel;
 use crate::store;
 use crate::{ModelError, ModelReference};
 
-/// Opens the model that is meant.
+/// Opens the model of a reference.
 ///
-/// An embedded model is loaded here (about a second); a server is not contacted before the first request, or before
-/// something is asked that only it knows. Servers are waited for on the calling thread: not in asynchronous code.
+/// Loads an embedded model (about a second). Does not contact a server: that happens with the first request, or when
+/// the size of its context or a token count is needed. Calls to servers block the calling thread: do not use them in
+/// asynchronous code.
 ///
 /// # Errors
 ///
-/// [`ModelError::NotPulled`] for a model of the catalogue that is not in the cache,
-/// [`ModelError::WrongHash`] for one that has changed there, [`ModelError::NotLoaded`] for a
-/// file that is no model, [`ModelError::NoKey`] and [`ModelError::NoAddress`] for a server whose key or address is not
-/// set, [`ModelError::NoEngine`] for an embedded model without the feature `embedded`, [`ModelError::File`] and [`ModelError::BadRecording`] for a recording that cannot be read or written.
+/// [`ModelError::NotPulled`] for a model of the catalogue that is not in the cache, [`ModelError::WrongHash`] for one
+/// that has changed there, [`ModelError::NotLoaded`] for a file that is not a model, [`ModelError::NoKey`] and
+/// [`ModelError::NoAddress`] for a server whose key or address is not set, [`ModelError::NoEngine`] for an embedded
+/// model without the feature `embedded`, [`ModelError::File`] and [`ModelError::BadRecording`] for a recording that
+/// cannot be read or written.
 pub fn open(
     reference: &ModelReference,
     options: &OpenOptions,
@@ -62,7 +64,7 @@ fn open_itself(
         }
         #[cfg(not(feature = "embedded"))]
         ModelReference::Catalogue(_) | ModelReference::File(_) => {
-            // Only a model in this process takes time to load.
+            // Only an embedded model takes time to load.
             let _ = progress;
             Err(ModelError::NoEngine {
                 model: reference.to_string(),

@@ -1,15 +1,14 @@
-//! Folders and files that hold what people said: for their owner alone, whatever the umask is. Where the platform has no
-//! such modes, its defaults hold.
+//! Private files and folders: readable by their owner alone, whatever the umask is. On platforms without such modes the
+//! defaults apply.
 
 use std::fs::File;
 use std::path::Path;
 
-/// Makes a folder and the ones above it that are missing, each for its owner alone (mode 700). One that is there stays
-/// as it is.
+/// Creates a folder and its missing parents with mode 700. An existing folder keeps its mode.
 ///
 /// # Errors
 ///
-/// When it cannot be made.
+/// When it cannot be created.
 pub fn create_private_folder(path: &Path) -> std::io::Result<()> {
     let mut builder = std::fs::DirBuilder::new();
     #[cfg(unix)]
@@ -17,7 +16,7 @@ pub fn create_private_folder(path: &Path) -> std::io::Result<()> {
     builder.recursive(true).create(path)
 }
 
-/// Takes a file away from everybody but its owner (mode 600).
+/// Sets a file's mode to 600.
 ///
 /// # Errors
 ///
@@ -33,9 +32,9 @@ pub(crate) fn restrict(_: &File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Takes a folder of our own, and the files in it, away from everybody but their owner. A folder that holds anything else
-/// than `ours` is somebody's own: it keeps its mode, and the files that are ours lose theirs. What belongs to another
-/// user cannot be changed and stays.
+/// Removes the permissions of group and others from a folder of the program and its files. If the folder holds a file
+/// for which `ours` is false, it belongs to the user: it keeps its mode, and only our files change. Files of another
+/// user cannot be changed and stay as they are.
 #[cfg(unix)]
 pub fn tighten_folder(folder: &Path, ours: impl Fn(&str) -> bool) {
     use std::os::unix::fs::PermissionsExt;
@@ -61,6 +60,6 @@ pub fn tighten_folder(folder: &Path, ours: impl Fn(&str) -> bool) {
     }
 }
 
-/// Modes are for Unix.
+/// Only Unix has modes.
 #[cfg(not(unix))]
 pub fn tighten_folder(_: &Path, _: impl Fn(&str) -> bool) {}

@@ -1,4 +1,4 @@
-//! Which model is meant.
+//! References to models.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,19 +6,19 @@ use std::str::FromStr;
 
 use crate::{ModelError, catalogue};
 
-/// Which model is meant, as a person writes it.
+/// A reference to a model, as the user writes it.
 ///
 /// | written | means |
 /// |---|---|
 /// | `qwen2.5-coder-1.5b` | a model of the [`catalogue`] |
 /// | `models/mine.gguf` | a file |
-/// | `openai:NAME` | a model of OpenAI, or of `OPENAI_BASE_URL`, with `OPENAI_API_KEY` |
+/// | `openai:NAME` | a model of OpenAI, or of the server at `OPENAI_BASE_URL`, with `OPENAI_API_KEY` |
 /// | `azure:DEPLOYMENT` | a deployment of Azure OpenAI at `AZURE_OPENAI_ENDPOINT`, with `AZURE_OPENAI_API_KEY` or `AZURE_OPENAI_AD_TOKEN`, and `OPENAI_API_VERSION` (2024-10-21) |
 /// | `ollama:NAME` | a model of Ollama at `OLLAMA_HOST` (`http://localhost:11434`) |
 /// | `anthropic:NAME` | a model of Anthropic, with `ANTHROPIC_API_KEY` |
 /// | `gemini:NAME` | a model of Gemini, with `GEMINI_API_KEY` or `GOOGLE_API_KEY` |
-/// | `http://localhost:8080/v1#NAME` | a model of another server with OpenAI's dialect, such as llama.cpp's or vLLM; a key from `LONGSTEP_API_KEY` |
-/// | `replay:FILE` | what was recorded in a file, see [`OpenOptions::record`](crate::OpenOptions::record) |
+/// | `http://localhost:8080/v1#NAME` | a model of another server with OpenAI's API, such as llama.cpp's or vLLM; a key from `LONGSTEP_API_KEY` |
+/// | `replay:FILE` | a recording, see [`OpenOptions::record`](crate::OpenOptions::record) |
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ModelReference {
     /// A model of the catalogue.
@@ -32,7 +32,7 @@ pub enum ModelReference {
     },
     /// A deployment of Azure OpenAI.
     Azure {
-        /// The deployment's name, which need not be the model's.
+        /// The deployment's name, which may differ from the model's.
         deployment: String,
     },
     /// A model of Ollama.
@@ -50,11 +50,11 @@ pub enum ModelReference {
         /// The model's name there.
         model: String,
     },
-    /// A recording, which answers what it was asked before.
+    /// A recording, which answers the requests in it.
     Replay(PathBuf),
-    /// A model of another server with OpenAI's dialect.
+    /// A model of another server with OpenAI's API.
     Server {
-        /// The base address, to which `/chat/completions` is added.
+        /// The base address; requests go to `/chat/completions` below it.
         url: String,
         /// The model's name there.
         model: String,

@@ -13,7 +13,7 @@ use crate::whole_file::write_whole;
 /// The name of the log in a session's folder.
 pub const LOG: &str = "session.jsonl";
 
-/// Returns whether a file of a session's folder is one that a session writes: the log, or a plan by its number.
+/// True for the files that a session writes: the log, and plans named by their number.
 fn is_ours(name: &str) -> bool {
     let number = name.strip_suffix(".json");
     name == LOG || number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
@@ -21,40 +21,40 @@ fn is_ours(name: &str) -> bool {
 
 /// The folder of a session: `session.jsonl`, and `0.json`, `1.json`, ... in the paper's format.
 ///
-/// The log is what counts. A line is on the disk before anybody goes on from it, and an accepted plan has been
-/// written through to the disk (`fsync`) when [`SessionFolder::keep`] returns; the plan files follow from the log and
-/// are written anew where they are missing. One program at a time has a session open.
+/// The log is the authority. A line is on the disk before the session continues, and an accepted plan is flushed
+/// (`fsync`) when [`SessionFolder::keep`] returns. The plan files are derived from the log and written again if they
+/// are missing. One program at a time can open a session.
 ///
-/// A session holds what people said: its folder is for its owner alone (mode 700), and so are its files (600). A broader
-/// mode of an older folder is taken away when the session is opened.
+/// A session contains the user's words: its folder has mode 700, its files mode 600. Opening a session removes broader
+/// permissions of an older folder.
 #[derive(Debug)]
 pub struct SessionFolder {
     folder: PathBuf,
     log: File,
-    /// How long the log is.
+    /// Length of the log in bytes.
     length: u64,
 }
 
-/// What can go wrong with a session's folder. `Display` is one line; [`FolderError::hint`] says what to do.
+/// An error of a session's folder. `Display` is one line; [`FolderError::hint`] is the next step for the user.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// A file or folder cannot be read or written.
     #[error("{action} {}: {reason}", path.display())]
     File {
-        /// `cannot read`, `cannot write`.
+        /// The action that failed: `cannot read`, `cannot write`.
         action: &'static str,
-        /// Which.
+        /// The file or folder.
         path: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         reason: std::io::Error,
     },
-    /// There is a session already where one was to begin.
+    /// The folder of a new session already has one.
     #[error("there is a session in {} already", .0.display())]
     Exists(PathBuf),
-    /// There is no session where one was to be taken up.
+    /// The folder has no session to resume.
     #[error("there is no session in {}", .0.display())]
     Missing(PathBuf),
-    /// Another program has it open.
+    /// Another program has the session open.
     #[error("the session in {} is open in another program", .0.display())]
     Busy(PathBuf),
     /// The log cannot be read.
@@ -62,13 +62,13 @@ pub enum FolderError {
     Log {
         /// The log.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         reason: LogError,
     },
 }
 
 impl FolderError {
-    /// What to do about it, if there is something.
+    /// The next step for the user, if there is one.
     pub fn hint(&self) -> Option<String> {
         Some(match self {
             Self::File { .. } => "check the path, its permissions, and that the disk is not full".to_owned(),
@@ -85,11 +85,11 @@ impl FolderError {
 }
 
 impl SessionFolder {
-    /// Makes the folder of a session that begins.
+    /// Creates the folder of a new session.
     ///
     /// # Errors
     ///
-    /// When there is a session already, or nothing can be written there.
+    /// When there is a session already, or the folder is not writable.
     pub fn create(folder: &Path) -> Result<Self, FolderError> {
         create_private_folder(folder).map_err(file_error("cannot make", folder))?;
         let path = folder.join(LOG);
@@ -113,7 +113,7 @@ impl SessionFolder {
         })
     }
 
-    /// Opens the folder of a session that is to go on, and reads its log. A torn last line is cut off.
+    /// Opens the folder of a session to resume, and reads its log. An incomplete last line is removed.
     ///
     /// # Errors
     ///
@@ -160,16 +160,16 @@ impl SessionFolder {
         Log::read(&bytes).map_err(|reason| FolderError::Log { path, reason })
     }
 
-    /// Where it is.
+    /// The path of the folder.
     pub fn path(&self) -> &Path {
         &self.folder
     }
 
-    /// Writes down what has happened in the session since the last time, and its plans.
+    /// Saves the events since the last call, and the plans.
     ///
     /// # Errors
     ///
-    /// When something cannot be written. What was accepted is then not safe; the log is as it was before.
+    /// When something cannot be written. The last events are then not saved; the log is as it was before.
     pub fn keep(&mut self, session: &mut Session) -> Result<(), FolderError> {
         let events = session.take_events();
         if events.is_empty() {
@@ -190,11 +190,11 @@ impl SessionFolder {
         numbers.into_iter().try_for_each(|number| self.plan(session, number))
     }
 
-    /// Writes the plan files that the session's log says there should be, and takes away what it took back.
+    /// Writes missing plan files of the session's log, and removes those of undone plans.
     ///
     /// # Errors
     ///
-    /// When one cannot be written.
+    /// When a file cannot be written or removed.
     pub fn mend(&self, session: &Session) -> Result<(), FolderError> {
         (0..=session.accepted().len()).try_for_each(|number| self.plan(session, number))
     }
@@ -206,7 +206,7 @@ impl SessionFolder {
             false => Ok(()),
         });
         if let Err(error) = written {
-            // Half a line would be taken for the beginning of the next one.
+            // A partial line would corrupt the next one.
             let _ = self.log.set_len(self.length);
             let _ = self.log.seek(SeekFrom::End(0));
             return Err(file_error("cannot write", &path)(error));
@@ -215,12 +215,12 @@ impl SessionFolder {
         Ok(())
     }
 
-    /// Writes one plan file, or takes it away when the plan was taken back.
+    /// Writes one plan file, or removes it if the plan was undone.
     fn plan(&self, session: &Session, number: usize) -> Result<(), FolderError> {
         let path = self.folder.join(format!("{number}.json"));
         match session.plan_file(number) {
             Some(plan) => {
-                // A plan is plain data with string keys; writing it as JSON does not fail.
+                // A plan is plain data with string keys; its serialization does not fail.
                 let mut json = serde_json::to_string_pretty(&plan).unwrap_or_default();
                 json.push('\n');
                 if std::fs::read(&path).is_ok_and(|there| there == json.as_bytes()) {
@@ -241,7 +241,7 @@ impl SessionFolder {
 fn lock(log: &File, folder: &Path) -> Result<(), FolderError> {
     match log.try_lock() {
         Err(TryLockError::WouldBlock) => Err(FolderError::Busy(folder.to_owned())),
-        // Some file systems cannot lock; a session is worth more than the lock.
+        // Some file systems cannot lock; the session is opened without a lock then.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
     }
 }

@@ -1,4 +1,4 @@
-//! A server for tests: it gives prepared answers, one a connection, and notes what was asked.
+//! A server for tests: it sends prepared responses, one a connection, and records the requests.
 
 use std::io::{Read, Write};
 use std::net::TcpListener;
@@ -12,12 +12,12 @@ pub(crate) struct TestServer {
 }
 
 impl TestServer {
-    /// Gives these answers, raw bytes of HTTP, in order; further connections are refused.
+    /// Sends these raw HTTP responses in order; refuses further connections.
     pub(crate) fn new(answers: Vec<Vec<u8>>) -> Self {
         Self::answering(answers.len(), move |number, _| answers[number].clone())
     }
 
-    /// Gives so many answers, made for the number (from 0) and the text of a request.
+    /// Sends `count` responses, made from the number (from 0) and the text of each request.
     pub(crate) fn answering(count: usize, answer: impl Fn(usize, &str) -> Vec<u8> + Send + 'static) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());
@@ -36,14 +36,14 @@ impl TestServer {
                 let text = String::from_utf8(text).unwrap();
                 let answer = answer(number, &text);
                 noted.lock().unwrap().push(text);
-                // A client that has seen enough may have hung up.
+                // The client may have hung up already.
                 let _ = stream.write_all(&answer);
             }
         });
         Self { url, requests }
     }
 
-    /// A server that somebody else runs.
+    /// A server that runs elsewhere.
     pub(crate) fn at(url: String) -> Self {
         Self {
             url,
@@ -51,7 +51,7 @@ impl TestServer {
         }
     }
 
-    /// What was asked so far: head and body of each request.
+    /// The requests so far: head and body of each.
     pub(crate) fn requests(&self) -> Vec<String> {
         self.requests.lock().unwrap().clone()
     }
@@ -70,12 +70,12 @@ fn whole(request: &[u8]) -> bool {
     body.len() >= length.map_or(0, |length| length.parse().unwrap())
 }
 
-/// An answer with this status line, further header lines and body.
+/// A response with this status line, additional header lines and body.
 pub(crate) fn answer(status: &str, headers: &[&str], body: &[u8]) -> Vec<u8> {
     announced(status, headers, body.len(), body)
 }
 
-/// An answer that announces more bytes than it may have.
+/// A response that announces `length` bytes, whatever the length of its body.
 pub(crate) fn announced(status: &str, headers: &[&str], length: usize, body: &[u8]) -> Vec<u8> {
     let mut head = format!("HTTP/1.1 {status}\r\nconnection: close\r\ncontent-length: {length}\r\n");
     for header in headers {

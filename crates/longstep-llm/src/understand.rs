@@ -1,4 +1,4 @@
-//! Carries out a goal dialogue with a model.
+//! Runs a goal dialogue with a model.
 
 use longstep::dialogue::{DialogueError, GoalDialogue, Turn};
 use longstep::domain::Domain;
@@ -7,22 +7,22 @@ use longstep::goal::Understanding;
 
 use crate::{ChatModel, ModelError, Watch};
 
-/// Why an instruction was not understood.
+/// Reason why an instruction was not understood.
 #[derive(Debug, thiserror::Error)]
 pub enum UnderstandError {
     /// The model failed.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// The model answered, and the answer cannot be used.
+    /// The model's answer cannot be used.
     #[error(transparent)]
     Answer(#[from] DialogueError),
 }
 
-/// Asks the model until the dialogue is done.
+/// Sends requests to the model until the dialogue is done.
 ///
 /// # Errors
 ///
-/// When the model fails, or answers something that cannot be used.
+/// When the model fails, or its answer cannot be used.
 pub fn understand(
     model: &mut dyn ChatModel,
     domain: &Domain,

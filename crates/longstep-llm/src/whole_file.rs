@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all, and what is written through instead.
+//! Atomic writes to files; pipes, devices and sockets are written through.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -6,20 +6,18 @@ use std::path::{Path, PathBuf};
 
 use crate::private;
 
-/// Symlinks that are followed one after the other; Linux follows as many.
+/// Longest chain of symlinks that is followed; Linux has the same limit.
 const LINKS: usize = 40;
 
-/// Writes a file whole or not at all: whoever reads it, even after the power failed, finds what was there before or
-/// all of `content`.
+/// Writes a file atomically: a reader finds the old content or all of `content`, even after a power failure.
 ///
-/// A new file is for its owner alone (mode 600). An existing one keeps its mode, and is refused when it may not be
-/// written. Behind a symlink, the file that it names is written, and the link stays. A pipe, a device or a socket is
-/// written to and never replaced; so is a file that is named through `/proc` or `/dev/fd`, since a program has that very
-/// file open.
+/// A new file gets mode 600. An existing file keeps its mode, and is refused if it is not writable. For a symlink, the
+/// file that it names is written, and the link stays. A pipe, a device or a socket is written to, never replaced; so is
+/// a file named through `/proc` or `/dev/fd`, because a program has that file open.
 ///
 /// # Errors
 ///
-/// When the folder is missing or may not be written to, the file may not be written, or the disk is full.
+/// When the folder is missing or not writable, the file is not writable, or the disk is full.
 pub fn write_whole(path: &Path, content: &[u8]) -> std::io::Result<()> {
     let (target, open_elsewhere) = followed(path)?;
     let there = match std::fs::metadata(path) {
@@ -30,7 +28,7 @@ pub fn write_whole(path: &Path, content: &[u8]) -> std::io::Result<()> {
     match there {
         Some(there) if there.is_dir() => Err(std::io::ErrorKind::IsADirectory.into()),
         Some(there) if there.is_file() && !open_elsewhere => {
-            // Renaming over a file needs no permission to write to it.
+            // Renaming over a file needs no write permission for it.
             OpenOptions::new().write(true).open(path)?;
             replace(&target, content, Some(there.permissions()))
         }
@@ -39,8 +37,7 @@ pub fn write_whole(path: &Path, content: &[u8]) -> std::io::Result<()> {
     }
 }
 
-/// Follows symlinks to where a file is or will be. Also returns whether one of them leads through the files that a
-/// program has open.
+/// Follows symlinks to the final path. Also returns whether one of them leads through the open files of a program.
 fn followed(path: &Path) -> std::io::Result<(PathBuf, bool)> {
     let mut target = path.to_path_buf();
     let mut open_elsewhere = false;
@@ -80,7 +77,7 @@ fn write_through(path: &Path, content: &[u8]) -> std::io::Result<()> {
     }
 }
 
-/// Writes to a socket; none if it is no socket.
+/// Writes to a socket; `None` if the path is not a socket.
 #[cfg(unix)]
 fn through_socket(path: &Path, content: &[u8]) -> Option<std::io::Result<()>> {
     use std::os::unix::fs::FileTypeExt;
@@ -93,18 +90,18 @@ fn through_socket(_: &Path, _: &[u8]) -> Option<std::io::Result<()>> {
     None
 }
 
-/// Opens a file to append to. A new one is for its owner alone; an existing one, a pipe or a device stays what it is.
+/// Opens a file for appending. A new file gets mode 600; an existing file, pipe or device keeps its mode.
 ///
 /// # Errors
 ///
-/// When it cannot be made or written.
+/// When the file cannot be created or written.
 pub(crate) fn append(path: &Path) -> std::io::Result<File> {
     match OpenOptions::new().append(true).create_new(true).open(path) {
         Ok(file) => {
             private::restrict(&file)?;
             Ok(file)
         }
-        // A link to a file that is not there is made by the second way only.
+        // `create_new` fails on a symlink to a missing file; this way creates it.
         Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
             let new = !path.exists();
             let file = OpenOptions::new().append(true).create(true).open(path)?;
@@ -159,7 +156,7 @@ mod tests {
         );
         symlink("inside/plan.json", &link).unwrap();
         symlink("link", &chain).unwrap();
-        // The first time, the file that the links name is not there.
+        // The first time, the target of the links does not exist.
         for content in [b"one", b"two"] {
             write_whole(&chain, content).unwrap();
             assert_eq!(std::fs::read(&file).unwrap(), content);

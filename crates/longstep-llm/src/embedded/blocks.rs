@@ -1,19 +1,17 @@
-//! The blocks in which a prompt is computed.
+//! The blocks of tokens in which a prompt is computed.
 //!
-//! Rounding differs with how many tokens are computed together, and where two continuations are
-//! nearly as likely, that decides the answer. So that a request gets the same answer whatever
-//! was in the cache before, its prompt is cut into blocks that depend on the prompt alone, and
-//! from the cache only whole blocks of the same cut are taken.
+//! Rounding depends on how many tokens are computed together, and where two continuations are almost equally likely, it
+//! decides the answer. To make an answer independent of the cache, a prompt is cut into blocks that depend on the
+//! prompt alone, and only whole blocks with the same boundaries are reused from the cache.
 
-/// Tokens of a block in the fixed part, which is read once. More needs more memory and is
-/// hardly faster.
+/// Tokens of a block in the fixed part, which is computed once. Larger blocks need more memory and are hardly faster.
 pub(super) const LARGE: usize = 256;
 
-/// Tokens of a block behind the fixed part. Half of one is computed in vain where a prompt
-/// departs from the one before.
+/// Tokens of a block behind the fixed part. Where a prompt differs from the one before, half a block on average is
+/// computed again.
 const SMALL: usize = 16;
 
-/// Where the blocks of a prompt of `total` tokens end, of which the first `fixed` are fixed.
+/// The ends of the blocks of a prompt of `total` tokens, of which the first `fixed` are fixed.
 pub(super) fn ends(total: usize, fixed: usize) -> Vec<usize> {
     let fixed = fixed.min(total);
     let mut ends: Vec<usize> = (LARGE..fixed).step_by(LARGE).collect();
@@ -25,9 +23,8 @@ pub(super) fn ends(total: usize, fixed: usize) -> Vec<usize> {
     ends
 }
 
-/// How many tokens can be taken from a cache that holds the first `known` tokens of the prompt
-/// and was computed in blocks of `ours`. Never all: the last block is computed, for the engine
-/// to say what comes next.
+/// Returns how many tokens can be reused from a cache that holds the first `known` tokens of the prompt and was
+/// computed in blocks that end at `ours`. Never all: the last block is computed to get the logits of the next token.
 pub(super) fn reusable(ours: &[usize], planned: &[usize], known: usize) -> usize {
     let before_last = planned.split_last().map_or(&[][..], |(_, rest)| rest);
     ours.iter()
@@ -57,7 +54,7 @@ mod tests {
         assert_eq!(reusable(&[], &planned, 0), 0);
         assert_eq!(reusable(&planned, &planned, 600), 594);
         assert_eq!(reusable(&planned, &planned, 593), 578);
-        // The cache was cut at its own end in the middle of a block of ours.
+        // The cache ends in the middle of a planned block.
         assert_eq!(reusable(&ends(570, 530), &planned, 570), 562);
         assert_eq!(reusable(&ends(570, 300), &planned, 570), 256);
         assert_eq!(reusable(&planned, &ends(70, 0), 70), 0);

@@ -1,4 +1,4 @@
-//! The context of a loaded model: which tokens it has seen, and what may come next.
+//! The context of a loaded model: the tokens it has computed and the logits of the next one.
 
 use std::num::NonZeroU32;
 use std::sync::OnceLock;
@@ -12,10 +12,10 @@ use llama_cpp_2::token::LlamaToken;
 
 use super::blocks;
 
-/// The one sequence that we use.
+/// The only sequence in the context.
 pub(super) const SEQUENCE: i32 = 0;
 
-/// llama.cpp itself, started once for the process and silent.
+/// The llama.cpp backend, started once for the process, with its log off.
 pub(super) fn backend() -> Result<&'static LlamaBackend, String> {
     static BACKEND: OnceLock<Result<LlamaBackend, String>> = OnceLock::new();
     BACKEND
@@ -33,10 +33,9 @@ pub(super) struct Engine<'model> {
     context: LlamaContext<'model>,
     /// The tokens in the cache, from position 0 on.
     tokens: Vec<LlamaToken>,
-    /// Where the blocks end in which those of the prompt were computed; what comes behind was
-    /// written by the model.
+    /// The ends of the blocks in which the prompt's tokens were computed. The tokens behind them were generated.
     ends: Vec<usize>,
-    /// Where in the last batch the newest token was; its logits say what comes next.
+    /// Index of the newest token in the last batch; its logits are those of the next token.
     newest: i32,
 }
 
@@ -51,11 +50,11 @@ impl<'model> Engine<'model> {
             .with_n_seq_max(1)
             .with_n_threads(threads)
             .with_n_threads_batch(threads)
-            // Prefixes of every length must be reusable, also with sliding windows.
+            // Prefixes of every length must be reusable, also with sliding-window attention.
             .with_swa_full(true)
             .with_kv_unified(true)
-            // Off: on processors flash attention is fast only for 64 tokens at once. Without it
-            // a token is written in two thirds of the time, and a prompt read as fast.
+            // On processors flash attention is fast only for batches of 64 tokens. Without it, generating a token takes
+            // two thirds of the time, and reading a prompt takes no longer.
             .with_flash_attention_policy(0);
         let context = model
             .new_context(backend()?, parameters)
@@ -68,14 +67,14 @@ impl<'model> Engine<'model> {
         })
     }
 
-    /// How many of these tokens, from the first on, are in the cache.
+    /// The length of the common prefix of these tokens and the cache.
     pub(super) fn known(&self, tokens: &[LlamaToken]) -> usize {
         let pairs = self.tokens.iter().zip(tokens);
         pairs.take_while(|(ours, theirs)| ours == theirs).count()
     }
 
-    /// Forgets all but the first `keep` tokens; returns how many could be kept, which is none
-    /// for models whose memory cannot be cut.
+    /// Removes all but the first `keep` tokens from the cache. Returns how many remain: none for models whose memory
+    /// cannot be cut.
     pub(super) fn keep(&mut self, keep: usize) -> usize {
         if keep < self.tokens.len() {
             let from = u32::try_from(keep).ok();
@@ -90,15 +89,15 @@ impl<'model> Engine<'model> {
         self.tokens.len()
     }
 
-    /// Forgets everything.
+    /// Empties the cache.
     pub(super) fn forget(&mut self) {
         self.context.clear_kv_cache();
         self.tokens.clear();
         self.ends.clear();
     }
 
-    /// Computes a prompt, as far as it is not in the cache, and returns how many tokens were.
-    /// `read` is told how many are done, and stops it with `false`.
+    /// Computes the part of a prompt that is not in the cache, and returns how many tokens were. `read` receives the
+    /// number of tokens done so far, and stops the computation by returning `false`.
     pub(super) fn read(
         &mut self,
         tokens: &[LlamaToken],
@@ -119,7 +118,7 @@ impl<'model> Engine<'model> {
         Ok(known)
     }
 
-    /// Computes what the model has written.
+    /// Computes tokens that the model has generated.
     pub(super) fn append(&mut self, tokens: &[LlamaToken]) -> Result<(), String> {
         tokens.chunks(blocks::LARGE).try_for_each(|part| self.compute(part))
     }
@@ -142,18 +141,18 @@ impl<'model> Engine<'model> {
         Ok(())
     }
 
-    /// How strongly each token of the vocabulary is expected next. Only after something was computed.
+    /// The logits of the next token, for the whole vocabulary. Valid only after a computation.
     pub(super) fn logits(&self) -> &[f32] {
         self.context.get_logits_ith(self.newest)
     }
 
-    /// The tokens in the cache and the context that holds them, to be saved.
+    /// The context and the tokens in its cache, for saving.
     pub(super) fn saved(&self) -> (&LlamaContext<'model>, &[LlamaToken]) {
         (&self.context, &self.tokens)
     }
 
-    /// Lets `load` put the saved state of a prompt into the emptied context; it returns the
-    /// tokens of that prompt, or `None` when there is no good state.
+    /// Empties the context and lets `load` restore the saved state of a prompt. `load` returns the tokens of that
+    /// prompt, or `None` if there is no valid state.
     pub(super) fn restore(
         &mut self,
         fixed: usize,

@@ -1,4 +1,4 @@
-//! Looks at a model file before the engine does, to say plainly what is wrong with it.
+//! Checks a model file before llama.cpp loads it, for clear error messages.
 
 use std::fs::File;
 use std::io::Read;
@@ -8,8 +8,7 @@ use llama_cpp_2::gguf::GgufContext;
 
 use crate::ModelError;
 
-/// Checks that this is a GGUF file whose description can be read, and that this processor can
-/// run the engine.
+/// Checks that the file is a GGUF file with readable metadata, and that this processor can run the engine.
 pub(super) fn check(path: &Path) -> Result<(), ModelError> {
     let mut magic = [0; 4];
     let mut file = File::open(path).map_err(ModelError::file("cannot read", path))?;
@@ -40,8 +39,8 @@ pub(super) fn not_loaded(path: &Path, reason: &str) -> ModelError {
     }
 }
 
-/// llama.cpp is compiled with AVX2 unless the build says otherwise, and without a look at the
-/// processor the program would end in an illegal instruction.
+/// llama.cpp is compiled with AVX2 unless the build turns it off. Without this check the program would end with an
+/// illegal instruction on an older processor.
 #[cfg(target_arch = "x86_64")]
 fn processor_is_new_enough() -> bool {
     option_env!("GGML_AVX2") == Some("OFF")

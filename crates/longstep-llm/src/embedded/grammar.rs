@@ -1,4 +1,4 @@
-//! Grammars over a model's vocabulary.
+//! Grammars over a model's vocabulary, for constrained decoding.
 
 use std::sync::Arc;
 
@@ -12,8 +12,8 @@ use toktrie::{InferenceCapabilities, TokEnv, TokTrie, TokenId, TokenizerEnv};
 
 use crate::ModelError;
 
-/// The vocabulary of a model, tokenising exactly as the model does. llguidance needs that to
-/// know which tokens a forced text would be, so that they can be fed without being sampled.
+/// The vocabulary of a model, with the model's own tokenizer. llguidance tokenizes forced text with it; such tokens are
+/// appended without sampling.
 struct Vocabulary {
     trie: TokTrie,
     model: Arc<LlamaModel>,
@@ -30,7 +30,7 @@ impl TokenizerEnv for Vocabulary {
     }
 }
 
-/// Makes matchers of grammars. Built once for a model, as it walks the whole vocabulary.
+/// Builds grammar matchers. Made once for a model, because it reads the whole vocabulary.
 pub(super) struct Grammars {
     factory: ParserFactory,
 }
@@ -52,7 +52,7 @@ impl Grammars {
         Ok(Self { factory })
     }
 
-    /// What follows the constraint token by token; `None` where all text is allowed.
+    /// A matcher that follows the constraint token by token; `None` if any text is allowed.
     pub(super) fn matcher(&self, constraint: &Constraint) -> Result<Option<Matcher>, ModelError> {
         let grammar = match constraint {
             Constraint::Free => return Ok(None),
@@ -67,7 +67,7 @@ impl Grammars {
     }
 }
 
-/// Errors are one line: what follows in llguidance's is the grammar again.
+/// llguidance repeats the grammar after the first line of an error.
 fn first_line(error: &str) -> String {
     error.lines().next().unwrap_or_default().trim().to_owned()
 }

@@ -1,8 +1,7 @@
-//! The embedded engine: a GGUF file, run by llama.cpp on this machine's processor.
+//! The embedded engine: llama.cpp runs a GGUF file on this machine's processor.
 //!
-//! A thread of its own owns the model and its context, since the one borrows the other; the
-//! [`EmbeddedModel`] that callers hold is a channel to it. Dropping that ends the thread and
-//! frees the model.
+//! A worker thread owns the model and its context, because the context borrows the model. Callers hold an
+//! [`EmbeddedModel`], which is a channel to the worker. Dropping it ends the thread and frees the model.
 
 mod blocks;
 mod engine;
@@ -24,24 +23,24 @@ use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, Message, Reply, 
 use crate::{ChatModel, ModelError, OpenOptions, Progress, Watch};
 use worker::Setting;
 
-/// How many tokens prompt and answer may have together when nobody says.
+/// Default size of the context: prompt and answer together, in tokens.
 const CONTEXT_TOKENS: u32 = 8192;
 
-/// What the worker is asked, with the line that the answer comes back on.
+/// A job for the worker, with the channel for its result.
 enum Job {
-    /// To answer a request.
+    /// Answers a request.
     Chat(ChatRequest, Sender<Event>),
-    /// To count the tokens of a message, and of everything around messages.
+    /// Counts the tokens of a message, and of the template around messages.
     Count(Message, Sender<Count>),
 }
 
-/// Tokens of a message, and of a conversation without any.
+/// Tokens of a message, and of a conversation without messages.
 struct Count {
     message: u64,
     frame: u64,
 }
 
-/// What the worker says about a job.
+/// The worker's report about a chat job.
 enum Event {
     Progress(Progress),
     Done(Result<Reply, ModelError>),
@@ -51,16 +50,16 @@ enum Event {
 pub(crate) struct EmbeddedModel {
     name: String,
     context_tokens: u32,
-    /// What has been counted: the same fixed parts are counted again and again.
+    /// Cached counts: the same fixed parts are counted many times.
     counted: HashMap<Message, u64>,
     frame: Option<u64>,
-    /// `None` only while it is being dropped.
+    /// `None` only while the model is being dropped.
     jobs: Option<Sender<Job>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl EmbeddedModel {
-    /// Loads the file. `identity` changes with the file's content: saved states are kept by it.
+    /// Loads the file. `identity` changes with the file's content and is part of the key of saved states.
     pub(crate) fn open(name: &str, path: &Path, identity: String, options: &OpenOptions) -> Result<Self, ModelError> {
         file::check(path)?;
         let context_tokens = options.context_tokens.unwrap_or(CONTEXT_TOKENS);
@@ -124,7 +123,7 @@ impl TokenCounter for EmbeddedModel {
         }
         let (answer, count) = channel();
         let sent = self.send(Job::Count(message.clone(), answer));
-        // A worker that has ended says so at the next request, which cannot be missed.
+        // If the worker has ended, the next chat request reports it.
         let Some(count) = sent.then(|| count.recv().ok()).flatten() else {
             return 0;
         };
@@ -151,11 +150,11 @@ impl EmbeddedModel {
     }
 }
 
-/// How often whoever waits is asked whether it still does.
+/// Interval at which a waiting caller's [`Watch`] is checked.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Passes progress on until the answer is there. When the answer is not wanted any more, the worker finds that
-/// nobody listens and stops.
+/// Passes progress on until the answer arrives. On a stop the receiver is dropped; the worker's next send fails, and it
+/// stops.
 fn follow(name: &str, answers: &Receiver<Event>, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
     loop {
         if watch.stop() {
@@ -179,10 +178,10 @@ fn stopped(name: &str, reason: &str) -> ModelError {
 
 impl Drop for EmbeddedModel {
     fn drop(&mut self) {
-        // Without a sender the worker's loop ends; the model is freed once the thread has.
+        // Without a sender the worker's loop ends; the thread frees the model when it ends.
         drop(self.jobs.take());
         if let Some(thread) = self.thread.take() {
-            // A panic over there has been reported as an error already.
+            // A panic of the worker has been reported as an error already.
             let _ = thread.join();
         }
     }

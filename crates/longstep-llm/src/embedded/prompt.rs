@@ -1,4 +1,4 @@
-//! From a conversation to tokens, by the template that the model brings along.
+//! Converts a conversation to tokens with the chat template in the model's file.
 
 use llama_cpp_2::model::{LlamaChatMessage, LlamaChatTemplate, LlamaModel};
 use llama_cpp_2::token::LlamaToken;
@@ -7,13 +7,13 @@ use longstep::dialogue::{ChatRequest, Message, Role};
 /// A conversation as tokens.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PromptTokens {
-    /// All of them, the beginning of the answer included.
+    /// All tokens, including those that open the answer.
     pub(super) tokens: Vec<LlamaToken>,
-    /// How many of the first ones belong to the request's fixed messages.
+    /// Number of leading tokens that belong to the request's fixed messages.
     pub(super) fixed: usize,
 }
 
-/// Turns conversations into tokens for one model.
+/// Converts conversations to tokens for one model.
 pub(super) struct Template {
     template: LlamaChatTemplate,
 }
@@ -28,9 +28,8 @@ impl Template {
 
     /// The tokens of a request.
     ///
-    /// Only the template's own text may become control tokens. So it is rendered around
-    /// placeholders, and what people said is tokenised apart, as plain text: an `<|im_end|>`
-    /// typed into an instruction stays eleven characters.
+    /// Only the template's own text may become control tokens. The template is rendered around placeholders, and each
+    /// message is tokenized separately as plain text: `<|im_end|>` in an instruction stays eleven characters.
     pub(super) fn tokens(&self, model: &LlamaModel, request: &ChatRequest) -> Result<PromptTokens, String> {
         let rendered = self.render(model, &request.messages)?;
         let vocabulary = model.vocab();
@@ -69,7 +68,7 @@ impl Template {
     }
 }
 
-/// Stands for the text of a message; only ever rendered among texts of the template itself.
+/// Placeholder for a message's text; the rendered text around it is the template's own.
 fn placeholder(index: usize) -> String {
     format!("MESSAGE{index:06}HERE")
 }
@@ -82,15 +81,15 @@ fn role(role: Role) -> &'static str {
     }
 }
 
-/// Text of the template, control tokens and all. A template that writes the beginning-of-text
-/// token itself does not get it twice.
+/// Adds text of the template, including control tokens. If the template writes the beginning-of-text token itself, it
+/// is not added twice.
 fn add_marker(tokens: &mut Vec<LlamaToken>, model: &LlamaModel, text: &str) {
     let marker = model.vocab().tokenize(text.as_bytes(), false, true);
     let twice = tokens.len() == 1 && marker.first() == tokens.first();
     tokens.extend(marker.into_iter().skip(usize::from(twice)));
 }
 
-/// Text of people, in which nothing is a control token.
+/// Tokenizes a message's text, in which nothing is a control token.
 fn plain(model: &LlamaModel, text: &str) -> Vec<LlamaToken> {
     if text.is_empty() {
         return Vec::new();

@@ -1,9 +1,8 @@
-//! Which token comes next.
+//! Sampling of the next token.
 
 use crate::Sampling;
 
-/// Chooses among the allowed tokens. Each answer begins with the seed again, so that an answer does not depend on what
-/// was asked before it.
+/// Samples among the allowed tokens. Every answer starts from the seed, so that it does not depend on earlier requests.
 pub(super) struct Sampler {
     temperature: f64,
     top_p: f64,
@@ -22,12 +21,12 @@ impl Sampler {
         }
     }
 
-    /// Begins an answer.
+    /// Resets the random state for a new answer.
     pub(super) fn begin(&mut self) {
         self.state = self.seed;
     }
 
-    /// One of the tokens that `each` names, by how strongly each is expected; none if it names none.
+    /// Samples one of the tokens that `each` yields, by their logits; `None` if it yields none.
     pub(super) fn choose(&mut self, logits: &[f32], each: impl FnOnce(&mut dyn FnMut(usize))) -> Option<usize> {
         if self.temperature > 0.0 {
             return self.sample(logits, each);
@@ -50,7 +49,8 @@ impl Sampler {
                 weighed.push((index, f64::from(logit)));
             }
         });
-        // Likeliest first; equally likely ones by number, so that the same seed gives the same answer.
+        // Most likely first; equally likely tokens in order of their number, so that a seed always gives the same
+        // answer.
         weighed.sort_by(|left, right| right.1.total_cmp(&left.1).then(left.0.cmp(&right.0)));
         let most = weighed.first()?.1;
         for (_, weight) in &mut weighed {
@@ -64,7 +64,7 @@ impl Sampler {
             kept += if wanted { weight } else { &0.0 };
             wanted
         });
-        // At least the likeliest, whatever top_p says.
+        // At least the most likely token, even for `top_p` 0.
         let count = count.count().max(1);
         weighed.truncate(count);
         let total: f64 = weighed.iter().map(|(_, weight)| weight).sum();
@@ -77,7 +77,7 @@ impl Sampler {
         Some(hit.map_or(last, |(index, _)| index))
     }
 
-    /// A number from 0 to below 1 (SplitMix64, which takes any seed).
+    /// A number in [0, 1) by SplitMix64, which accepts any seed.
     fn random(&mut self) -> f64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.state;
@@ -113,7 +113,7 @@ mod tests {
         };
         assert_eq!(drawn(&with(0.0, None), &[0, 1, 2, 3]), [0, 10_000, 0, 0]);
         assert_eq!(drawn(&with(0.0, None), &[0, 2, 3]), [0, 0, 10_000, 0]);
-        // e^0, e^-1 and e^-2 of their sum: 0.665, 0.245, 0.090.
+        // The weights e^0, e^-1 and e^-2 divided by their sum: 0.665, 0.245, 0.090.
         let [zero, one, two, three] = drawn(&with(1.0, None), &[0, 1, 2, 3]);
         assert!((800..1000).contains(&zero) && (6500..6800).contains(&one) && (2300..2600).contains(&two));
         assert_eq!(three, 0);

@@ -1,8 +1,7 @@
-//! The computed state of a prompt, kept on disk so that the next start need not read it again.
+//! Prefix cache on the disk: the computed state of a prompt, which the next start loads instead of computing it again.
 //!
-//! A state file is llama.cpp's own, followed by [`TRAILER`] bytes of ours: what it belongs to,
-//! how long it is and its checksum. llama.cpp trusts what it loads, so nothing is handed to it
-//! that does not end in a trailer that fits.
+//! A state file is llama.cpp's format followed by a trailer of [`TRAILER`] bytes: the key of the prefix, the length and
+//! a checksum. llama.cpp does not check what it loads, so a file without a matching trailer is not loaded.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -16,27 +15,27 @@ use sha2::{Digest, Sha256};
 use super::engine::SEQUENCE;
 use crate::private::create_private_folder;
 
-/// Which engine wrote a state; another one's are not read. Changes with llama-cpp-2, and with
-/// the way that prompts are computed.
+/// Version of the engine that wrote a state; states of other versions are not loaded. Change it with llama-cpp-2 and
+/// with the way that prompts are computed.
 const ENGINE: &str = "llama-cpp-2 0.1.160, longstep 1";
 
-/// How many state files are kept.
+/// Number of state files that are kept.
 const KEPT: usize = 8;
 
 const MAGIC: &[u8; 8] = b"LONGSTEP";
 const TRAILER: usize = MAGIC.len() + 32 + 8 + 4;
 
-/// What a process that was killed while it saved leaves behind is removed after this time.
+/// Age after which the temporary file of a killed process is removed.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
-/// The folder of the states of one model in one size of context.
+/// The folder of the states of one model with one context size.
 pub(super) struct States {
     folder: PathBuf,
     identity: String,
     context_tokens: u32,
 }
 
-/// The place of the state of one fixed prefix.
+/// The state file of one fixed prefix.
 pub(super) struct StateFile {
     path: PathBuf,
     key: [u8; 32],
@@ -51,7 +50,7 @@ impl States {
         }
     }
 
-    /// Where the state of conversations that begin with these tokens is kept.
+    /// The state file for conversations that begin with these tokens.
     pub(super) fn file(&self, fixed: &[LlamaToken]) -> StateFile {
         let mut hash = Sha256::new();
         hash.update(format!("{ENGINE}\n{}\n{}\n", self.identity, self.context_tokens));
@@ -68,13 +67,12 @@ impl States {
 }
 
 impl StateFile {
-    /// Puts the saved state into an empty context and returns its tokens; `None` when there is
-    /// no file or it is not whole.
+    /// Loads the saved state into an empty context and returns its tokens; `None` if there is no file or it is damaged.
     pub(super) fn load(&self, context: &mut LlamaContext<'_>) -> Option<Vec<LlamaToken>> {
         self.check().ok()?;
         let capacity = context.n_ctx() as usize;
         let (tokens, _) = context.state_seq_load_file(&self.path, SEQUENCE, capacity).ok()?;
-        // What was used last is dropped last. Where that cannot be noted, it is dropped earlier.
+        // The least recently used state is removed first; if the time cannot be updated, this one is removed earlier.
         let _ = File::options()
             .append(true)
             .open(&self.path)
@@ -95,12 +93,12 @@ impl StateFile {
             .map_err(|error| error.to_string())?;
         self.seal(file.path()).map_err(|error| error.to_string())?;
         file.persist(&self.path).map_err(|error| error.error.to_string())?;
-        // Too many files are a waste of space and no more; the next save tries again.
+        // Too many files only waste space; the next save tries again.
         let _ = prune(folder);
         Ok(())
     }
 
-    /// Adds the trailer to a state that llama.cpp has written.
+    /// Appends the trailer to a state that llama.cpp has written.
     fn seal(&self, path: &Path) -> io::Result<()> {
         let mut file = File::options().read(true).append(true).open(path)?;
         let length = file.metadata()?.len();
@@ -113,7 +111,7 @@ impl StateFile {
         file.write_all(&trailer)
     }
 
-    /// Whether the file is a whole state of this prefix.
+    /// Checks that the file is a complete state of this prefix.
     fn check(&self) -> io::Result<()> {
         let mut file = File::open(&self.path)?;
         let length = file
@@ -137,7 +135,7 @@ impl StateFile {
     }
 }
 
-/// The checksum of the first `length` bytes, leaving the file just behind them.
+/// The checksum of the first `length` bytes. Leaves the file position behind them.
 fn checksum(file: &mut File, length: u64) -> io::Result<u32> {
     file.seek(SeekFrom::Start(0))?;
     let mut hasher = crc32fast::Hasher::new();
@@ -153,7 +151,7 @@ fn checksum(file: &mut File, length: u64) -> io::Result<u32> {
     Ok(hasher.finalize())
 }
 
-/// Drops the oldest states beyond those that are kept.
+/// Removes the oldest states beyond [`KEPT`], and abandoned temporary files.
 fn prune(folder: &Path) -> io::Result<()> {
     let now = SystemTime::now();
     let mut states = Vec::new();

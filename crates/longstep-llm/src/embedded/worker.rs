@@ -176,9 +176,9 @@ impl<'model> Worker<'model> {
         Ok(Reply { text, finish, usage })
     }
 
-    /// The tokens of a request. One that goes on with the last answer keeps that answer's own
-    /// tokens: the same text may be cut into others when it is tokenised anew, and the model
-    /// would go on from something that it never wrote. Says whether it is such a one.
+    /// Returns the tokens of a request and whether it continues the last answer. Such a request keeps the tokens of
+    /// that answer: a new tokenization of its text may cut it differently, and the model would continue from tokens
+    /// that it never wrote.
     fn prompt(&mut self, request: &ChatRequest) -> Result<(PromptTokens, bool), ModelError> {
         if let Some(turn) = self.last.take()
             && !request.answer_so_far.is_empty()
@@ -194,7 +194,7 @@ impl<'model> Worker<'model> {
         Ok((prompt, false))
     }
 
-    /// Computes what of its own answer the engine has not yet; returns how many tokens it had.
+    /// Computes the tokens of its own answer that are not in the cache; returns how many were.
     fn go_on(&mut self, tokens: &[LlamaToken]) -> Result<usize, ModelError> {
         let known = self.engine.known(tokens).min(tokens.len().saturating_sub(1));
         let known = self.engine.keep(known);
@@ -203,7 +203,7 @@ impl<'model> Worker<'model> {
         Ok(known)
     }
 
-    /// Reads the prompt, as far as it is not known yet; returns how many tokens were.
+    /// Computes the part of the prompt that is not in the cache; returns how many tokens were.
     fn read(&mut self, prompt: &PromptTokens, tell: &mut Tell<'_>) -> Result<usize, ModelError> {
         let PromptTokens { tokens, fixed } = prompt;
         let state = tokens
@@ -233,7 +233,7 @@ impl<'model> Worker<'model> {
         Ok(known)
     }
 
-    /// Writes an answer, of allowed tokens only.
+    /// Generates an answer of tokens that the grammar allows.
     fn write(
         &mut self,
         mut matcher: Option<Matcher>,
@@ -316,7 +316,7 @@ fn failed(name: &str, reason: String) -> ModelError {
     }
 }
 
-/// Tells the matcher what was written; returns the tokens that can only follow.
+/// Advances the matcher by a token; returns the tokens that the grammar forces next.
 fn follow(matcher: &mut Matcher, token: LlamaToken) -> Result<Vec<LlamaToken>, String> {
     matcher
         .consume_token(token.0.cast_unsigned())
@@ -331,7 +331,7 @@ fn follow(matcher: &mut Matcher, token: LlamaToken) -> Result<Vec<LlamaToken>, S
         .collect())
 }
 
-/// What has been written of an answer.
+/// The generated part of an answer.
 #[derive(Default)]
 struct Written {
     tokens: Vec<LlamaToken>,

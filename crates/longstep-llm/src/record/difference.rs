@@ -1,13 +1,13 @@
-//! What is different between a request and those that were recorded.
+//! The difference between a request and the recorded requests.
 
 use super::wire::{WireConstraint, WireMessage, WireRequest};
 
-/// How much of a text is shown around the place where it differs, in characters.
+/// Characters to show around a difference.
 const SHOWN: usize = 40;
 
-/// What differs from the recorded request that has most in common with this one, in one line.
+/// The difference from the most similar recorded request, in one line.
 pub(super) fn nearest<'a>(asked: &WireRequest, recorded: impl Iterator<Item = &'a WireRequest>) -> String {
-    // The first of equally near ones.
+    // On a tie, the first one.
     let nearest = recorded
         .enumerate()
         .map(|(number, request)| (common(asked, request), number, request))
@@ -24,7 +24,7 @@ pub(super) fn nearest<'a>(asked: &WireRequest, recorded: impl Iterator<Item = &'
     }
 }
 
-/// How much two requests have in common: characters at the beginnings of their messages, and what else is the same.
+/// Similarity of two requests: the common prefixes of their texts in characters, then the number of equal properties.
 fn common(asked: &WireRequest, recorded: &WireRequest) -> (usize, usize) {
     let pairs = asked.messages.iter().zip(&recorded.messages);
     let characters = pairs
@@ -37,7 +37,7 @@ fn common(asked: &WireRequest, recorded: &WireRequest) -> (usize, usize) {
     (characters, rest)
 }
 
-/// How many characters two texts begin with alike.
+/// Length of the common prefix of two texts, in characters.
 fn same(left: &str, right: &str) -> usize {
     left.chars()
         .zip(right.chars())
@@ -81,7 +81,7 @@ fn constraint(constraint: &WireConstraint) -> String {
     }
 }
 
-/// Two texts, from shortly before the place where they part.
+/// Excerpts of two texts around the first difference.
 fn texts(asked: &str, recorded: &str) -> String {
     let from = same(asked, recorded).saturating_sub(SHOWN / 2);
     let part = |text: &str| -> String {

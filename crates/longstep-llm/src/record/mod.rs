@@ -1,7 +1,7 @@
-//! What was said to a model and what it answered, kept in a file and answered from it again.
+//! Recording and replay: a model's requests and replies, written to a file and answered from it.
 //!
-//! A recording is JSON Lines: first what the model is (its name, the kind of constraint it obeys, how it counts tokens),
-//! then each request with its reply, and the tokens of each message that was counted. No keys are in it.
+//! A recording is JSON Lines: first a description of the model (name, kind of constraint, counting of tokens), then
+//! each request with its reply, and the tokens of each counted message. It contains no keys.
 
 mod difference;
 mod replay;
@@ -19,21 +19,21 @@ use crate::{ChatModel, ModelError, Watch};
 pub(crate) use replay::Replay;
 use wire::{Line, WireCount, WireHead, WireRequest};
 
-/// A model whose requests and replies are appended to a file. It answers as the model does.
+/// A model whose requests and replies are appended to a file. Its answers are those of the wrapped model.
 pub struct Recording {
     model: Box<dyn ChatModel>,
     path: PathBuf,
     file: File,
-    /// Whether the file says already which model this is.
+    /// True if the file already has its first line.
     headed: bool,
     counted: HashSet<Message>,
     framed: bool,
-    /// What could not be written while tokens were counted; said at the next request.
+    /// A write that failed while tokens were counted; the next request returns it.
     failed: Option<ModelError>,
 }
 
 impl Recording {
-    /// Records `model` at the end of the file, which is made for its owner alone if it is not there.
+    /// Records `model` at the end of the file. A new file gets mode 600.
     ///
     /// # Errors
     ///
@@ -53,11 +53,11 @@ impl Recording {
         })
     }
 
-    /// Appends a line, in one write: another process may be recording to the same file.
+    /// Appends a line with a single write: another process may record to the file, too.
     fn write(&mut self, line: &Line) -> Result<(), ModelError> {
         let mut text = String::new();
         if !self.headed {
-            // Only now: some models know how they count once they have counted.
+            // Not earlier: some models know their way of counting only after the first count.
             let head = WireHead::of(self.model.as_ref());
             text = self.text(&Line::Recording(head))?;
         }
@@ -101,7 +101,7 @@ impl ChatModel for Recording {
 
     /// # Errors
     ///
-    /// Those of the model, and [`ModelError::File`] when the reply cannot be written down.
+    /// The errors of the model, and [`ModelError::File`] when the reply cannot be written.
     fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
         if let Some(error) = self.failed.take() {
             return Err(error);

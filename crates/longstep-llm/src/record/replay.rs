@@ -1,4 +1,4 @@
-//! A model that answers what was recorded, and nothing else.
+//! A model that answers only recorded requests.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use super::wire::{Line, VERSION, WireHead, WireReply, WireRequest};
 use crate::bounded::{LOG_LIMIT, read_text_bounded};
 use crate::{ChatModel, ModelError, Watch};
 
-/// A recording that is replayed.
+/// A replayed recording.
 #[derive(Debug)]
 pub(crate) struct Replay {
     path: PathBuf,
@@ -111,7 +111,7 @@ impl ChatModel for Replay {
 }
 
 impl TokenCounter for Replay {
-    /// As recorded; estimated for a message that was not counted then.
+    /// The recorded count, or an estimate for a message that was not counted.
     fn message_tokens(&mut self, message: &Message) -> u64 {
         let known = self.counts.get(message).copied();
         known.unwrap_or_else(|| EstimatedTokens::default().message_tokens(message))

@@ -71,7 +71,7 @@ fn quiet(_: Progress) {}
 fn what_was_recorded_is_answered_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("talk.jsonl");
-    // In two goes, since a file is gone on with.
+    // Twice, because an existing recording is continued.
     let message = Message::new(Role::User, "hello");
     for _ in 0..2 {
         let mut model = Recording::new(Box::new(Numbering(0)), &path).unwrap();

@@ -6,24 +6,24 @@ use serde_json::Value;
 
 use crate::ChatModel;
 
-/// The version of the format that is written and read.
+/// The version of the format.
 pub(super) const VERSION: u32 = 1;
 
-/// One line: an object with one key, which says what it is.
+/// One line: an object with one key, which names its kind.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Line {
-    /// Which model was recorded; the first line.
+    /// The recorded model; the first line.
     Recording(WireHead),
     /// A request and its reply.
     Turn { request: WireRequest, reply: WireReply },
-    /// A message that was counted.
+    /// A counted message.
     Count(WireCount),
-    /// The tokens around a conversation.
+    /// The tokens around the messages of a conversation.
     Frame(u64),
 }
 
-/// Which model was recorded.
+/// The recorded model.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct WireHead {
     /// The version of the format, see [`VERSION`].
@@ -69,7 +69,7 @@ pub(super) enum WireRole {
     Assistant,
 }
 
-/// What a request asks for. How many messages are fixed is about speed, and not part of it.
+/// The content of a request. The number of fixed messages only affects speed and is left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct WireRequest {
     pub(super) messages: Vec<WireMessage>,

@@ -1,4 +1,4 @@
-//! A streamed answer, put together from its events in the words of each dialect.
+//! A streamed answer, assembled from its events; one parser for each dialect.
 
 use longstep::dialogue::{Finish, Reply, Usage};
 use serde_json::Value;
@@ -10,33 +10,33 @@ use super::limit::TOKENS;
 /// Effect of an event on the answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Effect {
-    /// Nothing was written.
+    /// Nothing was added.
     Nothing,
     /// Text or reasoning was added.
     Written,
     /// The answer is complete.
     End,
-    /// More was written than the request allows.
+    /// The text is longer than the request allows.
     Full,
 }
 
-/// Why an event cannot be read.
+/// Reason why an event cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Unreadable {
     NoJson(String),
-    /// The server reports an error in the middle of its answer; this is the event.
+    /// The server reports an error in the middle of its answer, with the data of the event.
     Complaint(String),
 }
 
-/// An answer so far.
+/// The received part of an answer.
 #[derive(Debug)]
 pub(super) struct Answer {
     kind: Kind,
     text: String,
     refusal: String,
-    /// Bytes of reasoning and of calls to tools, which are counted and not kept.
+    /// Bytes of reasoning and tool calls, which are counted but not kept.
     aside: usize,
-    /// Bytes that may be written.
+    /// Limit of bytes for text, reasoning and tool calls.
     most: usize,
     finish: Option<Finish>,
     usage: Usage,
@@ -87,7 +87,7 @@ impl Answer {
         })
     }
 
-    /// The reply. One that is full was cut off here.
+    /// The reply. `full` means that the text was cut off at its limit.
     pub(super) fn reply(self, full: bool) -> Result<Reply, &'static str> {
         let finish = match self.finish {
             _ if full => Finish::Length,
@@ -115,7 +115,7 @@ impl Answer {
         let delta = &choice["delta"];
         match &delta["content"] {
             Value::String(text) => self.text.push_str(text),
-            // Mistral's models that reason.
+            // The form of Mistral's reasoning models.
             Value::Array(parts) => parts.iter().for_each(|part| match part["text"].as_str() {
                 Some(text) => self.text.push_str(text),
                 None => self.aside += length(&part["thinking"]),
@@ -136,7 +136,7 @@ impl Answer {
         }
     }
 
-    /// Returns true at the end.
+    /// Returns true at the end of the answer.
     fn add_anthropic(&mut self, value: &Value) -> bool {
         match value["type"].as_str().unwrap_or_default() {
             "message_start" => self.add_anthropic_usage(&value["message"]["usage"]),
@@ -157,7 +157,7 @@ impl Answer {
         false
     }
 
-    /// Input tokens leave those from the cache out here, and later events repeat only some of the numbers.
+    /// Anthropic counts cached tokens separately from input tokens, and later events repeat only some of the numbers.
     fn add_anthropic_usage(&mut self, usage: &Value) {
         if usage["input_tokens"].is_number() {
             let cached = tokens(&usage["cache_read_input_tokens"]);
@@ -170,7 +170,7 @@ impl Answer {
         }
     }
 
-    /// Returns true at the end, which has no mark but its reason.
+    /// Returns true at the end of the answer, which only the finish reason marks.
     fn add_gemini(&mut self, value: &Value) -> bool {
         let candidate = &value["candidates"][0];
         for part in candidate["content"]["parts"].as_array().into_iter().flatten() {
@@ -187,7 +187,7 @@ impl Answer {
             self.usage.completion_tokens =
                 tokens(&usage["candidatesTokenCount"]) + tokens(&usage["thoughtsTokenCount"]);
         }
-        // A prompt that is blocked gets no candidate.
+        // A blocked prompt gets no candidate.
         if value["promptFeedback"]["blockReason"].is_string() {
             self.finish = Some(Finish::Refused);
             return true;
@@ -197,7 +197,7 @@ impl Answer {
     }
 }
 
-/// The reason for an end, in the words of all dialects.
+/// The finish reason in the terms of any dialect.
 fn finish(reason: &Value) -> Option<Finish> {
     Some(match reason.as_str()? {
         "length" | "max_tokens" | "MAX_TOKENS" | "incomplete" | "model_context_window_exceeded" | "model_length" => {
@@ -209,12 +209,12 @@ fn finish(reason: &Value) -> Option<Finish> {
     })
 }
 
-/// A number of tokens; 0 if it is none that can be right.
+/// A number of tokens; 0 if it is missing or implausible.
 fn tokens(value: &Value) -> u64 {
     value.as_u64().filter(|tokens| *tokens <= TOKENS).unwrap_or(0)
 }
 
-/// Bytes of the texts in a value.
+/// Bytes of all strings in a value.
 fn length(value: &Value) -> usize {
     match value {
         Value::String(text) => text.len(),

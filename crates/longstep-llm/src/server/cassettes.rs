@@ -1,6 +1,6 @@
-//! Conversations with servers (`tests/cassettes/*.json`), played again: every request must be the one on the cassette,
-//! body and key included, before it is answered. The answers are in the form that each server documents; only those of
-//! `llama_cpp_python*.json` were taken down from a running server.
+//! Replays of conversations with servers (`tests/cassettes/*.json`). Every request must equal the recorded one,
+//! including its body and key. The responses follow each server's documentation; only those of `llama_cpp_python*.json`
+//! were recorded from a running server.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,14 +15,14 @@ use super::ServerModel;
 use crate::test_server::{TestServer, announced, answer};
 use crate::{ChatModel, OpenOptions, Progress, Sampling};
 
-/// A file of `tests/cassettes`. `{server}` stands for the address of the server that plays it.
+/// A file of `tests/cassettes`. `{server}` stands for the address of the test server.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Cassette {
-    /// What it shows.
+    /// Purpose of the test.
     #[expect(dead_code, reason = "for whoever reads the file")]
     about: String,
-    /// The reference that is opened.
+    /// The reference of the model.
     model: String,
     environment: BTreeMap<String, String>,
     #[serde(default)]
@@ -36,16 +36,16 @@ struct Cassette {
 struct Exchange {
     /// Method and path.
     request: String,
-    /// Headers that must be there, the one with the key among them; `null` for one that must not.
+    /// Required headers, including the one with the key; `null` for a header that must be absent.
     #[serde(default)]
     headers: BTreeMap<String, Option<String>>,
     body: Value,
     status: String,
     #[serde(default)]
     answer_headers: Vec<String>,
-    /// The lines of the answer, joined with line ends.
+    /// The lines of the answer, joined with line feeds.
     answer: Vec<String>,
-    /// Whether the connection ends before the answer does.
+    /// True if the connection ends before the answer does.
     #[serde(default)]
     cut: bool,
 }
@@ -57,10 +57,10 @@ struct Outcome {
     text: String,
     /// `Stop`, `Length`, `Refused`, or a part of the error.
     finish: String,
-    /// Tokens of the prompt, of those from the cache, and of the answer.
+    /// Tokens of the prompt, cached tokens, and tokens of the answer.
     #[serde(default)]
     usage: [u64; 3],
-    /// The beginnings of the warnings.
+    /// The beginnings of the expected warnings.
     #[serde(default)]
     warnings: Vec<String>,
     #[serde(default)]
@@ -87,7 +87,7 @@ fn request() -> ChatRequest {
     }
 }
 
-/// What is wrong with a request, if something is.
+/// The difference between a request and the recorded one, if there is one.
 fn wrong(exchange: &Exchange, request: &str) -> Option<String> {
     let (head, body) = request.split_once("\r\n\r\n")?;
     let mut lines = head.lines();

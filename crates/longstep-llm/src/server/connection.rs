@@ -1,4 +1,4 @@
-//! One try: a request out, the streamed answer in, with a limit on every part of it.
+//! One attempt: sends a request and reads the streamed answer, with a limit on every part of it.
 
 use std::time::Duration;
 
@@ -16,34 +16,34 @@ use super::retry::retry_after;
 use crate::call::{self, Call, GivenUp, root};
 use crate::{AnswerLimit, ModelError, Progress, Sampling, StopFlag};
 
-/// A client for one server.
+/// An HTTP client for one server.
 #[derive(Debug)]
 pub(super) struct Connection {
     http: reqwest::Client,
-    /// How long a server may send nothing.
+    /// Longest time in which the server may send nothing.
     silence: Duration,
-    /// The time for one call, with all its tries.
+    /// Time limit for one call, including all retries.
     pub(super) timeout: Duration,
     pub(super) stop: StopFlag,
 }
 
-/// How a try failed.
+/// Failure of an attempt.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// The server answered with an error; the message is on one line and without the key.
+    /// The server answered with an error; the message is one line, without the key.
     Rejected {
         status: u16,
         message: String,
-        /// How long it asks to wait.
+        /// The wait that the server asks for (`Retry-After`).
         wait: Option<Duration>,
     },
-    /// Trying again cannot help, or must not.
+    /// A retry cannot help, or must not happen.
     Final(ModelError),
-    /// The connection failed before anything was answered.
+    /// The connection failed before the answer began.
     Unreachable(ModelError),
 }
 
-/// What is sent for a reply.
+/// The content of a chat request.
 pub(super) struct Outgoing<'a> {
     pub(super) endpoint: &'a Endpoint,
     pub(super) dialect: Dialect,
@@ -51,7 +51,7 @@ pub(super) struct Outgoing<'a> {
     pub(super) sampling: &'a Sampling,
 }
 
-/// A reply, and whether it was cut off here because the server went on.
+/// A reply. `cut` is true if it was cut off because the server exceeded the limit.
 pub(super) struct Received {
     pub(super) reply: Reply,
     pub(super) cut: bool,
@@ -59,7 +59,7 @@ pub(super) struct Received {
 
 impl Connection {
     pub(super) fn new(silence: Duration, timeout: Duration, stop: StopFlag) -> Result<Self, String> {
-        // A key is for the host that it was given for.
+        // No redirects: the key must not go to another host.
         let http = call::client(0)?;
         Ok(Self {
             http,
@@ -69,7 +69,7 @@ impl Connection {
         })
     }
 
-    /// Sends a request and reads the answer as it comes.
+    /// Sends a request and reads the streamed answer.
     pub(super) fn ask(
         &self,
         outgoing: &Outgoing<'_>,
@@ -81,8 +81,7 @@ impl Connection {
             .unwrap_or_else(|error| Err(Failure::Final(unreachable(endpoint, &error.to_string()))))
     }
 
-    /// Sends a question beside the chat and returns the body of the answer, if one comes that is no error, in time and
-    /// not too long.
+    /// Sends a request besides the chat. Returns the body if the status is a success, in time and within the limit.
     pub(super) fn question(&self, request: impl FnOnce(&reqwest::Client) -> RequestBuilder) -> Option<Vec<u8>> {
         let stopped = || self.stop.is_set();
         let call = Call::new(limit::QUESTION_TIME, &stopped);
@@ -145,8 +144,8 @@ impl Connection {
         }
     }
 
-    /// Reads the beginning of an error's body. An error that comes slowly, or without an end, is still an error with a
-    /// status.
+    /// Reads the beginning of an error response. If the body is slow or endless, the error with its status is still
+    /// reported.
     async fn rejected(&self, mut response: Response, endpoint: &Endpoint, call: &Call<'_>) -> Failure {
         let status = response.status().as_u16();
         let wait = response.headers().get(RETRY_AFTER).and_then(retry_after);
@@ -161,7 +160,7 @@ impl Connection {
             }
         }
         if body.len() >= COMPLAINT_BYTES {
-            // The last bytes may be the beginning of the key, which would not be recognised.
+            // The last bytes may be the beginning of the key, which redaction would not recognize.
             body.truncate(COMPLAINT_BYTES - KEY_BYTES);
         }
         let message = endpoint.one_line(&complaint(&String::from_utf8_lossy(&body)));
@@ -180,15 +179,15 @@ impl Connection {
     }
 }
 
-/// A streamed answer that is being read.
+/// A streamed answer while it is read.
 struct Incoming<'a> {
     endpoint: &'a Endpoint,
     events: EventReader,
     answer: Answer,
-    /// Bytes so far, as they came off the wire, and the most that may come.
+    /// Bytes received so far, and their limit.
     bytes: u64,
     most: u64,
-    /// Pieces of text so far.
+    /// Number of received pieces of text.
     pieces: usize,
     cut: bool,
 }
@@ -206,7 +205,7 @@ impl<'a> Incoming<'a> {
         }
     }
 
-    /// Adds the bytes that came, or the end of the stream. Returns true when the answer is complete.
+    /// Adds received bytes; `None` is the end of the stream. Returns true when the answer is complete.
     fn add(&mut self, part: Option<&[u8]>, tell: &mut dyn FnMut(Progress)) -> Result<bool, ModelError> {
         self.bytes += part.map_or(0, |part| part.len() as u64);
         if self.bytes > self.most {
@@ -225,7 +224,7 @@ impl<'a> Incoming<'a> {
             match effect.map_err(|reason| unreadable(self.endpoint, reason))? {
                 Effect::Nothing => {}
                 Effect::Written => {
-                    // A piece is a token with most servers, and a few with others.
+                    // A piece is one token with most servers, and a few tokens with others.
                     self.pieces += 1;
                     tell(Progress::Writing { tokens: self.pieces });
                 }
@@ -247,10 +246,10 @@ impl<'a> Incoming<'a> {
 
 const BROKEN_OFF: &str = "it broke off before its end";
 
-/// The longest key that is recognised where an error's body is cut.
+/// Longest key that is recognized in a truncated error body.
 const KEY_BYTES: usize = 8 << 10;
 
-/// The failure of a request that got no answer.
+/// Maps a request that got no response.
 fn no_answer(endpoint: &Endpoint, error: &reqwest::Error) -> Failure {
     let reason = endpoint.one_line(&root(error));
     match call::http_error(error) {
@@ -296,7 +295,7 @@ fn unreachable(endpoint: &Endpoint, reason: &str) -> ModelError {
     }
 }
 
-/// The sentence in a server's complaint, or all of it.
+/// The message in a server's error body, or the whole body.
 fn complaint(body: &str) -> String {
     let value: Option<Value> = serde_json::from_str(body).ok();
     let message = value.as_ref().and_then(|value| {

@@ -1,4 +1,4 @@
-//! Counting tokens for models that are elsewhere.
+//! Token counts for models on servers.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -12,33 +12,33 @@ use super::endpoint::{Endpoint, Kind};
 use super::limit::COUNTING_TIME;
 use super::probe::Tokenizer;
 
-/// Tokens around a message with OpenAI's models, its role not counted, and those that open the answer: as OpenAI's own
-/// instructions for counting have it.
+/// Tokens that OpenAI's models add to a message (its role excluded), and those that open the answer, by OpenAI's own
+/// instructions for counting.
 const OPENAI_AROUND: u64 = 3;
 
-/// Tokens around a message for other models, role and line ends included, as most chat templates have it.
+/// Tokens that other models add to a message, including role and line ends, by common chat templates.
 const TEMPLATE_AROUND: u64 = 5;
 
 /// Counts the tokens of one model.
 #[derive(Debug)]
 pub(super) struct Counter {
     way: Way,
-    /// What has been counted: the same fixed parts are counted again and again.
+    /// Cached counts: the same fixed parts are counted many times.
     counted: HashMap<Message, u64>,
     estimate: Calibrated,
-    /// The time that questions to the server have taken.
+    /// Total time of the token requests to the server.
     asked: Duration,
 }
 
 #[derive(Debug)]
 enum Way {
-    /// A tokenizer of OpenAI's, which is read when it is first used.
+    /// A tokenizer of OpenAI, loaded at its first use.
     OpenAi(Family),
-    /// The server may have a tokenizer; it is asked when something is first counted.
+    /// The server may have a tokenizer; the first count finds out.
     Unasked,
-    /// The server's own.
+    /// The server's tokenizer.
     Server(Tokenizer),
-    /// Nobody says.
+    /// No tokenizer is available.
     Estimate,
 }
 
@@ -59,13 +59,13 @@ impl Counter {
         }
     }
 
-    /// Tokens of a message, with what is around it.
+    /// Tokens of a message, including the template around it.
     pub(super) fn message(&mut self, message: &Message, endpoint: &Endpoint, connection: &Connection) -> u64 {
         if let Some(known) = self.counted.get(message) {
             return *known;
         }
         let text = message.text.as_str();
-        // A question that was called off says nothing about the server.
+        // A cancelled request gives no information about the server.
         if connection.stop.is_set() {
             return self.estimate.now().message_tokens(message);
         }
@@ -92,18 +92,18 @@ impl Counter {
         self.asked += began.elapsed();
         let given_up = count.is_none() || self.asked > COUNTING_TIME;
         if matches!(self.way, Way::Server(_)) && given_up && !connection.stop.is_set() {
-            // A server that has once failed to count, or that is slow, would be waited for with every message.
+            // If one count fails or is slow, every further message would wait for the server, too.
             self.way = Way::Estimate;
         }
         let Some(count) = count else {
-            // Not kept: the next reply may teach better.
+            // Not cached: the next reply may improve the estimate.
             return self.estimate.now().message_tokens(message);
         };
         self.counted.insert(message.clone(), count);
         count
     }
 
-    /// Tokens around a whole conversation.
+    /// Tokens around the messages of a conversation.
     pub(super) fn frame(&self) -> u64 {
         match &self.way {
             Way::OpenAi(_) => OPENAI_AROUND,
@@ -115,7 +115,7 @@ impl Counter {
     pub(super) fn counting(&self, endpoint: &Endpoint) -> Counting {
         match &self.way {
             Way::OpenAi(_) => Counting::Exact(format!("the tokenizer of {}", endpoint.model)),
-            // Texts are counted exactly; what the template adds is not known.
+            // Texts are counted exactly, but the tokens of the template are unknown.
             Way::Server(_) => Counting::Estimate(format!(
                 "the tokenizer of {} on its server, and {TEMPLATE_AROUND} tokens taken for what is around a message",
                 endpoint.model
@@ -124,13 +124,13 @@ impl Counter {
         }
     }
 
-    /// Learns from what the server says that a conversation had.
+    /// Calibrates the estimate with the server's count for a conversation.
     pub(super) fn learn(&mut self, messages: &[Message], usage: &Usage) {
         self.estimate.learn(messages, usage.prompt_tokens);
     }
 }
 
-/// The tokenizer of a family of chat models, to be read.
+/// The loader of the tokenizer of a family of chat models.
 fn tokenizer(family: Family) -> Option<fn() -> &'static CoreBPE> {
     match family {
         Family::O200kBase => Some(tiktoken_rs::o200k_base_singleton),
@@ -148,7 +148,7 @@ fn role(role: Role) -> &'static str {
     }
 }
 
-/// Characters of a token, as the replies so far have it.
+/// Characters a token, calibrated with the replies so far.
 #[derive(Debug, Default)]
 struct Calibrated {
     replies: u32,
@@ -160,7 +160,7 @@ impl Calibrated {
     fn learn(&mut self, messages: &[Message], prompt_tokens: u64) {
         let around = EstimatedTokens::default().around * (messages.len() as u64 + 1);
         let characters: usize = messages.iter().map(|message| message.text.chars().count()).sum();
-        // A server that counts nothing, or not all, teaches nothing.
+        // A server that counts no tokens, or not all, is ignored.
         let tokens = prompt_tokens.saturating_sub(around);
         if tokens > 0 && characters as u64 > tokens {
             self.replies += 1;
@@ -201,7 +201,7 @@ mod tests {
         let mut estimate = Calibrated::default();
         let message = Message::new(Role::User, "x".repeat(400));
         assert_eq!(estimate.now(), EstimatedTokens::default());
-        // Nothing told, and what cannot be.
+        // Zero tokens, and an implausible number.
         estimate.learn(std::slice::from_ref(&message), 0);
         estimate.learn(std::slice::from_ref(&message), 5000);
         assert_eq!(estimate.replies, 0);

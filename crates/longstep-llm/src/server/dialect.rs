@@ -1,4 +1,4 @@
-//! How a server wants to be asked; learnt from what it rejects.
+//! The request format of a server, reduced by the parameters that it rejects.
 
 use longstep::dialogue::{ChatRequest, Constraint, Message, Role};
 use serde_json::{Map, Value, json};
@@ -6,30 +6,29 @@ use serde_json::{Map, Value, json};
 use super::endpoint::Kind;
 use crate::Sampling;
 
-/// How a schema is sent.
+/// The form of a JSON schema in a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum SchemaForm {
-    /// `response_format: json_schema`, or what the dialect has for it.
+    /// `response_format: json_schema`, or the equivalent of the dialect.
     Schema,
-    /// `response_format: json_object` with a schema beside it: what llama.cpp's relatives had first.
+    /// `response_format: json_object` with a schema beside it: the older form of llama.cpp and its relatives.
     Object,
-    /// Not at all.
+    /// No schema.
     Nothing,
 }
 
-/// What a server takes.
+/// The parameters that a server accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Dialect {
     kind: Kind,
-    /// What the limit of tokens is called. OpenAI's newer models reject the old name, and several other servers do not
-    /// know the new one and would ignore it.
+    /// Name of the token limit. OpenAI's newer models reject the old name; several other servers ignore the new one.
     limit: &'static str,
     schema: SchemaForm,
-    /// Models that reason take none.
+    /// Reasoning models reject it.
     temperature: bool,
     top_p: bool,
     seed: bool,
-    /// Whether it tells what a streamed answer cost.
+    /// True if the server reports the token usage of a streamed answer.
     usage: bool,
 }
 
@@ -37,7 +36,7 @@ const NEW_LIMIT: &str = "max_completion_tokens";
 const OLD_LIMIT: &str = "max_tokens";
 
 impl Dialect {
-    /// What this kind of server takes, as far as is known before it was asked.
+    /// The initial dialect for a kind of server.
     pub(super) fn of(kind: Kind) -> Self {
         let limit = match kind {
             Kind::OpenAi | Kind::Azure => NEW_LIMIT,
@@ -54,13 +53,13 @@ impl Dialect {
         }
     }
 
-    /// Whether a schema is sent.
+    /// True if requests carry a schema.
     pub(super) fn sends_schema(&self) -> bool {
         self.schema != SchemaForm::Nothing
     }
 
-    /// The dialect without what the server's complaint names, and what to warn of; `None` if the complaint names nothing
-    /// that can be left out.
+    /// Removes the parameter that the server's error message names. Returns the smaller dialect and a warning, or
+    /// `None` if the message names no parameter that can be omitted.
     pub(super) fn without(
         self,
         complaint: &str,
@@ -71,7 +70,7 @@ impl Dialect {
         let names = |words: &[&str]| words.iter().any(|word| complaint.contains(word));
         let asked = matches!(request.constraint, Constraint::JsonSchema(_)) && self.sends_schema();
         if asked && names(&["response_format", "json_schema", "output_config", "responsejsonschema"]) {
-            // OpenAI itself has nothing between a schema and none; others do.
+            // OpenAI and Azure have no second form of a schema; other servers may.
             if self.schema == SchemaForm::Schema && matches!(self.kind, Kind::Other | Kind::Ollama) {
                 let schema = SchemaForm::Object;
                 return Some((Self { schema, ..self }, None));
@@ -158,7 +157,7 @@ impl Dialect {
     }
 }
 
-/// What is sent of a [`Sampling`].
+/// The parts of a [`Sampling`] that are sent.
 #[derive(Debug, Clone, Copy)]
 struct Choice {
     temperature: Option<f64>,
@@ -166,14 +165,15 @@ struct Choice {
     seed: Option<u64>,
 }
 
-/// Adds a field that is given.
+/// Adds a field if it has a value.
 fn add(fields: &mut Map<String, Value>, name: &str, value: Option<impl Into<Value>>) {
     if let Some(value) = value {
         fields.insert(name.to_owned(), value.into());
     }
 }
 
-/// The system messages as one text, which these dialects keep apart from the conversation; and the other messages.
+/// Joins the system messages to one text, which these dialects send apart from the conversation; also returns the other
+/// messages.
 fn parted(request: &ChatRequest) -> (Option<String>, impl Iterator<Item = &Message>) {
     let (system, rest): (Vec<_>, Vec<_>) = request
         .messages
@@ -206,7 +206,7 @@ fn anthropic(model: &str, request: &ChatRequest, schema: Option<&Value>, choice:
     body.into()
 }
 
-/// The model stands in the address.
+/// The model is part of the address.
 fn gemini(request: &ChatRequest, schema: Option<&Value>, choice: Choice) -> Value {
     let (system, messages) = parted(request);
     let contents = messages.map(|message| {
@@ -237,8 +237,8 @@ fn gemini(request: &ChatRequest, schema: Option<&Value>, choice: Choice) -> Valu
     body.into()
 }
 
-/// Whether an answer is what the schema asks for, as far as can be told at a glance: JSON of the right kind, with the
-/// keys that must be there. Whoever reads the answer looks closer.
+/// Returns true if an answer plausibly matches the schema: JSON of the right kind, with the required keys. The reader
+/// of the answer checks the rest.
 pub(super) fn fits(text: &str, schema: &Value) -> bool {
     let Ok(value) = serde_json::from_str::<Value>(text.trim()) else {
         return false;

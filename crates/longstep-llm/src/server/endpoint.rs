@@ -1,26 +1,25 @@
-//! Where a server is, how it is spoken to, and the key that opens it.
+//! Address, API and key of a server.
 
 use super::redaction::Redaction;
 use super::secret::Secret;
 use crate::{ModelError, ModelReference};
 
-/// Looks an environment variable up; empty counts as unset.
+/// Looks up an environment variable; an empty one counts as unset.
 pub(super) type Lookup<'a> = &'a dyn Fn(&str) -> Option<String>;
 
-/// The version of Azure's interface that is asked for when nobody says another: the oldest generally available one that
-/// takes JSON schemas.
+/// Default version of Azure's API: the oldest generally available one with JSON schemas.
 const AZURE_VERSION: &str = "2024-10-21";
 
-/// The version of Anthropic's interface that is asked for.
+/// Version of Anthropic's API.
 const ANTHROPIC_VERSION: &str = "2023-06-01";
 
-/// Who serves, as far as that makes a difference.
+/// The kind of server, as far as requests differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     OpenAi,
     Azure,
     Ollama,
-    /// llama.cpp, vLLM and whatever else speaks OpenAI's dialect.
+    /// llama.cpp, vLLM and other servers with OpenAI's API.
     Other,
     Anthropic,
     Gemini,
@@ -32,19 +31,20 @@ pub(super) struct Endpoint {
     pub(super) kind: Kind,
     /// The model's name there.
     pub(super) model: String,
-    /// The base address as it may be shown: without a user and password.
+    /// The base address without user and password, for messages.
     pub(super) server: String,
-    /// The base address, without a slash at the end.
+    /// The base address, without a trailing slash.
     base: String,
-    /// The address of chats.
+    /// The address of chat requests.
     chat: String,
     key: Option<Secret>,
-    /// The key, and the password of the address.
+    /// Removes the key and the address's password from texts.
     redaction: Redaction,
 }
 
 impl Endpoint {
-    /// The endpoint that a reference means, with keys and addresses from the environment; none if it means no server.
+    /// The endpoint of a reference, with keys and addresses from the environment; `None` if the reference is not a
+    /// server.
     pub(super) fn of(reference: &ModelReference, variable: Lookup<'_>) -> Option<Result<Self, ModelError>> {
         Some(match reference {
             ModelReference::OpenAi { model } => Self::openai(model, variable),
@@ -83,8 +83,8 @@ impl Endpoint {
         Ok(endpoint)
     }
 
-    /// By OpenAI's dialect, which Ollama has under `/v1`: its own has no mark at the end of a stream, so that one that
-    /// broke off could not be told from a whole one.
+    /// Uses OpenAI's API under `/v1`: Ollama's own API does not mark the end of a stream, so an interrupted answer
+    /// would look complete.
     fn ollama(model: &str, variable: Lookup<'_>) -> Self {
         let host = variable("OLLAMA_HOST").unwrap_or_else(|| "http://localhost:11434".into());
         Self::new(Kind::Ollama, &format!("{}/v1", ollama_address(&host)), model, None)
@@ -105,7 +105,7 @@ impl Endpoint {
         Ok(Self::new(Kind::Gemini, &base, model, Some(key)))
     }
 
-    /// OpenAI's key goes to OpenAI alone.
+    /// OpenAI's key is sent to OpenAI alone.
     fn other(url: &str, model: &str, variable: Lookup<'_>) -> Self {
         let openai = is_openai(url);
         let key = variable("LONGSTEP_API_KEY").or_else(|| variable("OPENAI_API_KEY").filter(|_| openai));
@@ -133,12 +133,12 @@ impl Endpoint {
         }
     }
 
-    /// The address of chats.
+    /// The address of chat requests.
     pub(super) fn chat_url(&self) -> &str {
         &self.chat
     }
 
-    /// The headers of a chat: the key, and what the dialect wants besides.
+    /// The headers of a chat request: the key, and others that the dialect requires.
     pub(super) fn chat_headers(&self) -> Vec<(String, String)> {
         let key_in = |name: &str| {
             let key = self.key.as_ref();
@@ -155,37 +155,36 @@ impl Endpoint {
         headers.into_iter().flatten().collect()
     }
 
-    /// The address that tells this server from others: without user, password and query, in the form in which equal
-    /// addresses are equal texts.
+    /// Canonical form of the address: without user, password and query, so that equal addresses are equal texts.
     pub(super) fn normal_address(&self) -> String {
         let Ok(mut url) = reqwest::Url::parse(&self.base) else {
             return self.server.clone();
         };
-        // Only fails for addresses that have no host, and those have no user either.
+        // Fails only for an address without a host, which has no user either.
         let _ = url.set_username("").and_then(|()| url.set_password(None));
         url.set_query(None);
         url.set_fragment(None);
         url.as_str().trim_end_matches('/').to_owned()
     }
 
-    /// The header that carries the key.
+    /// The header with the key.
     pub(super) fn key_header(&self) -> Option<(String, String)> {
         self.key.as_ref().map(Secret::header)
     }
 
-    /// An address beside the base's `/v1`, such as `/tokenize`.
+    /// An address next to the base's `/v1`, such as `/tokenize`.
     pub(super) fn beside(&self, path: &str) -> String {
         format!("{}{path}", self.base.strip_suffix("/v1").unwrap_or(&self.base))
     }
 
-    /// A model's reply without keys: some servers repeat what they are sent.
+    /// Removes keys from a model's reply: some servers repeat what they receive.
     pub(super) fn without_keys(&self, reply: &str) -> String {
         self.redaction.of_reply(reply)
     }
 
-    /// A text that may be shown: without the key, on one line, not too long.
+    /// Makes a text safe to print: without the key, on one line, shortened.
     pub(super) fn one_line(&self, text: &str) -> String {
-        /// How much of a server's complaint is repeated, in characters.
+        /// Limit for a server's error message, in characters.
         const MOST: usize = 300;
         let text = self.redaction.of_message(text);
         let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -196,7 +195,7 @@ impl Endpoint {
     }
 }
 
-/// The first of these variables that is set, as the key of its kind of server.
+/// The first of these variables that is set, as a bearer key.
 fn key(names: &[&'static str], base: &str, variable: Lookup<'_>) -> Result<Secret, ModelError> {
     let found = names.iter().find_map(|name| variable(name));
     found.map(Secret::bearer).ok_or_else(|| ModelError::NoKey {
@@ -205,13 +204,13 @@ fn key(names: &[&'static str], base: &str, variable: Lookup<'_>) -> Result<Secre
     })
 }
 
-/// Whether an address is OpenAI's own: its host, whole, over HTTPS.
+/// True for OpenAI's own host over HTTPS.
 pub(super) fn is_openai(url: &str) -> bool {
     let url = reqwest::Url::parse(url).ok();
     url.is_some_and(|url| url.scheme() == "https" && url.host_str() == Some("api.openai.com"))
 }
 
-/// The address of Ollama, which may be given as it is given to Ollama itself: `0.0.0.0`, `host:port`, a whole address.
+/// The address of Ollama, in any form that Ollama accepts: `0.0.0.0`, `host:port`, or a full address.
 fn ollama_address(host: &str) -> String {
     let host = host.trim().trim_end_matches('/');
     let whole = if host.contains("://") {
@@ -226,17 +225,17 @@ fn ollama_address(host: &str) -> String {
         .rsplit_once(':')
         .is_some_and(|(_, port)| port.parse::<u16>().is_ok());
     if !named && url.scheme() == "http" {
-        // Only fails for addresses without a host, which have failed already.
+        // Fails only for an address without a host, which has failed already.
         let _ = url.set_port(Some(11434));
     }
-    // What Ollama listens on with this is every address of its machine; it is reached on this one.
+    // On `0.0.0.0` Ollama listens on all addresses of its machine; clients connect to 127.0.0.1.
     if url.host_str() == Some("0.0.0.0") {
         let _ = url.set_host(Some("127.0.0.1"));
     }
     url.as_str().trim_end_matches('/').to_owned()
 }
 
-/// The password of an address, decoded; its user where there is no password, since that is a token then.
+/// The decoded password of an address; without a password, its user, which is then a token.
 fn password(base: &str) -> Option<String> {
     let url = reqwest::Url::parse(base).ok()?;
     let written = url
@@ -260,7 +259,7 @@ fn password(base: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// An address without the user and password that may be written into it.
+/// An address without user and password.
 fn without_password(url: &str) -> String {
     match url.split_once("://") {
         Some((scheme, rest)) => {

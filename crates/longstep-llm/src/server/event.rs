@@ -1,7 +1,7 @@
-//! Server-sent events, read from bytes as they come.
+//! Reader of server-sent events.
 //!
-//! The reader keeps one line and one event, and both have a limit, so a server cannot make it grow. Crates for this
-//! format collect lines and events without one, which is why this is ours.
+//! It keeps one line and one event, both with a limit, so a server cannot exhaust memory. The crates for this format
+//! have no such limits.
 
 use std::str::Utf8Error;
 
@@ -17,19 +17,19 @@ pub(super) struct Event {
     pub(super) data: String,
 }
 
-/// Why a stream cannot be read on.
+/// Reason why reading a stream stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Broken {
     TooLarge(AnswerLimit),
     NoText(Utf8Error),
 }
 
-/// Reads events from the pieces of a stream, wherever they are cut.
+/// Reads events from the chunks of a stream, at any chunk boundaries.
 #[derive(Debug, Default)]
 pub(super) struct EventReader {
-    /// The line so far.
+    /// The incomplete line.
     line: Vec<u8>,
-    /// The event so far.
+    /// The incomplete event.
     event: Event,
     lines: u64,
     /// The last byte was a carriage return: a line feed after it belongs to the same line end.
@@ -37,7 +37,7 @@ pub(super) struct EventReader {
 }
 
 impl EventReader {
-    /// Takes bytes off `input` until an event is complete. Returns `None` when all of them are taken.
+    /// Consumes `input` until an event is complete. Returns `None` when all of it is consumed.
     pub(super) fn next(&mut self, input: &mut &[u8]) -> Result<Option<Event>, Broken> {
         while let Some(&first) = input.first() {
             if std::mem::take(&mut self.after_return) && first == b'\n' {
@@ -61,8 +61,8 @@ impl EventReader {
         Ok(None)
     }
 
-    /// Returns the event that the end of the stream completes. The format wants an empty line after every event, and not
-    /// all servers write the last one.
+    /// Returns the event that the end of the stream completes. The format requires an empty line after every event, but
+    /// not all servers write the last one.
     pub(super) fn end(&mut self) -> Result<Option<Event>, Broken> {
         if !self.line.is_empty()
             && let Some(event) = self.end_line()?
@@ -107,7 +107,7 @@ impl EventReader {
 mod tests {
     use super::*;
 
-    /// Reads a stream that comes in pieces of this size: data of the events, or the reason why not.
+    /// Reads a stream in chunks of this size: names and data of its events, or the error.
     fn read(stream: &[u8], piece: usize) -> Result<Vec<(String, String)>, Broken> {
         let mut reader = EventReader::default();
         let mut events = Vec::new();
@@ -128,7 +128,7 @@ mod tests {
             ("data: a\r\rdata: b\r\r", vec![("", "a"), ("", "b")]),
             ("event: x\ndata: a\ndata: b\n\n", vec![("x", "a\nb")]),
             (": comment\n\n\n\nid: 1\nretry: 2\n\ndata: ä€😀\n\n", vec![("", "ä€😀")]),
-            // Without the last empty line, and without the last line end.
+            // Without the last empty line; without the last line end.
             ("data: a\n", vec![("", "a")]),
             ("data: [DONE]", vec![("", "[DONE]")]),
             ("<html>hello</html>", vec![]),

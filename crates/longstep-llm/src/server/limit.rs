@@ -1,13 +1,12 @@
-//! Limits on what a server may send and on how long it may take. `docs/models.md` lists them.
+//! Limits on the size and duration of a server's answers. `docs/models.md` lists them.
 //!
-//! Every byte is counted before it is kept, and no text grows without a limit: a server decides how much it sends, and
-//! these numbers decide how much is read.
+//! Every byte is counted before it is kept, and no text grows without a limit.
 
 use std::time::Duration;
 
 use crate::{AnswerLimit, ModelError};
 
-/// Bytes of a streamed answer off the wire, where so many tokens are asked for. In OpenAI's dialect a token takes about 300.
+/// Bytes of a streamed answer for this token limit. In OpenAI's dialect a token takes about 300.
 pub(super) fn answer_bytes(max_tokens: u32) -> u64 {
     const MOST: u64 = 64 << 20;
     ((4 << 20) + 1024 * u64::from(max_tokens)).min(MOST)
@@ -16,25 +15,25 @@ pub(super) fn answer_bytes(max_tokens: u32) -> u64 {
 /// Bytes of one event and of one line in a streamed answer.
 pub(super) const EVENT_BYTES: usize = 1 << 20;
 
-/// Lines of a streamed answer, empty ones and comments included.
+/// Lines of a streamed answer, including empty ones and comments.
 pub(super) const LINES: u64 = 500_000;
 
-/// Bytes that are read of an error's body, and the time for them. What comes later is not needed to say what is wrong.
+/// Bytes of an error body that are read, and the time for them. The rest is not needed for the message.
 pub(super) const COMPLAINT_BYTES: usize = 64 << 10;
 pub(super) const COMPLAINT_TIME: Duration = Duration::from_secs(5);
 
-/// Bytes and time for the answer to a question beside the chat.
+/// Bytes and time for the answer to a request besides the chat.
 pub(super) const QUESTION_BYTES: usize = 4 << 20;
 pub(super) const QUESTION_TIME: Duration = Duration::from_secs(2);
 
-/// The time for all questions about tokens that one model is asked. Afterwards tokens are estimated.
+/// Total time for a model's token requests. Afterwards tokens are estimated.
 pub(super) const COUNTING_TIME: Duration = Duration::from_secs(30);
 
-/// The largest number of tokens that is believed. A larger one, in a count or as a context, counts as not given.
+/// Largest plausible number of tokens. A larger count or context is ignored.
 pub(super) const TOKENS: u64 = 1_000_000_000;
 
-/// Bytes of text, reasoning included, that so many tokens can have. A token of JSON has about four bytes; 32 leaves
-/// room for blanks, which tokenizers join.
+/// Bytes of text, including reasoning, for this token limit. A token of JSON has about four bytes; 32 leaves room for
+/// runs of blanks, which tokenizers join.
 pub(super) fn text_bytes(max_tokens: u32) -> usize {
     4096 + 32 * max_tokens as usize
 }

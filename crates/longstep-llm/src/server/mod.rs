@@ -1,8 +1,8 @@
-//! Models on servers: OpenAI's dialect wherever it is spoken, Anthropic's and Gemini's.
+//! Models on servers, by the APIs of OpenAI, Anthropic and Gemini.
 //!
-//! A request goes out in the server's [`dialect`], which shrinks by what the server rejects; [`connection`] carries it
-//! and reads the streamed answer, [`event`] by event, into an [`answer`]; [`retry`] says when it is worth another try.
-//! Everything that a server sends has a [`limit`]. Tokens are counted by [`count`].
+//! [`dialect`] builds the request and omits parameters that the server rejects; [`connection`] sends it and reads the
+//! streamed answer, [`event`] by event, into an [`answer`]; [`retry`] decides about further attempts. [`limit`] bounds
+//! everything that a server sends, and [`count`] counts tokens.
 
 mod answer;
 mod connection;
@@ -27,7 +27,7 @@ use count::Counter;
 use dialect::Dialect;
 use endpoint::{Endpoint, Lookup};
 
-/// How often in one chat a request is changed to what the server takes. There are fewer things that can be left out.
+/// Limit for changes of the dialect in one chat, above the number of parameters that can be omitted.
 const CHANGES: usize = 8;
 
 /// A model of a server.
@@ -36,19 +36,19 @@ pub(crate) struct ServerModel {
     endpoint: Endpoint,
     connection: Connection,
     sampling: Sampling,
-    /// How this server wants to be asked; learnt from what it rejects.
+    /// The request format, reduced by the parameters that the server rejects.
     dialect: Dialect,
-    /// Whether it was told that the server ignores schemas.
+    /// True if a warning about ignored schemas was given.
     ignoring_told: bool,
     counter: Counter,
-    /// The context that the user gives it, where the server does not say.
+    /// The user's value for the size of the context, if the server reports none.
     given_context: Option<u64>,
-    /// The context that the server says it has, once it was asked.
+    /// The server's value for the size of the context, once requested.
     context: OnceCell<Option<u64>>,
 }
 
-/// The address of the server that a reference means, with what the environment says: in one form for equal addresses,
-/// and without user, password and query. `None` if the model is on no server.
+/// The canonical address of a reference's server, from the reference and the environment, without user, password and
+/// query. `None` if the model is not on a server.
 ///
 /// # Errors
 ///
@@ -58,14 +58,14 @@ pub fn server_address(reference: &ModelReference) -> Result<Option<String>, Mode
     Ok(endpoint.map(|endpoint| endpoint.normal_address()))
 }
 
-/// A variable of the environment; an empty one counts as unset.
+/// The value of an environment variable; an empty one counts as unset.
 fn environment(name: &str) -> Option<String> {
     let value = std::env::var(name).ok()?;
     Some(value.trim().to_owned()).filter(|value| !value.is_empty())
 }
 
 impl ServerModel {
-    /// The model that a reference means, with keys from the environment; none if it means no server.
+    /// The model of a reference, with keys from the environment; `None` if the reference is not a server.
     pub(crate) fn open(reference: &ModelReference, options: &OpenOptions) -> Option<Result<Self, ModelError>> {
         Self::open_with(reference, options, &environment)
     }
@@ -129,7 +129,7 @@ impl ChatModel for ServerModel {
                 }
                 Err(failure) => failure,
             };
-            // What a server rejects is left out from now on, one thing at a time.
+            // Omits the rejected parameters from now on, one at a time.
             if let Some((dialect, warning)) = self.smaller(&failure, request) {
                 self.dialect = dialect;
                 if let Some(warning) = warning {
@@ -154,7 +154,7 @@ impl ChatModel for ServerModel {
             Some(known) => *known,
             None => {
                 let told = probe::context(&self.endpoint, &self.connection);
-                // A question that was called off has no answer, and is asked again.
+                // A cancelled request has no answer, and is repeated later.
                 if !self.connection.stop.is_set() {
                     let _ = self.context.set(told);
                 }
@@ -180,7 +180,7 @@ impl TokenCounter for ServerModel {
 }
 
 impl ServerModel {
-    /// Asks, and asks again where the server is busy or the connection fails.
+    /// Sends a request, with retries if the server is busy or the connection fails.
     fn try_often(
         &self,
         request: &ChatRequest,
@@ -204,7 +204,7 @@ impl ServerModel {
                 Err(failure) => failure,
             };
             let pause = retry::pause(&failure, tries).filter(|_| self.smaller(&failure, request).is_none());
-            // A pause that outlasts the call is no use: the failure says more than that the time is over.
+            // If the pause exceeds the remaining time, the failure is more informative than a timeout.
             let Some(pause) = pause.filter(|pause| *pause < call.left()) else {
                 return Err(failure);
             };
@@ -224,19 +224,19 @@ impl ServerModel {
         }
     }
 
-    /// The dialect without what the server rejects, and what to warn of; none if nothing was rejected that can be left
-    /// out.
+    /// The dialect without a rejected parameter, and a warning; `None` if the failure names no parameter that can be
+    /// omitted.
     fn smaller(&self, failure: &Failure, request: &ChatRequest) -> Option<(Dialect, Option<&'static str>)> {
         let Failure::Rejected { status, message, .. } = failure else {
             return None;
         };
-        // llama-cpp-python's server takes a request that it cannot read for a failure of its own.
+        // llama-cpp-python reports an invalid request with status 500.
         let rejected = matches!(status, 400 | 422) || (*status == 500 && message.contains("validation error"));
         let smaller = || self.dialect.without(message, request, &self.sampling);
         rejected.then(smaller).flatten()
     }
 
-    /// Learns from a reply: what its tokens say about counting, and whether limit and schema were heeded.
+    /// Calibrates token counts with a reply, and checks that the server respected limit and schema.
     fn look_at(&mut self, received: &Received, request: &ChatRequest, tell: &mut dyn FnMut(Progress)) {
         let reply = &received.reply;
         if received.cut {

@@ -1,6 +1,6 @@
-//! Questions beside the chat: how large the context is, how many tokens a text has. No answer is an answer too; nothing
-//! here fails, nothing takes long, and no number is believed that cannot be right. Answers are read without building what
-//! is not looked at: a value of JSON can take a hundred times the memory of its text.
+//! Requests besides the chat: the size of the context, the tokens of a text. Nothing here fails or takes long; a
+//! missing or implausible value is `None`. Unused parts of an answer are skipped, not built: a JSON value can take a
+//! hundred times the memory of its text.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,7 +13,7 @@ use super::connection::Connection;
 use super::endpoint::{Endpoint, Kind};
 use super::limit::TOKENS;
 
-/// How many tokens prompt and answer may have together, where the server says it.
+/// Tokens of prompt and answer together, if the server reports them.
 pub(super) fn context(endpoint: &Endpoint, connection: &Connection) -> Option<u64> {
     let context = match endpoint.kind {
         Kind::Other => {
@@ -68,7 +68,7 @@ struct About {
     model_info: BTreeMap<String, Whole>,
 }
 
-/// A whole number; none for any other value, which is passed over.
+/// A whole number; `None` for any other value, which is skipped.
 struct Whole(Option<u64>);
 
 impl<'de> Deserialize<'de> for Whole {
@@ -120,7 +120,7 @@ impl<'de> Visitor<'de> for WholeVisitor {
 }
 
 impl About {
-    /// What it was told to use (`num_ctx 8192` in a list of parameters), before what the model could.
+    /// The configured context (`num_ctx 8192` in a list of parameters), else the context of the model's training.
     fn context(&self) -> Option<u64> {
         let told = self.parameters.lines().find_map(|line| {
             let (name, value) = line.trim().split_once(char::is_whitespace)?;
@@ -132,17 +132,17 @@ impl About {
     }
 }
 
-/// An answer about the tokens of a text: their number, or all of them. They are counted and not kept.
+/// An answer about a text's tokens: their number or a list. List elements are counted, not kept.
 #[derive(Deserialize)]
 struct Tokens {
     count: Option<u64>,
     tokens: Option<Vec<IgnoredAny>>,
 }
 
-/// Which of a server's ways to count tokens answers.
+/// Endpoint for counting tokens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Tokenizer {
-    /// `/tokenize`: llama.cpp and vLLM, each with words of its own.
+    /// `/tokenize`: llama.cpp and vLLM, with different fields.
     Tokenize,
     /// `/extras/tokenize/count`: llama-cpp-python.
     Extras,
@@ -151,7 +151,7 @@ pub(super) enum Tokenizer {
 impl Tokenizer {
     pub(super) const ALL: [Self; 2] = [Self::Tokenize, Self::Extras];
 
-    /// Tokens of a text, without any around it.
+    /// Tokens of a text alone, without special tokens.
     pub(super) fn count(self, text: &str, endpoint: &Endpoint, connection: &Connection) -> Option<u64> {
         let model = &endpoint.model;
         let (path, body) = match self {
@@ -164,12 +164,12 @@ impl Tokenizer {
         };
         let answer: Tokens = ask(endpoint, connection, path, Some(body))?;
         let listed = answer.tokens.map(|tokens| tokens.len() as u64);
-        // A token has at least a byte, except for a few that stand around a text.
+        // A token has at least one byte, except for a few special tokens around the text.
         answer.count.or(listed).filter(|count| *count <= text.len() as u64 + 16)
     }
 }
 
-/// A question and the JSON that is answered: sent with `body` or, without one, just asked for.
+/// Requests a path and parses the JSON answer: POST with a body, GET without one.
 fn ask<T: DeserializeOwned>(
     endpoint: &Endpoint,
     connection: &Connection,

@@ -1,27 +1,27 @@
-//! Keys and passwords taken out of what a server says, in whatever form it repeats them.
+//! Removes keys and passwords from a server's texts, in any encoding.
 
 use std::fmt;
 
-/// Shorter texts are no keys but words, as `none` and `EMPTY`, which replies may have for reasons of their own.
+/// Shorter values are placeholders such as `none` and `EMPTY`, which may occur in replies.
 const KEY_LENGTH: usize = 8;
 
-/// A truncated key at the end of a text is recognised by so many bytes.
+/// Minimal length at which a truncated key is recognized at the end of a text.
 const PREFIX: usize = 4;
 
 /// Replacement of a secret.
 const REDACTED: &str = "[key]";
 
-/// The secrets of an endpoint, in the forms in which a server may repeat them: as they are, percent-encoded, with escapes
-/// of JSON, Python or HTML, in hexadecimal digits, or in base64 anywhere inside of a longer text (`user:password`).
+/// The secrets of an endpoint, in the encodings in which a server may repeat them: plain, percent-encoded, escaped for
+/// JSON, Python or HTML, as hexadecimal digits, or base64 anywhere inside a longer text (`user:password`).
 #[derive(Clone, Default)]
 pub(super) struct Redaction {
     patterns: Vec<Pattern>,
 }
 
-/// Kind of text that secrets are taken out of.
+/// Kind of text.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Text {
-    /// A complaint of a server.
+    /// An error message of a server.
     Message,
     /// A reply of a model.
     Reply,
@@ -31,7 +31,7 @@ enum Text {
 struct Pattern {
     bytes: Vec<u8>,
     form: Form,
-    /// True if the secret is long enough to be taken out of replies, too.
+    /// True if the secret is long enough to be removed from replies, too.
     is_key: bool,
 }
 
@@ -43,7 +43,7 @@ enum Form {
 }
 
 impl Redaction {
-    /// Takes these secrets out of texts.
+    /// Redaction of these secrets.
     pub(super) fn of<'s>(secrets: impl IntoIterator<Item = &'s str>) -> Self {
         let mut patterns = Vec::new();
         for secret in secrets.into_iter().filter(|secret| !secret.is_empty()) {
@@ -59,12 +59,12 @@ impl Redaction {
         Self { patterns }
     }
 
-    /// Returns a server's complaint without any secret.
+    /// Returns a server's error message without secrets.
     pub(super) fn of_message(&self, text: &str) -> String {
         self.redacted(text, Text::Message)
     }
 
-    /// Returns a model's reply without any key.
+    /// Returns a model's reply without keys.
     pub(super) fn of_reply(&self, text: &str) -> String {
         self.redacted(text, Text::Reply)
     }
@@ -96,7 +96,7 @@ impl Pattern {
             match self.found(text.as_bytes(), at, of) {
                 Some(mut end) => {
                     if self.form == Form::Base64 {
-                        // The characters beside it hold bits of the key as well.
+                        // The neighbouring characters contain bits of the key as well.
                         let kept = shown.trim_end_matches(is_base64).len();
                         shown.truncate(kept);
                         end += text
@@ -115,7 +115,7 @@ impl Pattern {
         shown
     }
 
-    /// Returns the end of the pattern that begins at `start`: whole, or cut off by the end of a message.
+    /// Returns the end of the pattern if it begins at `start`: complete, or truncated at the end of a message.
     fn found(&self, text: &[u8], start: usize, of: Text) -> Option<usize> {
         let cut_off = |matched| of == Text::Message && matched >= PREFIX;
         let mut at = start;
@@ -129,7 +129,7 @@ impl Pattern {
             let fits = units.into_iter().flatten().find(|(byte, _)| self.same(*byte, *wanted));
             match fits {
                 Some((_, length)) => at += length,
-                // An escape may be cut off as well.
+                // An escape may be truncated, too.
                 None if cut_off(matched) && rest.len() < 6 && matches!(rest.first(), Some(b'%' | b'\\' | b'&')) => {
                     return std::str::from_utf8(rest).is_ok().then_some(text.len());
                 }
@@ -152,7 +152,7 @@ fn is_base64(character: char) -> bool {
     character.is_ascii_alphanumeric() || matches!(character, '+' | '/' | '-' | '_' | '=')
 }
 
-/// The byte that an escape at the beginning stands for, and the length of the escape.
+/// The byte of an escape sequence at the beginning of the text, and the length of the sequence.
 fn escape(text: &[u8]) -> Option<(u8, usize)> {
     let number = |from: usize, to: usize, base: u32| {
         let digits = std::str::from_utf8(text.get(from..to)?).ok()?;
@@ -167,7 +167,7 @@ fn escape(text: &[u8]) -> Option<(u8, usize)> {
             twice.flatten().or_else(|| Some((number(1, 3, 16)?, 3)))
         }
         [b'\\', ..] => {
-            // A text inside of a text has its backslashes doubled.
+            // A nested string has doubled backslashes.
             let at = text.iter().position(|byte| *byte != b'\\')?;
             match text.get(at..)? {
                 [b'u', b'0', b'0', ..] => Some((number(at + 3, at + 5, 16)?, at + 5)),
@@ -195,14 +195,13 @@ fn escape(text: &[u8]) -> Option<(u8, usize)> {
     }
 }
 
-/// The characters of base64 that are the same whatever stands around a secret that begins so many bytes (0 to 2) into a
-/// group of three.
+/// The base64 characters that depend on the secret alone, if it begins `before` bytes (0 to 2) into a group of three.
 fn base64_core(secret: &[u8], before: usize) -> Vec<u8> {
     const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let bits = secret
         .iter()
         .flat_map(|byte| (0..8).rev().map(move |bit| byte >> bit & 1));
-    // Six bits a character; those that share a character with what stands before are left out.
+    // A character has six bits; characters shared with the preceding text are skipped.
     let skipped = (6 - before * 8 % 6) % 6;
     let bits: Vec<u8> = bits.skip(skipped).collect();
     bits.chunks_exact(6)
@@ -241,11 +240,11 @@ mod tests {
                 "736b2d766572792F7365637265742b30313233223435363738390a".to_owned(),
                 "[key]0a",
             ),
-            // base64 of the key, of `:key`, of `user:hunter2 is long`, and in the alphabet of addresses.
+            // base64 of the key, of `:key`, of `user:hunter2 is long`, and in the URL-safe alphabet.
             ("key c2stdmVyeS9zZWNyZXQrMDEyMyI0NTY3ODk= no".to_owned(), "key [key] no"),
             ("Basic OnNrLXZlcnkvc2VjcmV0KzAxMjMiNDU2Nzg5".to_owned(), "Basic [key]"),
             ("Basic dXNlcjpodW50ZXIyIGlzIGxvbmc=, no".to_owned(), "Basic [key], no"),
-            // The answer was cut off inside of it.
+            // The message was truncated inside the key.
             ("bad key sk-very/sec".to_owned(), "bad key [key]"),
             ("bad key sk-very%2".to_owned(), "bad key [key]"),
             ("bad key sk-".to_owned(), "bad key sk-"),

@@ -1,4 +1,4 @@
-//! When a request is sent again, and how long to wait before.
+//! Retries, and the pauses before them.
 
 use std::time::{Duration, SystemTime};
 
@@ -6,13 +6,13 @@ use reqwest::header::HeaderValue;
 
 use super::connection::Failure;
 
-/// How often a request is tried again.
+/// Number of retries of a request.
 const RETRIES: u32 = 2;
 
-/// The longest time that a server may ask us to wait; beyond it we give up at once.
+/// Longest wait that a server may ask for; beyond it the call fails at once.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How long to wait before the next try; `None` if there is none. `tries` counts those that were in vain before.
+/// The pause before the next attempt; `None` if there is none. `tries` is the number of failed attempts before.
 pub(super) fn pause(failure: &Failure, tries: u32) -> Option<Duration> {
     let backoff = Duration::from_millis(500) * 2_u32.pow(tries.min(RETRIES));
     let pause = match failure {
@@ -27,7 +27,7 @@ pub(super) fn pause(failure: &Failure, tries: u32) -> Option<Duration> {
     (tries < RETRIES && pause <= PATIENCE).then_some(pause)
 }
 
-/// How long a busy server asks to wait: seconds, or until a date.
+/// The wait of a `Retry-After` header: seconds, or a date.
 pub(super) fn retry_after(value: &HeaderValue) -> Option<Duration> {
     let text = value.to_str().ok()?.trim();
     if let Ok(seconds) = text.parse::<f64>() {

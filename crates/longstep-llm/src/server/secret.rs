@@ -1,8 +1,8 @@
-//! Keys, which are never shown.
+//! Keys that are never printed.
 
 use std::fmt;
 
-/// A key. Only [`Secret::reveal`] and [`Secret::header`] give it out, and only requests ask for that.
+/// A key. Only [`Secret::reveal`] and [`Secret::header`] return it, and only requests use them.
 #[derive(Clone)]
 pub(super) struct Secret {
     header: &'static str,
@@ -10,12 +10,12 @@ pub(super) struct Secret {
 }
 
 impl Secret {
-    /// A key that goes into a header of its own.
+    /// A key for a header with this name.
     pub(super) fn new(header: &'static str, value: String) -> Self {
         Self { header, value }
     }
 
-    /// A key that goes into `Authorization`.
+    /// A key for the `Authorization` header.
     pub(super) fn bearer(value: String) -> Self {
         Self::new("authorization", value)
     }
@@ -24,7 +24,7 @@ impl Secret {
         &self.value
     }
 
-    /// The header that carries it: name and value.
+    /// The header with the key: name and value.
     pub(super) fn header(&self) -> (String, String) {
         let value = match self.header {
             "authorization" => format!("Bearer {}", self.value),

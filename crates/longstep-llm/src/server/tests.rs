@@ -25,7 +25,7 @@ fn request() -> ChatRequest {
     }
 }
 
-/// A streamed answer of these events, with the mark at its end.
+/// A response that streams these events and the end mark.
 fn stream(events: &[Value]) -> Vec<u8> {
     answer("200 OK", &["content-type: text/event-stream"], sse(events).as_bytes())
 }
@@ -35,7 +35,7 @@ fn sse(events: &[Value]) -> String {
     events + "data: [DONE]\n\n"
 }
 
-/// An event of a stream, with this addition to the answer.
+/// A stream event with this delta.
 fn delta(delta: &Value, finish: Option<&str>) -> Value {
     json!({"id": "chatcmpl-1", "object": "chat.completion.chunk", "created": 1_760_000_000, "model": "m",
            "choices": [{"index": 0, "delta": delta, "finish_reason": finish}]})
@@ -85,7 +85,7 @@ fn model(server: &TestServer, kind: Kind) -> ServerModel {
 
 fn quiet(_: Progress) {}
 
-/// Asks a server with these answers; gives back the outcome, the warnings and the requests.
+/// Sends a request to a server with these responses; returns the outcome, the warnings and the requests.
 fn ask(answers: Vec<Vec<u8>>) -> (Result<Reply, ModelError>, Vec<String>, Vec<String>) {
     let server = TestServer::new(answers);
     let mut warnings = Vec::new();
@@ -147,7 +147,7 @@ fn the_ways_to_end_are_told_apart() {
             "I will not.",
             Finish::Refused,
         ),
-        // A server that says little.
+        // A server that sends only the necessary fields.
         (
             vec![json!({"choices": [{"delta": {"content": "hm"}}]})],
             "hm",
@@ -193,7 +193,7 @@ fn errors_are_short_and_have_hints() {
         "{error}"
     );
     assert!(error.hint().unwrap().contains("/v1"));
-    // A 400 about something that cannot be left out.
+    // A 400 about something that cannot be omitted.
     let error = ask(vec![rejected("400 Bad Request", "context length exceeded")])
         .0
         .unwrap_err();
@@ -210,15 +210,15 @@ fn a_busy_server_is_asked_again_when_it_says() {
         warnings[0].contains("429") && warnings[0].contains("again"),
         "{warnings:?}"
     );
-    // Three times is enough.
+    // Three attempts are the limit.
     let (outcome, _, requests) = ask(vec![busy.clone(), busy.clone(), busy, success()]);
     assert!(matches!(outcome, Err(ModelError::Status { status: 429, .. })));
     assert_eq!(requests.len(), 3);
-    // Nobody waits for an hour.
+    // A wait of an hour is too long.
     let (outcome, _, requests) = ask(vec![answer("429 Too Many Requests", &["retry-after: 3600"], b"{}")]);
     assert!(outcome.unwrap_err().hint().unwrap().contains("wait"));
     assert_eq!(requests.len(), 1);
-    // A server in trouble, and a connection that is closed without an answer.
+    // A server error, and a connection that is closed without a response.
     let trouble = answer("502 Bad Gateway", &["retry-after: 0"], b"oops");
     assert!(ask(vec![trouble, success()]).0.is_ok());
     assert!(ask(vec![vec![], success()]).0.is_ok());
@@ -239,7 +239,7 @@ fn a_schema_that_is_rejected_is_left_out() {
         }
     };
     assert!(model.chat(&request(), &mut note).is_ok());
-    // It is remembered.
+    // The change persists.
     assert!(model.chat(&request(), &mut note).is_ok());
     assert_eq!(warnings, ["the server takes no JSON schema; asking without one"]);
     let requests = server.requests();
@@ -281,7 +281,7 @@ fn limits_and_temperatures_are_asked_for_as_the_server_likes() {
     assert_eq!(body(&requests[0])["max_tokens"], 50);
     assert_eq!(body(&requests[1])["max_completion_tokens"], 50);
 
-    // A server that rejects both names gets neither a third nor an endless loop.
+    // If the server rejects both names, the request fails without an endless loop.
     let (outcome, _, requests) = ask(vec![
         rejected("400 Bad Request", "max_completion_tokens is unknown"),
         rejected("400 Bad Request", "max_tokens is unknown"),
@@ -391,7 +391,7 @@ fn what_is_written_is_told_as_it_comes() {
     );
 }
 
-/// Wants no answer any more after a while.
+/// Cancels the call after a while.
 struct Impatient(Instant);
 
 impl Watch for Impatient {
@@ -402,7 +402,7 @@ impl Watch for Impatient {
     }
 }
 
-/// A server that sends this and then nothing, and keeps the line.
+/// A server that sends this and then nothing, and keeps the connection open.
 fn stuck(beginning: &'static [u8]) -> TestServer {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}", listener.local_addr().unwrap());
@@ -411,7 +411,7 @@ fn stuck(beginning: &'static [u8]) -> TestServer {
         let mut buffer = [0; 4096];
         let _ = stream.read(&mut buffer).unwrap();
         stream.write_all(beginning).unwrap();
-        // Until the other side hangs up.
+        // Until the client hangs up.
         while stream.read(&mut buffer).is_ok_and(|read| read > 0) {}
     });
     TestServer::at(url)
@@ -553,7 +553,7 @@ fn servers_are_asked_for_tokens_and_context() {
     let server = TestServer::new(vec![json(json!({"parameters": "stop \"x\"\nnum_ctx    16384",
         "model_info": {"qwen2.context_length": 32768}}))]);
     assert_eq!(model(&server, Kind::Ollama).context_tokens(), Some(16384));
-    // One that says nothing.
+    // A server without any of these endpoints.
     let server = TestServer::new(vec![missing(), missing(), missing(), missing()]);
     let given = OpenOptions {
         context_tokens: Some(1234),

@@ -1,4 +1,4 @@
-//! Pulls from a hostile hub and a hostile package index: each ends, and says why.
+//! Pulls from a hostile hub and a hostile package index: each ends with a reason.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::tests::{Place, entry};
 use super::*;
 
-/// The longest life of a connection: nothing is left behind by a test.
+/// Longest life of a connection, so that no test leaves one behind.
 const LIFE: Duration = Duration::from_secs(120);
 
 type Play = fn(&mut TcpStream, usize, &str) -> std::io::Result<()>;

