@@ -1,4 +1,4 @@
-//! A domain without words of its own: PDDL that was written for planners in general.
+//! Domains without a wording file, from PDDL written for any planner.
 
 use super::pddl::{self, Semantics, Written};
 use super::{
@@ -9,16 +9,16 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// Reads a `domain.pddl` that has no `domain.toml` beside it.
 ///
-/// The words are PDDL's own: a fact is said as `(on cup table)`, a step is called `stack(cup, table)`, and the
-/// state of an entity is each fact that it is the first argument of. There are no goal words and no rules; what
-/// is wanted comes from a problem file, which [`crate::pddl::read_problem`] reads.
+/// The wording is PDDL's own: a fact is written `(on cup table)`, a step `stack(cup, table)`, and the states of an
+/// entity are all facts with that entity as first argument. There are no goal words and no rules; goals come from a
+/// problem file, read by [`crate::pddl::read_problem`].
 ///
-/// `file` is what findings call the text. What planners commonly let pass (arguments of another type than
-/// declared, `object` declared as a type) passes here too, which [`super::load`] would tell.
+/// `file` is the name of the text in diagnostics. Inexact PDDL that most planners accept (arguments of a type other
+/// than the declared one, `object` declared as a type) is accepted, while [`super::load`] rejects it.
 ///
 /// # Errors
 ///
-/// Everything that cannot be read, at once, with its place.
+/// All errors in the text, with their positions.
 ///
 /// ```
 /// let text = "(define (domain lamps) (:predicates (lit ?lamp))
@@ -61,7 +61,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         cues: Vec::new(),
         past: None,
     };
-    // A fact about nothing has no entity in whose entry it could stand.
+    // A fact without arguments has no entity under which an environment could list it.
     let about_something = semantics.predicates.iter().enumerate();
     let states = about_something.filter(|(_, predicate)| !predicate.parameters.is_empty());
     let state = |(index, predicate): (usize, &Predicate)| StateWord {

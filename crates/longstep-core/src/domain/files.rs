@@ -1,13 +1,13 @@
-//! The texts that a domain is read from.
+//! The files of a domain.
 
 use std::collections::BTreeMap;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 
-/// The texts of a domain's folder, and the names to call them in findings.
+/// The texts of a domain's files, with their names for diagnostics.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Files {
-    /// Put before the names of the files in findings, for example `domains/household/`.
+    /// The prefix of file names in diagnostics, for example `domains/household/`.
     pub folder: String,
     /// `domain.pddl`
     pub pddl: String,
@@ -19,19 +19,17 @@ pub struct Files {
     pub examples: String,
     /// `prompt/feedback.toml`; empty if there is none.
     pub feedback: String,
-    /// The other files of `prompt/`, by name: [`Files::PARTS`] that the library's own are replaced by. What is not
-    /// here is taken from the library.
+    /// The other files of `prompt/`, by name. Each replaces the library's default for one of [`Files::PARTS`].
     pub parts: BTreeMap<String, String>,
-    /// The paths of files that lie elsewhere than in the folder, by their names within `prompt/`.
+    /// The paths of files outside the folder, by their names within `prompt/`.
     pub elsewhere: BTreeMap<String, String>,
 }
 
 impl Files {
-    /// The files of `prompt/` that the goal strategy needs. Every domain has its own, but for `feedback.toml`, which
-    /// it may leave out.
+    /// The files of `prompt/` that the goal strategy needs. Only `feedback.toml` is optional.
     pub const GOAL: [&str; 3] = ["goal.md", "examples.toml", "feedback.toml"];
 
-    /// The files of `prompt/` that the direct strategy needs. A domain may leave each of them out.
+    /// The files of `prompt/` that the direct strategy needs, all optional.
     pub const PARTS: [&str; 6] = [
         "role.md",
         "actions.md",
@@ -41,9 +39,9 @@ impl Files {
         "query.md",
     ];
 
-    /// Replaces files of `prompt/` by those of another folder, which somebody keeps for a domain that is not theirs.
+    /// Replaces files of `prompt/` by those of another folder, for users who adapt the prompts of a shipped domain.
     ///
-    /// `folder` is put before the names in findings; `texts` are names within it, and what the files say.
+    /// `folder` is the prefix of the file names in diagnostics; `texts` are pairs of a name within it and its text.
     ///
     /// ```
     /// use longstep_core::domain::shipped_files;
@@ -58,7 +56,7 @@ impl Files {
     ///
     /// # Errors
     ///
-    /// Names that no file of `prompt/` has; then nothing is replaced.
+    /// Names that are not files of `prompt/`; in that case no file is replaced.
     pub fn overlay(
         &mut self,
         folder: &str,
@@ -86,7 +84,7 @@ impl Files {
         Ok(())
     }
 
-    /// What findings call a file of `prompt/`.
+    /// Returns the path of a file of `prompt/` for diagnostics.
     pub fn prompt_path(&self, name: &str) -> String {
         match self.elsewhere.get(name) {
             Some(path) => path.clone(),
@@ -94,14 +92,14 @@ impl Files {
         }
     }
 
-    /// Files of `prompt/` that nothing reads.
+    /// Reports files of `prompt/` with unknown names.
     pub fn unknown_parts(&self) -> impl Iterator<Item = Diagnostic> + '_ {
         let names = self.parts.keys();
         names.filter_map(|name| unknown_name(&self.prompt_path(name), name))
     }
 }
 
-/// What to say of a file of `prompt/` that nothing reads; none if something does.
+/// Returns the diagnostic for a file of `prompt/` with an unknown name; none for a known one.
 fn unknown_name(path: &str, name: &str) -> Option<Diagnostic> {
     let known = || Files::PARTS.into_iter().chain(Files::GOAL);
     if known().any(|other| other == name) {

@@ -1,4 +1,4 @@
-//! From the files of a domain's folder to a [`Domain`].
+//! The loader: reads the files of a domain's folder and builds a [`Domain`].
 
 mod goals;
 mod sensing;
@@ -15,12 +15,12 @@ use super::{
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 
-/// Reads a domain.
+/// Loads a domain from its files.
 ///
 /// # Errors
 ///
-/// Everything that is wrong with the files or on which they disagree, at once, each with file, line and
-/// column. (A file that is not even PDDL or TOML hides what the rest of it would have shown.)
+/// All errors in the files and all inconsistencies between them, each with file, line and column. A file that is not
+/// valid PDDL or TOML hides the errors in the rest of it.
 pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     match load_with_findings(files) {
         (Some(domain), findings) if findings.is_empty() => Ok(domain),
@@ -28,8 +28,8 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     }
 }
 
-/// Reads a domain as far as it can be read, with everything that is wrong with it: for who has more files to check against
-/// it.
+/// Loads a domain as far as possible, and returns it with all errors. For callers that check further files against the
+/// domain.
 pub fn load_with_findings(files: &Files) -> (Option<Domain>, Vec<Diagnostic>) {
     let mut findings = Vec::new();
     let pddl_file = format!("{}domain.pddl", files.folder);
@@ -49,7 +49,7 @@ pub fn load_with_findings(files: &Files) -> (Option<Domain>, Vec<Diagnostic>) {
     (domain, findings)
 }
 
-/// Reads a TOML file; what is wrong with it is added to the findings.
+/// Parses a TOML file; appends errors to `findings`.
 pub fn read_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str, findings: &mut Vec<Diagnostic>) -> Option<T> {
     toml::from_str(text)
         .map_err(|error| {
@@ -63,7 +63,7 @@ pub fn read_toml<T: serde::de::DeserializeOwned>(file: &str, text: &str, finding
         .ok()
 }
 
-/// Where the content of a TOML string begins: behind its quotes.
+/// Returns the position of the content of a TOML string, after its quotes.
 pub fn content_position<T>(text: &str, value: &Spanned<T>) -> Position {
     let start = value.span().start;
     let raw = &text[start..];
@@ -147,7 +147,7 @@ impl Loader<'_> {
                 holds,
                 initially: false,
             } => Some(Literal { atom, holds }),
-            // What could not be read has been reported already.
+            // Unreadable text was reported before.
             Condition::And(empty) if empty.is_empty() => None,
             _ => {
                 self.report(text, "expected one fact, `(predicate ...)` or `(not (predicate ...))`");
@@ -476,7 +476,7 @@ fn any_parameter_of(name: &str, kind: TypeId) -> Parameter {
     }
 }
 
-/// The variables of the leading `forall`s of a condition, in order.
+/// Returns the variables of the leading `forall`s of a condition, in order.
 fn quantified_names(text: &str) -> Vec<String> {
     let mut names = Vec::new();
     let mut expression = sexpr::read("", text).ok().and_then(|mut e| e.pop());

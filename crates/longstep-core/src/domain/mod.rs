@@ -1,8 +1,8 @@
-//! Domains from folders and files.
+//! Domains loaded from folders and files.
 //!
-//! A domain is a folder: `domain.pddl` holds the semantics, `domain.toml` the words, `prompt/` what a
-//! model is told. [`load`] reads the first two and reports everything on which they disagree; [`from_pddl`] makes do with
-//! the PDDL alone.
+//! A domain is a folder: `domain.pddl` holds the semantics, `domain.toml` the wording, and `prompt/` the prompts for
+//! models. [`load`] reads the first two and reports every inconsistency between them; [`from_pddl`] needs only the
+//! PDDL.
 
 mod bare;
 mod files;

@@ -1,4 +1,4 @@
-//! Reads `domain.pddl`: types, constants, predicates and actions, with every name resolved.
+//! The parser of `domain.pddl`: types, constants, predicates and actions, with all names resolved.
 
 use super::sexpr::{self, Expression, Node};
 use super::{ActionSchema, Parameter, Predicate, PredicateId, TypeId, Types};
@@ -6,10 +6,10 @@ use super::{Atom, Condition, Effect, Term};
 use crate::diagnostic::{Diagnostic, Position, nearest};
 use crate::model::EntityId;
 
-/// Arguments that a fact can hold; see [`crate::environment::Fact`].
+/// The largest number of arguments of a fact; see [`crate::environment::Fact`].
 const ARITY_LIMIT: usize = 7;
 
-/// The requirements that are understood; others are refused rather than half obeyed.
+/// The supported requirements; files with others are rejected.
 const REQUIREMENTS: [&str; 8] = [
     ":strips",
     ":typing",
@@ -21,18 +21,17 @@ const REQUIREMENTS: [&str; 8] = [
     ":adl",
 ];
 
-/// For whom a file was written, and with it how much is let pass.
+/// The intended reader of a file, which decides how strict parsing is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Written {
-    /// For this library: whatever looks like a slip is told.
+    /// This library: probable mistakes are errors.
     ForUs,
-    /// For planners in general. They take arguments of any type and let `object` be declared; a fact about
-    /// something of the wrong type then simply holds, and no action ever asks for it. Conditions have no
-    /// `(initially ...)`, which is ours.
+    /// Any planner: arguments may have any type, and `object` may be declared. A fact with an argument of the wrong
+    /// type holds, but no action can use it. `(initially ...)` is an extension of this library and not accepted.
     ForPlanners,
 }
 
-/// What `domain.pddl` says.
+/// The contents of `domain.pddl`.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Semantics {
     pub(crate) name: String,
@@ -40,12 +39,12 @@ pub(crate) struct Semantics {
     pub(crate) constants: Vec<(String, TypeId)>,
     pub(crate) predicates: Vec<Predicate>,
     pub(crate) actions: Vec<ActionSchema>,
-    /// Where each predicate and action is declared, for findings of the words file.
+    /// The positions of the declarations of predicates and actions, for diagnostics of the wording file.
     pub(crate) predicate_positions: Vec<Position>,
     pub(crate) action_positions: Vec<Position>,
 }
 
-/// Reads a domain file; findings are added to `findings`, and what could be read is returned.
+/// Parses a domain file; appends errors to `findings` and returns everything that could be read.
 pub(crate) fn read(file: &str, text: &str, written: Written, findings: &mut Vec<Diagnostic>) -> Semantics {
     let mut semantics = Semantics::default();
     let expressions = match sexpr::read(file, text) {
@@ -84,7 +83,7 @@ pub(crate) fn read(file: &str, text: &str, written: Written, findings: &mut Vec<
         }
         _ => reader.report(define.position, "the domain has no name: expected `(domain NAME)`"),
     }
-    // Sections may come in any order, but later ones use the names of earlier ones.
+    // Sections may come in any order, but some use the names of others.
     let known = [":requirements", ":types", ":constants", ":predicates", ":action"];
     for section in sections.iter().skip(1) {
         let head = section.list().and_then(|items| items.first()?.word());
@@ -132,10 +131,10 @@ pub(crate) fn read(file: &str, text: &str, written: Written, findings: &mut Vec<
 /// Variables in scope, outermost first.
 pub(crate) type Scope = Vec<(String, TypeId)>;
 
-/// Resolves expressions against the names that have been read so far.
+/// Resolves expressions against the names read so far.
 pub(crate) struct Reader<'a> {
     pub(crate) file: &'a str,
-    /// Where the text that is read begins in the file: a condition may stand inside a TOML string.
+    /// The position of the text in the file: a condition may be inside a TOML string.
     pub(crate) base: Position,
     pub(crate) written: Written,
     pub(crate) findings: &'a mut Vec<Diagnostic>,
@@ -174,7 +173,7 @@ impl Reader<'_> {
     }
 
     fn types(&mut self, items: &[Expression], types: &mut Types) {
-        // A parent may be declared after its child, so all names are taken first.
+        // A parent may be declared after its child, so all names come first.
         for item in items {
             match item.word() {
                 Some("-") => {}
@@ -210,7 +209,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `a b - kind c` as names with types; names without a type are `object`s.
+    /// Parses `a b - kind c` into names with types; names without a type are of type `object`.
     pub(crate) fn typed_list(&mut self, items: &[Expression], types: &Types) -> Vec<(String, TypeId, Position)> {
         let mut list: Vec<(String, TypeId, Position)> = Vec::new();
         let mut untyped = 0;
@@ -236,7 +235,7 @@ impl Reader<'_> {
         list
     }
 
-    /// Like [`Self::typed_list`], for variables: the leading `?` is required and taken off.
+    /// Parses variables like [`Self::typed_list`]; requires and removes the leading `?`.
     pub(crate) fn variables(&mut self, items: &[Expression], types: &Types) -> Vec<Parameter> {
         let mut variables: Vec<Parameter> = Vec::new();
         for (name, kind, position) in self.typed_list(items, types) {
@@ -290,7 +289,7 @@ impl Reader<'_> {
         let mut parameters = Vec::new();
         let mut precondition = Condition::TRUE;
         let mut effects = Vec::new();
-        // The parameters are needed to read the rest, wherever they stand.
+        // The other fields need the parameters, which may come after them.
         for pair in fields.chunks(2) {
             if let [key, value] = pair
                 && key.word() == Some(":parameters")
@@ -332,7 +331,7 @@ impl Reader<'_> {
         });
     }
 
-    /// Reads a condition; what cannot be read is reported and counts as true.
+    /// Parses a condition; reports errors and returns `true` in place of each unreadable part.
     pub(crate) fn condition(&mut self, item: &Expression, scope: &mut Scope, names: &Semantics) -> Condition {
         let Some(list) = item.list() else {
             self.report(item.position, "expected a condition in parentheses");
@@ -421,7 +420,7 @@ impl Reader<'_> {
                     forall.push((scope.len(), variable.kind));
                     scope.push((variable.name, variable.kind));
                 }
-                // The variables of a `when` around it come behind those of the effect.
+                // Slots of an enclosing `when` move behind the variables of the effect.
                 let when = when.clone().shifted(outer, scope.len() - outer);
                 self.effect(inner, scope, forall, &when, names, effects);
                 scope.truncate(outer);
@@ -489,7 +488,7 @@ impl Reader<'_> {
         let mut terms = Vec::with_capacity(arguments.len());
         for (argument, parameter) in arguments.iter().zip(&predicate.parameters) {
             let (term, kind) = self.term(argument, scope, names)?;
-            // A supertype is fine: the atom is then simply false for the other entities.
+            // A supertype is allowed: the atom is false for entities of other types.
             let fits = names.types.is_a(kind, parameter.kind) || names.types.is_a(parameter.kind, kind);
             if !fits && self.written == Written::ForUs {
                 let message = format!(
@@ -514,7 +513,7 @@ impl Reader<'_> {
             return None;
         };
         if let Some(variable) = word.strip_prefix('?') {
-            // The innermost of equal names counts.
+            // The innermost variable shadows others of the same name.
             if let Some(slot) = scope.iter().rposition(|(name, _)| name == variable) {
                 return Some((Term::Variable(slot), scope[slot].1));
             }
@@ -533,7 +532,7 @@ impl Reader<'_> {
     }
 }
 
-/// Marks every atom as asked of the first state.
+/// Makes every atom refer to the initial state.
 fn initially(condition: Condition) -> Condition {
     match condition {
         Condition::And(all) => Condition::And(all.into_iter().map(initially).collect()),

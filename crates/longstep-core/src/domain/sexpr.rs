@@ -1,4 +1,4 @@
-//! The parenthesised lists that PDDL is written in, with the place of every part.
+//! S-expressions, the syntax of PDDL, with the position of every part.
 
 use crate::diagnostic::{Diagnostic, Position};
 
@@ -11,7 +11,7 @@ pub struct Expression {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Node {
-    /// A bare word, in lower case: PDDL does not tell cases apart.
+    /// A word, in lower case, since PDDL ignores case.
     Word(String),
     List(Vec<Expression>),
 }
@@ -31,7 +31,7 @@ impl Expression {
         }
     }
 
-    /// The items of a list after its first word, when that word is `head`.
+    /// Returns the items of a list after its first word, if that word is `head`.
     pub fn tail_of(&self, head: &str) -> Option<&[Expression]> {
         match self.list()? {
             [first, rest @ ..] if first.word() == Some(head) => Some(rest),
@@ -40,10 +40,10 @@ impl Expression {
     }
 }
 
-/// Lists nested deeper than this are refused, so that a hostile file cannot exhaust the stack.
+/// The maximal depth of nested lists, so that a hostile file cannot exhaust the stack.
 const DEPTH_LIMIT: usize = 200;
 
-/// Reads every expression of `text`.
+/// Parses all expressions of `text`.
 pub fn read(file: &str, text: &str) -> Result<Vec<Expression>, Diagnostic> {
     let mut open: Vec<(Position, Vec<Expression>)> = Vec::new();
     let mut done = Vec::new();

@@ -1,4 +1,4 @@
-//! The domains that come with the library.
+//! The domains shipped with the library.
 
 use std::collections::BTreeMap;
 
@@ -9,23 +9,23 @@ use crate::diagnostic::Diagnostics;
 
 static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../domains");
 
-/// The names of the shipped domains, sorted.
+/// Returns the names of the shipped domains, sorted.
 pub fn shipped_names() -> Vec<&'static str> {
     let mut names: Vec<&str> = SHIPPED.dirs().filter_map(|dir| dir.path().to_str()).collect();
     names.sort_unstable();
     names
 }
 
-/// The shipped domain of that name, or none if there is no such domain.
+/// Loads the shipped domain of that name; none if there is none.
 ///
 /// # Errors
 ///
-/// None for the domains as they are shipped; the tests load each of them.
+/// None for unmodified domains; the tests load each of them.
 pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
     Some(load(&shipped_files(name)?))
 }
 
-/// The files of the shipped domain of that name, or none if there is no such domain.
+/// Returns the files of the shipped domain of that name; none if there is none.
 pub fn shipped_files(name: &str) -> Option<Files> {
     let folder = SHIPPED
         .get_dir(name)

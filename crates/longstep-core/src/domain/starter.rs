@@ -1,17 +1,17 @@
-//! A small domain to start from.
+//! The template of a new domain.
 
 use include_dir::{Dir, include_dir};
 
 static STARTER: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/src/domain/starter");
 
-/// The files of a new domain called `name`: paths within its folder, and texts.
+/// Returns the files of a new domain called `name`, as pairs of a path within its folder and a text.
 ///
 /// ```
 /// let files = longstep_core::domain::starter("porter");
 /// assert!(files.iter().any(|(path, text)| path == "domain.toml" && text.contains("name = \"porter\"")));
 /// ```
 pub fn starter(name: &str) -> Vec<(String, String)> {
-    // A name that PDDL and TOML can both write.
+    // The name must be valid in both PDDL and TOML.
     let word = |c: char| {
         if c.is_ascii_alphanumeric() || c == '-' {
             c.to_ascii_lowercase()

@@ -1,4 +1,4 @@
-//! The shape of `domain.toml` and `prompt/examples.toml`. [`super::load()`] gives them meaning.
+//! The schema of `domain.toml` and `prompt/examples.toml`. [`super::load()`] interprets it.
 
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -28,7 +28,7 @@ pub struct DomainFile {
     pub rule: Vec<RuleEntry>,
     #[serde(default)]
     pub goal: Vec<GoalEntry>,
-    /// Findings of lints that the author accepts.
+    /// Lint findings that the author accepts.
     #[serde(default)]
     pub accept: Vec<AcceptEntry>,
     #[serde(default)]

@@ -1,4 +1,4 @@
-//! What a plan claims the world to be afterwards.
+//! Claims: the environment that a plan claims for its end.
 
 use rustc_hash::FxHashSet;
 
@@ -6,15 +6,15 @@ use super::write::fact_of;
 use super::{Bindings, Difference, EntityId, Environment, Fact, Moment, State, World, differences, holds};
 use crate::model::{Domain, ground, subject_of};
 
-/// A claimed environment, read as facts about the world's own entities.
+/// A claimed environment, as facts about the entities of the world.
 ///
-/// A claim is evidence, not input: what cannot be read in it is left out and listed, and of entities that it does not
-/// mention it says nothing.
+/// A claim is evidence, not input: unreadable parts are skipped and listed, and a claim says nothing about entities
+/// that it does not mention.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Claim {
-    /// What is claimed to hold; for what the claim does not mention, what held before.
+    /// The claimed state; the initial state for entities that the claim does not mention.
     pub state: State,
-    /// What the claim says that means nothing here, as sentences.
+    /// The unreadable parts of the claim, as sentences.
     pub ignored: Vec<String>,
     spoken_of: FxHashSet<EntityId>,
 }
@@ -62,7 +62,7 @@ impl Claim {
                     world,
                     state: &claim.state,
                 };
-                // A default fills in what nobody says; it promises no change.
+                // A default only completes a claim; it does not claim a change.
                 let fact = ground(&default.atom, &bindings);
                 if world.state.holds(fact) && holds(moment, &default.when, &mut bindings) {
                     claim.state.set(fact, true);
@@ -78,7 +78,7 @@ impl Claim {
         }
     }
 
-    /// The claim without some of its facts.
+    /// Returns the claim without some of its facts.
     #[must_use]
     pub fn without(mut self, facts: &[Fact]) -> Self {
         for fact in facts {
@@ -87,25 +87,25 @@ impl Claim {
         self
     }
 
-    /// Whether the claim says anything of the entity.
+    /// Returns true if the claim mentions the entity.
     pub fn speaks_of(&self, entity: EntityId) -> bool {
         self.spoken_of.contains(&entity)
     }
 
-    /// Where a state differs from what is claimed, sorted.
+    /// Returns the facts in which a state differs from the claim, sorted.
     pub fn differences(&self, domain: &Domain, state: &State) -> Vec<Difference> {
         let mut all = differences(domain, state, &self.state);
         all.retain(|difference| self.spoken_of.contains(&subject_of(domain, difference.fact)));
         all
     }
 
-    /// What is claimed to hold that did not hold before, in order: what the plan promises.
+    /// Returns the claimed facts that did not hold initially, in order: the changes that the plan promises.
     pub fn promises(&self, domain: &Domain, world: &World) -> Vec<Fact> {
         let new = differences(domain, &world.state, &self.state);
         new.into_iter().filter(|d| d.now_holds).map(|d| d.fact).collect()
     }
 
-    /// What is claimed to hold as before, in order.
+    /// Returns the claimed facts that held initially, in order.
     pub fn kept(&self, domain: &Domain, world: &World) -> Vec<Fact> {
         let mut kept = said(domain, &self.state);
         kept.retain(|fact| world.state.holds(*fact) && self.spoken_of.contains(&subject_of(domain, *fact)));
@@ -113,7 +113,7 @@ impl Claim {
     }
 }
 
-/// The facts of a state that an environment can say, in order.
+/// Returns the facts of a state that an environment can express, in order.
 fn said(domain: &Domain, state: &State) -> Vec<Fact> {
     differences(domain, &State::default(), state)
         .into_iter()

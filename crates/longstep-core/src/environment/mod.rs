@@ -1,4 +1,4 @@
-//! One state of the world, as facts and as the paper's JSON: read, written, claimed, carried on.
+//! Environments: states of the world in the paper's JSON, converted to and from facts.
 
 mod claim;
 mod read;

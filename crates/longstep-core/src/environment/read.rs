@@ -1,4 +1,4 @@
-//! From an environment to a world: entities, facts, and what is assumed.
+//! The reader: converts an environment to a world of entities, facts and assumptions.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -12,18 +12,18 @@ use crate::model::{
     name_entities,
 };
 
-/// After this many findings about an environment, the rest is not reported.
+/// The number of diagnostics for an environment after which further ones are dropped.
 const FINDINGS: usize = 100;
 
 /// Reads an environment as a world of the domain.
 ///
-/// `file` and `text` are what the environment was read from; they give findings their place, and `text` may
-/// be empty when there is none. `inside` is the path of the environment within the text.
+/// `file` and `text` are the source of the environment and give diagnostics their position; `text` may be empty.
+/// `inside` is the path of the environment within the text.
 ///
 /// # Errors
 ///
-/// Everything that is wrong at once: unknown states and properties, entities that are named but not listed,
-/// entities that are listed twice, facts that contradict each other.
+/// All problems of the environment: unknown states and properties, entities that are used but not listed, entities
+/// listed twice, contradictory facts, and derivations with too many instances.
 pub fn read(
     domain: &Domain,
     environment: &Environment,
@@ -79,7 +79,7 @@ impl EnvironmentReader<'_> {
         });
     }
 
-    /// Returns whether nothing more is reported: looking for places and for similar names takes time for each finding.
+    /// Returns true if no more diagnostics are recorded: each one takes time to locate it and to find similar names.
     fn is_full(&self) -> bool {
         self.findings.len() >= FINDINGS
     }
@@ -119,8 +119,7 @@ impl EnvironmentReader<'_> {
                 }
             }
         }
-        // A place that states speak of without listing it is an error below; a room may be listed nowhere
-        // but in the properties, which is harmless.
+        // An unlisted place in a state is an error below. A room may occur only in the properties, which is harmless.
         let only_names: Vec<&str> = identifiers.iter().map(|(name, _)| *name).collect();
         if let Some(names) = &environment.names {
             for (identifier, name) in names {
@@ -165,7 +164,7 @@ impl EnvironmentReader<'_> {
             .collect();
         for derivation in &domain.derivations {
             let not = derive(derivation, &mut world, &bases, &denied, &told);
-            // What the environment says is stronger than what a name says.
+            // Properties in the environment take precedence over derivations from names.
             denied.extend(not.into_iter().filter(|fact| !world.state.holds(*fact)));
         }
         for default in &domain.defaults {
@@ -334,11 +333,11 @@ impl EnvironmentReader<'_> {
         }
     }
 
-    /// Rules for the start must hold now.
+    /// Checks the rules with time `start`.
     fn contradictions(&mut self, world: &World) {
         let domain = self.domain;
         for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Start) {
-            // What contradicts what is the same both ways round.
+            // A contradiction between two entities is reported once, not once per order.
             let mut told: FxHashSet<Bindings> = FxHashSet::default();
             for bindings in crate::model::broken_bindings(rule, world, &world.state) {
                 let mut sorted = bindings.clone();
@@ -368,7 +367,7 @@ impl EnvironmentReader<'_> {
     }
 }
 
-/// Adds what follows to the world; returns what follows not to hold, which is then not unknown either.
+/// Adds the derived facts to the world; returns those derived to be false, which are then not assumed as unknown.
 ///
 /// `bases` are the base names of the entities, in order.
 fn derive(
@@ -417,7 +416,7 @@ fn derive(
             follows.extend(derivation.literals.iter().map(grounded));
         }
     }
-    // An environment that gives a fact of anything gives it of everything that has it.
+    // If an environment gives a fact of a predicate, it gives all facts of that predicate.
     let open = |fact: &Fact| !denied.contains(fact) && !told.contains(&fact.predicate().index());
     for (fact, _) in follows.iter().filter(|(fact, holds)| *holds && open(fact)) {
         if world.state.set(*fact, true) {

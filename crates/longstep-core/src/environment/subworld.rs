@@ -1,4 +1,4 @@
-//! A part of a world as a world of its own.
+//! Restriction of a world to some of its entities.
 
 use indexmap::IndexMap;
 use rustc_hash::FxHashSet;
@@ -8,12 +8,11 @@ use crate::call::Call;
 use crate::model::Domain;
 
 impl World {
-    /// The part of the world that these entities make, for whoever cannot look at all of it.
+    /// Returns the world restricted to these entities, for readers with limited space.
     ///
-    /// Everything keeps its identifier and its everyday name ("plate 17" stays 17), entities keep their order, and the
-    /// domain's constants are always there. What is known of a thing that is left out, or of how others relate to it,
-    /// is gone, from the environment too. This world stays as it is; what is found in the part is carried back by
-    /// identifiers ([`World::find`], [`crate::goal::Goal::carried`]).
+    /// Entities keep their identifiers, everyday names ("plate 17" stays 17) and order, and the domain's constants are
+    /// always included. Facts about removed entities are dropped, from the environment too. Ids change; results in the
+    /// restricted world are mapped back by identifier ([`World::find`], [`crate::goal::Goal::carried`]).
     ///
     /// ```
     /// use longstep_core::{domain, json, environment};
@@ -57,7 +56,7 @@ impl World {
 }
 
 impl Environment {
-    /// What the environment says of these entities and of nothing else.
+    /// Returns the environment restricted to these entities.
     fn only(&self, identifiers: &FxHashSet<&str>) -> Self {
         let listed = |all: &[String]| -> Vec<String> {
             let kept = all

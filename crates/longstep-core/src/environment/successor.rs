@@ -1,16 +1,15 @@
-//! From one instruction to the next.
+//! The successor world: the world after a plan, in which the next instruction is given.
 
 use super::write;
 use crate::model::{Domain, Ending, World, state_word};
 
 impl World {
-    /// The world after a plan that ended so, as the next instruction finds it.
+    /// Returns the world after a plan with this ending.
     ///
-    /// What an environment can say is as the plan left it. What it cannot say is as it was before the first step:
-    /// what is known of things stays known (a crate that has been emptied is still something to put things into),
-    /// and what holds only while a plan is carried out (where the hand is, what has been wiped) begins anew. So the
-    /// next instruction finds what somebody would who reads the environment that was saved, and nothing of the
-    /// knowledge that came with the first one is lost.
+    /// Facts that an environment can express are those of the ending. All others are those of the initial state: static
+    /// knowledge remains (an emptied crate is still a container), and facts that matter only during a plan (the
+    /// position of the hand, events) are reset. The result is the world read from the written environment, plus the
+    /// knowledge from the first one.
     #[must_use]
     pub fn after(&self, domain: &Domain, ending: &Ending) -> Self {
         let said = |predicate| state_word(domain, predicate).is_some();
@@ -23,7 +22,7 @@ impl World {
         for fact in ending.after.iter().filter(|fact| said(fact.predicate())) {
             next.state.set(fact, true);
         }
-        // What a step made true or false is not assumed any more.
+        // A fact that a step changed is no longer assumed.
         for change in ending.trace.changes() {
             next.assumed.remove(&change.fact);
         }
@@ -65,7 +64,7 @@ mod tests {
         for (goal, expected) in [
             ("put(pen, desk)", "on_something(<desk>)"),
             ("put(pen, fridge)", "inside_something(<fridge>)"),
-            // Nothing in the environment says any more that the chest holds things.
+            // The environment no longer implies that the chest is a container.
             ("put(pen, chest)", "inside_something(<chest>)"),
         ] {
             let plan = plan(&household, &world, goal);

@@ -1,4 +1,4 @@
-//! Environments in, findings or environments out.
+//! Tests that read environments and write them.
 
 use super::*;
 use crate::domain::{self};
@@ -78,7 +78,7 @@ fn names_are_everyday_and_unique() {
     );
 }
 
-/// Sets and unsets facts, given in the words of the environment, and writes the environment.
+/// Adds and removes facts in environment notation, and writes the environment.
 #[track_caller]
 fn check_written(before: &str, changes: &[(&str, bool)], expected: &str) {
     let domain = household();

@@ -1,4 +1,4 @@
-//! From a state back to an environment.
+//! The writer: converts a state to an environment.
 
 use indexmap::IndexMap;
 
@@ -6,10 +6,9 @@ use super::{EntityId, Environment, Fact, State, Words, World};
 use crate::call::Call;
 use crate::model::{Domain, StateWord, Term};
 
-/// The environment that says what `state` is, when `world` is where things started.
+/// Writes `state` as an environment, given the `world` with the initial state.
 ///
-/// Nothing is said that did not change: what was taken for granted stays unsaid, and the order and the
-/// style of the first environment are kept.
+/// Only changes are written: assumed facts stay implicit, and order and style of the initial environment are preserved.
 pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
     let mut environment = world.environment.clone();
     let as_list = environment.prefers_lists();
@@ -50,7 +49,7 @@ pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
     environment
 }
 
-/// Takes out of an entry what no longer holds and puts `new` where the first such word stood.
+/// Removes the states that no longer hold from an entry and inserts `new` at the position of the first one.
 fn revise(domain: &Domain, world: &World, state: &State, subject: EntityId, words: &mut Words, new: Vec<String>) {
     let old = words.as_slice();
     let kept = |text: &String| fact_of(domain, world, subject, text).is_none_or(|fact| state.holds(fact));
@@ -68,8 +67,7 @@ fn revise(domain: &Domain, world: &World, state: &State, subject: EntityId, word
     };
 }
 
-/// The fact that a state in the entry of `subject` says; none if the domain has no such state, or the world no such
-/// entity.
+/// Parses a state in the entry of `subject`; none if the domain has no such state or the world no such entity.
 pub fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Option<Fact> {
     let call = Call::parse(text).ok()?;
     let word = domain
@@ -83,7 +81,7 @@ pub fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) ->
     Some(crate::model::ground(&word.atom, &bindings))
 }
 
-/// The entity in whose entry a fact is written, and how.
+/// Returns the entity under which a fact is listed, and the notation of the fact.
 pub fn word_for(word: &StateWord, world: &World, fact: Fact) -> (EntityId, String) {
     let mut slots = vec![None; word.parameters.len() + 1];
     for (place, term) in word.atom.terms.iter().enumerate() {

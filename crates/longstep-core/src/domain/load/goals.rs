@@ -1,4 +1,4 @@
-//! What is wanted of a plan: rules, the words that goals are told in, and what repair may cost.
+//! Rules, goal words, and the costs of repair.
 
 use indexmap::IndexMap;
 use toml::Spanned;
@@ -13,7 +13,7 @@ impl Loader<'_> {
             variables.push(any_parameter_of("", kind));
             condition = *inner;
         }
-        // The names of the quantified variables, for the sentence.
+        // The sentence of the rule uses the names of the quantified variables.
         for (variable, name) in variables.iter_mut().zip(quantified_names(entry.condition.get_ref())) {
             variable.name = name;
         }
@@ -41,7 +41,7 @@ impl Loader<'_> {
     pub(super) fn repair_costs(&mut self, entry: &words::RepairEntry) -> RepairCosts {
         let usual = RepairCosts::default();
         let mut cost = |given: &Option<Spanned<u32>>, usual: u32| match given {
-            // Costs of that size add up without overflow, however long the draft is.
+            // Costs up to 1000 add up without overflow for drafts of any length.
             Some(given) if !(1..=1000).contains(given.get_ref()) => {
                 let position = Position::of(self.text, given.span().start);
                 let message = "a cost is a whole number from 1 to 1000";
@@ -128,8 +128,8 @@ impl Loader<'_> {
         })
     }
 
-    /// Stems of words. The words of an instruction are compared in lower case and one by one, so a stem that is written
-    /// otherwise would never match.
+    /// Reads stems of words. The single words of an instruction are compared in lower case, so a stem that is not one
+    /// lower-case word can never match and is an error.
     pub(super) fn stems(&mut self, texts: &[Spanned<String>]) -> Vec<String> {
         for text in texts {
             let stem = text.get_ref();
@@ -149,7 +149,7 @@ impl Loader<'_> {
         texts.iter().map(|text| text.get_ref().clone()).collect()
     }
 
-    /// Words that speak of an object without naming it, by the end of its identifier.
+    /// Reads words that imply an object without naming it, by the end of its identifier.
     pub(super) fn implied(
         &mut self,
         entries: &IndexMap<Spanned<String>, Vec<Spanned<String>>>,
@@ -171,7 +171,7 @@ impl Loader<'_> {
         implied
     }
 
-    /// Reports goal words that yield to something that is none.
+    /// Reports names in `yields_to` that are not goal words.
     pub(super) fn yielding(&mut self, entries: &[words::GoalEntry], goal_words: &[GoalWord]) {
         for word in entries.iter().flat_map(|entry| &entry.yields_to) {
             if !goal_words.iter().any(|goal| goal.word == *word.get_ref()) {
@@ -181,7 +181,7 @@ impl Loader<'_> {
         }
     }
 
-    /// `top of {place}` as the words before the hole, and the parameter.
+    /// Splits `top of {place}` into the words before the hole and the parameter.
     fn phrase(&mut self, text: &Spanned<String>, parameters: &[Parameter]) -> Option<(String, usize)> {
         match text.get_ref().strip_suffix('}').and_then(|text| text.split_once('{')) {
             Some((words, name)) => {
@@ -201,7 +201,7 @@ mod tests {
     use super::*;
     use crate::domain::shipped_files;
 
-    /// The findings about `household` with `from` replaced in its words.
+    /// Loads `household` with `from` replaced in its wording, and checks the diagnostics.
     #[track_caller]
     fn check(from: &str, to: &str, expected: &str) {
         let mut files = shipped_files("household").unwrap();

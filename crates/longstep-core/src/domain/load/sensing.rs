@@ -1,11 +1,11 @@
-//! What sensing tells, and what may be asked about it.
+//! Outcomes of sensing actions, and the conditions on them.
 
 use toml::Spanned;
 
 use super::*;
 
 impl Loader<'_> {
-    /// What a sensing action tells.
+    /// Reads the outcomes of a sensing action.
     pub(super) fn senses(&mut self, entry: &words::ActionEntry, schema: &ActionSchema) -> Vec<Atom> {
         let mut outcomes: Vec<Atom> = Vec::new();
         for text in &entry.senses {
@@ -34,7 +34,7 @@ impl Loader<'_> {
         outcomes
     }
 
-    /// The event that tells that `of` held.
+    /// Resolves the event that records that `of` held.
     pub(super) fn past(
         &mut self,
         past: &Spanned<String>,
@@ -56,7 +56,8 @@ impl Loader<'_> {
         Some(PredicateId::new(index))
     }
 
-    /// What is not known does not hold, and neither does its opposite: nobody may ask that an outcome does not hold.
+    /// Reports negated outcomes in conditions. An unknown outcome does not hold, and neither do its alternatives, so no
+    /// condition may require that an outcome does not hold.
     pub(super) fn asked_for_lack(&mut self, file: &DomainFile, actions: &[Action], goal_words: &[GoalWord]) {
         let sensed: Vec<PredicateId> = actions
             .iter()
@@ -96,7 +97,7 @@ mod tests {
     use super::*;
     use crate::domain::shipped_files;
 
-    /// What is said of the domain with `from` replaced in one of its files.
+    /// Loads the domain with `from` replaced in one of its files, and checks the diagnostics.
     #[track_caller]
     fn check(from: &str, to: &str, expected: &str) {
         let mut files = shipped_files("household-checks").unwrap();
