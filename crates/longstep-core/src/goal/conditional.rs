@@ -1,50 +1,50 @@
-//! Goals that depend on what sensing tells: `if expired(milk) then put(milk, bin) else put(milk, fridge)`.
+//! Conditional goals, which depend on sensed facts: `if expired(milk) then put(milk, bin) else put(milk, fridge)`.
 
 use super::GoalFact;
 use crate::model::{Atom, Condition, Domain, EntityId, Fact, PredicateId, Term, Voice, Wanted, World, written_fact};
 
-/// A goal that depends on a fact that sensing tells.
+/// A goal that depends on a sensed fact.
 ///
-/// It is reached when it is known which outcome holds and what is asked for in that case holds too. What is asked for in
-/// the other case alone must not have been brought about: nobody wipes the table first and then looks whether it was
-/// dirty. And what was only looked at, or would have been needed in the other case, is back where it was: "throw the milk
-/// away if it is past its date" does not say where milk goes that is not.
+/// It is achieved when the outcome is known and the goals of its branch hold. Goals of the other branch alone must not
+/// have been achieved by the plan: wiping a table before checking whether it was dirty does not count. Objects that
+/// were only inspected, or that only the other branch mentions, are back in their initial places: "throw the milk away
+/// if it is past its date" gives no place for milk that is not.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Conditional {
-    /// The fact.
+    /// The sensed fact.
     pub condition: Fact,
-    /// What is wanted if it holds.
+    /// The goals if the fact holds.
     pub then: Vec<GoalFact>,
-    /// What is wanted if another outcome holds.
+    /// The goals if another outcome holds.
     pub otherwise: Vec<GoalFact>,
 }
 
-/// Beginning of a conditional goal.
+/// The beginning of a conditional goal.
 pub const IF: &str = "if ";
-/// Word before a condition that must not hold.
+/// The word before a negated condition.
 pub const NOT: &str = "not ";
-/// Word between the condition and the goals for the case that it holds.
+/// The word between the condition and the goals of the first branch.
 pub const THEN: &str = " then";
-/// Word between two goals of a side.
+/// The word between two goals of a branch.
 pub const AND: &str = " and";
-/// Word before the goals for the other case.
+/// The word before the goals of the other branch.
 pub const ELSE: &str = " else";
 
-/// A conditional goal as it is written.
+/// A conditional goal as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written<'t> {
-    /// Whether the condition stands after "not".
+    /// True if the condition follows "not".
     pub negated: bool,
     /// The condition.
     pub condition: &'t str,
-    /// Goals for the case that it holds.
+    /// The goals of the first branch.
     pub then: Vec<&'t str>,
-    /// Goals for the other case.
+    /// The goals of the other branch.
     pub otherwise: Vec<&'t str>,
 }
 
 impl<'t> Written<'t> {
-    /// Takes a conditional goal apart; none if the text does not begin with "if" and go on with "then".
+    /// Splits a conditional goal into its texts; none if the text has no "if" at its beginning or no "then" after it.
     pub fn read(text: &'t str) -> Option<Self> {
         let (condition, sides) = split_once(text.strip_prefix(IF)?, THEN)?;
         let (then, otherwise) = match split_once(sides, ELSE) {
@@ -71,7 +71,7 @@ fn parts(mut text: &str) -> Vec<&str> {
     parts
 }
 
-/// The text before and after a word that stands outside parentheses, a blank behind it.
+/// Splits a text at the first occurrence of a word outside parentheses with a blank after it.
 fn split_once<'t>(text: &'t str, word: &str) -> Option<(&'t str, &'t str)> {
     let mut depth = 0_usize;
     for (at, letter) in text.char_indices() {
@@ -92,7 +92,7 @@ fn split_once<'t>(text: &'t str, word: &str) -> Option<(&'t str, &'t str)> {
 }
 
 impl Conditional {
-    /// How it is written, with `name` called for each entity.
+    /// Writes the conditional goal; `name` gives the name of each entity.
     pub(super) fn written(&self, domain: &Domain, name: &dyn Fn(EntityId) -> String) -> String {
         let side = |facts: &[GoalFact]| {
             let facts: Vec<String> = facts.iter().map(|fact| fact.written(domain, name)).collect();
@@ -106,7 +106,7 @@ impl Conditional {
         }
     }
 
-    /// As a sentence.
+    /// Writes the conditional goal as a sentence.
     pub(super) fn sentence(&self, voice: Voice, domain: &Domain, world: &World) -> String {
         let side = |facts: &[GoalFact]| {
             let facts = facts.iter().map(|fact| fact.sentence_in(voice, domain, world));
@@ -120,7 +120,7 @@ impl Conditional {
         }
     }
 
-    /// The same about the things of another world, if they are there.
+    /// Maps the goal to another world by identifiers; none if an entity is missing there.
     pub(super) fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Self> {
         let side = |facts: &[GoalFact]| -> Option<Vec<GoalFact>> {
             facts.iter().map(|fact| fact.carried(domain, from, to)).collect()
@@ -135,7 +135,7 @@ impl Conditional {
         })
     }
 
-    /// What must hold for it. What `others` ask for as well may be brought about in any case.
+    /// Returns the condition to achieve. Goals that are also in `others` may be achieved in either branch.
     pub(super) fn wanted(&self, domain: &Domain, others: &[GoalFact]) -> Wanted {
         let alone = |facts: &[GoalFact], side: &[GoalFact]| -> Vec<GoalFact> {
             let alone = |fact: &&GoalFact| !side.contains(fact) && !others.contains(fact);
@@ -146,7 +146,7 @@ impl Conditional {
         let joined = Joined::new(domain, self);
         let same = not_then.is_empty() && not_otherwise.is_empty() && self.then.len() == self.otherwise.len();
         let condition = if same {
-            // What it depends on makes no difference.
+            // Both branches are equal, so the outcome does not matter.
             Condition::And(joined.all(&self.then))
         } else {
             let outcomes = domain.outcomes(self.condition);
@@ -169,8 +169,8 @@ impl Conditional {
         }
     }
 
-    /// That what only the other case is about is where it was, and so is what was only looked at. `bindings` are those
-    /// of the whole condition.
+    /// Returns the conditions that entities which only the other branch mentions, or which were only inspected, are in
+    /// their initial places. `bindings` are those of the whole condition.
     fn left_alone(
         &self,
         domain: &Domain,
@@ -183,7 +183,7 @@ impl Conditional {
         let spoken: Vec<&GoalFact> = elsewhere.chain(wanted).collect();
         let looked_at: Vec<EntityId> = domain.arguments(self.condition).collect();
         let is_free = |thing: &EntityId| match looked_at.contains(thing) {
-            // A place where something is put may have been looked at, too.
+            // An inspected entity may be a place in another goal.
             true => !spoken.iter().any(|fact| fact.subject(domain) == Some(*thing)),
             false => !spoken.iter().any(|fact| fact.about(domain).contains(thing)),
         };
@@ -195,7 +195,7 @@ impl Conditional {
     }
 }
 
-/// The predicates with which an environment says where things are, as far as actions change it.
+/// Returns the binary predicates of state words that actions can achieve: the places of objects.
 fn places(domain: &Domain) -> Vec<PredicateId> {
     let effects = || domain.actions.iter().flat_map(|action| &action.effects);
     let brought_about =
@@ -207,7 +207,7 @@ fn places(domain: &Domain) -> Vec<PredicateId> {
     places
 }
 
-/// That a thing is still related to whatever it was related to at the start. `free` is a slot that nothing has.
+/// Returns the condition that an entity is in every relation in which it was initially. `free` is an unused slot.
 fn stays(domain: &Domain, predicate: PredicateId, slot: usize, free: usize) -> Condition {
     let there = |holds: bool, initially: bool| Condition::Atom {
         atom: Atom {
@@ -221,11 +221,11 @@ fn stays(domain: &Domain, predicate: PredicateId, slot: usize, free: usize) -> C
     Condition::Forall(free, domain.predicate(predicate).parameters[1].kind, Box::new(back))
 }
 
-/// Conditions of several goals as parts of one, over the bindings of all of them.
+/// The conditions of several goals over common bindings.
 struct Joined<'a> {
     domain: &'a Domain,
     bindings: Vec<EntityId>,
-    /// The conditions of the parts, over those bindings.
+    /// The goals with their conditions over those bindings.
     parts: Vec<(GoalFact, Condition)>,
 }
 
@@ -262,13 +262,13 @@ impl<'a> Joined<'a> {
         part.map_or(Condition::TRUE, |(_, condition)| condition.clone())
     }
 
-    /// That the goal does not hold, unless it did at the start.
+    /// Returns the condition that the goal does not hold, or held initially.
     fn not_brought_about(&self, fact: &GoalFact) -> Condition {
         let part = self.part(fact);
         Condition::Or(vec![part.clone().negated(), asked_initially(part)])
     }
 
-    /// That the outcome is known to hold, or to have held until something was done about it.
+    /// Returns the condition that the outcome is known to hold, or to have held until an action changed it.
     fn known(&self, outcome: Fact) -> Condition {
         let terms: Vec<Term> = (0..self.domain.arguments(outcome).count())
             .map(Term::Variable)
@@ -289,7 +289,7 @@ impl<'a> Joined<'a> {
     }
 }
 
-/// The condition with its slots elsewhere.
+/// Returns the condition with renumbered slots.
 fn moved(condition: Condition, slot: &impl Fn(usize) -> usize) -> Condition {
     let term = |term: Term| match term {
         Term::Variable(variable) => Term::Variable(slot(variable)),
@@ -317,7 +317,7 @@ fn moved(condition: Condition, slot: &impl Fn(usize) -> usize) -> Condition {
     }
 }
 
-/// The condition, asked of the state in which the instruction was given.
+/// Returns the condition, evaluated in the initial state.
 fn asked_initially(condition: Condition) -> Condition {
     let all = |parts: Vec<Condition>| parts.into_iter().map(asked_initially).collect();
     match condition {

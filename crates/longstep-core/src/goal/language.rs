@@ -1,69 +1,71 @@
-//! Reading goals.
+//! The parser of goals.
 
 use super::{Conditional, Goal, GoalFact, Written};
 use crate::call::Call;
 use crate::diagnostic::nearest;
 use crate::model::{Domain, EntityId, Fact, FormPiece, GoalWord, GoalWordId, TypeId, World, ground};
 
-/// Beginning of a question in a model's answer.
+/// The prefix of a question in a model's answer.
 pub const QUESTION: &str = "question: ";
 
-/// Text between two goals. A fact ends with the first part and the next one begins with the rest: a model
-/// writes the blank and the word after it as one token, so the grammar must not be cut between them.
+/// The separator after a goal, without the blank before the next one. Models write a blank and the following word as
+/// one token, so the grammar must not split them.
 pub const JOINT: &str = " &";
 
-/// Why a text is no goal.
+/// The reason why a text is not a goal.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum GoalError {
-    /// Nothing stands between two `&`.
+    /// An empty part between two `&`.
     #[error("the goal has an empty part")]
     Empty,
-    /// The word is not one of the domain's.
+    /// A word that is not a goal word of the domain.
     #[error("`{part}` is not a goal of this domain; write {forms}")]
     UnknownWord {
         /// The part of the goal.
         part: String,
-        /// The forms that there are.
+        /// The notations of the domain's goal words.
         forms: String,
     },
-    /// A name that nothing in the environment has.
+    /// A name that no entity has.
     #[error("`{name}` in `{part}` is nothing in the environment{}", near.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
     UnknownName {
         /// The part of the goal.
         part: String,
         /// The name.
         name: String,
-        /// A name like it.
+        /// An entity name that resembles it.
         near: Option<String>,
     },
-    /// A condition that nothing can tell.
+    /// A condition that no sensing action reveals.
     #[error("`{condition}` is nothing that sensing tells here, so no goal can depend on it{}", if forms.is_empty() { String::new() } else { format!("; write {forms}") })]
     NotSensed {
         /// The condition.
         condition: String,
-        /// What sensing tells.
+        /// The facts that sensing actions reveal.
         forms: String,
     },
-    /// Something of the wrong type.
+    /// An entity of the wrong type.
     #[error("`{name}` in `{part}` is no {expected}")]
     WrongType {
         /// The part of the goal.
         part: String,
         /// The name.
         name: String,
-        /// The type that it should have.
+        /// The expected type.
         expected: String,
     },
 }
 
-/// Reads a goal: parts joined by `&`, each a goal word or a state of the environment's with the entity in
-/// front, as in `INSIDE(<pie>, <oven>)`. Entities go by everyday name or identifier. A part may depend on what sensing
-/// tells: `if expired(milk) then put(milk, bin) and closed(fridge) else put(milk, fridge)`, where "and" joins the goals of
-/// a side and `else` may be left out.
+/// Parses a goal: parts joined by `&`. A part is a goal word, or a state word with the subject as first argument:
+/// `INSIDE(<pie>, <oven>)`. Entities are given by everyday name or identifier.
+///
+/// A part may depend on a sensed fact, in the form
+/// `if expired(milk) then put(milk, bin) and closed(fridge) else put(milk, fridge)`. The word "and" joins the goals of
+/// a branch, and the `else` branch is optional.
 ///
 /// # Errors
 ///
-/// The first part that cannot be read.
+/// The error in the first unreadable part.
 pub fn parse(domain: &Domain, world: &World, text: &str) -> Result<Goal, GoalError> {
     let mut goal = Goal::default();
     for part in text.split('&').map(str::trim) {
@@ -85,7 +87,7 @@ fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErro
     }
 }
 
-/// A goal with a condition; neither of its sides has one in turn.
+/// Reads a conditional goal; its branches cannot contain conditions.
 fn conditional(domain: &Domain, world: &World, written: &Written<'_>) -> Result<Conditional, GoalError> {
     let condition = match state(domain, world, written.condition)? {
         Some(fact) if domain.is_sensed(fact.predicate()) => fact,
@@ -139,7 +141,7 @@ fn conditional(domain: &Domain, world: &World, written: &Written<'_>) -> Result<
     })
 }
 
-/// A fact in the environment's words, with the entity in front; none if it has another form.
+/// Reads a fact in a state word, with the subject as first argument; none if the text has another form.
 fn state(domain: &Domain, world: &World, part: &str) -> Result<Option<Fact>, GoalError> {
     let Ok(call) = Call::parse(part) else { return Ok(None) };
     let word = domain
@@ -164,7 +166,7 @@ fn plain(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErr
                     arguments,
                 });
             }
-            // Forms of one word may both fit; the first error is the clearest.
+            // Several forms of one word may match; the first error is the clearest.
             Err(found) => {
                 error.get_or_insert(found);
             }
@@ -187,7 +189,7 @@ fn plain(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErr
     }))
 }
 
-/// The names in a goal of this form, by parameter; none if the text has another form.
+/// Returns the names in a goal of this form, by parameter; none if the text has another form.
 pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
     let mut names = vec![""; word.parameters.len()];
     let mut rest = text;

@@ -1,7 +1,7 @@
-//! Goals, in the few typed words that a domain declares.
+//! Goals, written in the typed goal words of a domain.
 //!
-//! A [`Goal`] is written `put(cup, shelf) & closed(door)`. [`parse`] reads one, search turns it into steps, and
-//! [`Goal::purpose`] is what verification holds the steps against.
+//! A [`Goal`] is written `put(cup, shelf) & closed(door)`. [`parse`] reads one, search achieves it, and verification
+//! checks a plan against [`Goal::purpose`].
 
 mod conditional;
 mod language;
@@ -15,7 +15,7 @@ pub use partial_answer::{Begun, Next, ended};
 use crate::model::{Domain, EntityId, Fact, FormPiece, GoalWordId, RuleTime, Voice, Wanted, World, written_fact};
 use crate::verify::{Purpose, Waiver, wanted_at_end};
 
-/// One thing that is wanted.
+/// One part of a goal.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum GoalFact {
     /// A goal word of the domain with its arguments.
@@ -25,21 +25,21 @@ pub enum GoalFact {
         /// One entity for each parameter.
         arguments: Vec<EntityId>,
     },
-    /// A plain fact, written with the environment's own words.
+    /// A fact, written with a state word of the environment.
     Plain(Fact),
-    /// One thing or another, whatever sensing tells.
+    /// Goals that depend on the outcome of sensing.
     If(Conditional),
 }
 
-/// Everything that is wanted.
+/// A goal: the conjunction of its parts.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Goal {
-    /// Its parts.
+    /// The parts.
     pub facts: Vec<GoalFact>,
 }
 
 impl GoalFact {
-    /// The fact in the goal language, with `name` called for each entity.
+    /// Writes the fact in the goal language; `name` gives the name of each entity.
     fn written(&self, domain: &Domain, name: &dyn Fn(EntityId) -> String) -> String {
         match self {
             Self::Word { word, arguments } => {
@@ -54,7 +54,7 @@ impl GoalFact {
         }
     }
 
-    /// The goals that it is made of: itself, or those of both sides.
+    /// Returns the goals without conditions that it consists of: itself, or the goals of both branches.
     pub fn parts(&self) -> Vec<&GoalFact> {
         match self {
             Self::If(conditional) => {
@@ -65,22 +65,22 @@ impl GoalFact {
         }
     }
 
-    /// As a model writes it: `put(pie, oven)`.
+    /// Writes the goal with everyday names: `put(pie, oven)`.
     pub fn everyday(&self, domain: &Domain, world: &World) -> String {
         self.written(domain, &|entity| world.entity(entity).name.clone())
     }
 
-    /// With the environment's identifiers: `put(<pie_320>, <microwave_314>)`.
+    /// Writes the goal with the environment's identifiers: `put(<pie_320>, <microwave_314>)`.
     pub fn exact(&self, domain: &Domain, world: &World) -> String {
         self.written(domain, &|entity| world.entity(entity).identifier.clone())
     }
 
-    /// As a sentence for a person.
+    /// Writes the goal as a sentence for a person.
     pub fn sentence(&self, domain: &Domain, world: &World) -> String {
         self.sentence_in(Voice::Person, domain, world)
     }
 
-    /// As a sentence in either voice.
+    /// Writes the goal as a sentence for a person or a model.
     pub fn sentence_in(&self, voice: Voice, domain: &Domain, world: &World) -> String {
         match self {
             Self::Word { word, arguments } => {
@@ -92,7 +92,7 @@ impl GoalFact {
         }
     }
 
-    /// The same about the things of another world, if they are there.
+    /// Maps the goal to another world by identifiers; none if an entity is missing there.
     pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Self> {
         let there = |entity: EntityId| to.find(&from.entity(entity).identifier);
         Some(match self {
@@ -111,7 +111,8 @@ impl GoalFact {
         })
     }
 
-    /// The thing that it is about, if it is about one.
+    /// Returns the entity that the goal is about, if it has one: the subject of the goal word, or the first argument of
+    /// the fact.
     pub fn subject(&self, domain: &Domain) -> Option<EntityId> {
         match self {
             Self::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
@@ -120,7 +121,7 @@ impl GoalFact {
         }
     }
 
-    /// Everything that it is about.
+    /// Returns all entities in the goal, in order.
     pub fn about(&self, domain: &Domain) -> Vec<EntityId> {
         match self {
             Self::Word { arguments, .. } => arguments.clone(),
@@ -135,7 +136,7 @@ impl GoalFact {
         }
     }
 
-    /// What must hold for it, as one of the goals of `all`.
+    /// Returns the condition to achieve, with `all` as the goals that it belongs to.
     fn wanted(&self, domain: &Domain, all: &[GoalFact]) -> Wanted {
         match self {
             Self::Word { word, arguments } => Wanted {
@@ -149,8 +150,8 @@ impl GoalFact {
 }
 
 impl Goal {
-    /// The same goal in another world that has its things: what was understood in a part of a world
-    /// ([`World::narrowed`]), for the whole of it. None if something of it is not there.
+    /// Maps the goal to another world by identifiers, for example from a restricted world ([`World::narrowed`]) to the
+    /// whole one. None if an entity is missing there.
     pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Goal> {
         let facts = self.facts.iter().map(|fact| fact.carried(domain, from, to));
         Some(Goal {
@@ -158,7 +159,7 @@ impl Goal {
         })
     }
 
-    /// The rules that this goal sets aside: who asks for the fridge to be open does not want it closed.
+    /// Returns the rules that the goal waives: a goal that the fridge is open waives the rule that it is closed.
     fn waivers(&self, domain: &Domain) -> Vec<Waiver> {
         let mut waivers = Vec::new();
         for fact in self.facts.iter().flat_map(GoalFact::parts) {
@@ -170,7 +171,7 @@ impl Goal {
                             entity: *entity,
                         }));
                     }
-                    // Who names a plain fact about a thing wants that rather than what is tidy.
+                    // A goal stated as a fact takes precedence over tidiness.
                     GoalFact::Plain(fact) if rule.time == RuleTime::Tidy => {
                         waivers.push(Waiver {
                             rule: number,
@@ -184,7 +185,7 @@ impl Goal {
         waivers
     }
 
-    /// What a plan for this goal is for: its parts, in order, and the rules it sets aside.
+    /// Returns the purpose of a plan for this goal: its conditions, in order, and its waivers.
     pub fn purpose(&self, domain: &Domain) -> Purpose {
         Purpose {
             wanted: self.facts.iter().map(|fact| fact.wanted(domain, &self.facts)).collect(),
@@ -194,7 +195,7 @@ impl Goal {
         }
     }
 
-    /// Whether it depends on anything that sensing tells, so that a plan for it may have to look first.
+    /// Returns true if the goal depends on a sensed fact, so that its plan may need sensing actions.
     pub fn depends_on_sensing(&self, domain: &Domain) -> bool {
         self.facts.iter().any(|fact| match fact {
             GoalFact::If(_) => true,
@@ -208,7 +209,7 @@ impl Goal {
         })
     }
 
-    /// Everything that must hold at the end, the domain's rules included: what search is given.
+    /// Returns all conditions at the end of a plan, those of the domain's rules included. This is the input of search.
     pub fn wanted(&self, domain: &Domain) -> Vec<Wanted> {
         let Purpose {
             mut wanted, waivers, ..

@@ -1,41 +1,41 @@
-//! An answer that a model is in the middle of.
+//! Partial answers: goals that a model has not finished writing.
 
 use super::conditional::{AND, ELSE, IF, THEN};
 use super::{Goal, GoalError, GoalFact, JOINT, Written, parse};
 use crate::model::{Domain, World};
 
-/// How an answer can go on.
+/// The possible continuation of a partial answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Next {
-    /// It has come to its end.
+    /// The end of the answer.
     Nothing,
     /// Another goal.
     Goal,
-    /// A goal for the case that the condition holds.
+    /// A goal of the branch in which the condition holds.
     Then,
-    /// A goal for the other case.
+    /// A goal of the other branch.
     Otherwise,
 }
 
-/// What an answer has said so far.
+/// The contents of a partial answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Begun {
-    /// The goals that are complete.
+    /// The complete goals.
     pub facts: Vec<GoalFact>,
-    /// Of the goal that is not: what is said on the side that goes on.
+    /// Of the incomplete conditional goal: the goals of the branch that continues.
     pub side: Vec<GoalFact>,
-    /// What is said on the other side, if that comes second.
+    /// The goals of the first branch, if the second one continues.
     pub other_side: Vec<GoalFact>,
-    /// How the answer can go on.
+    /// The possible continuation.
     pub next: Next,
 }
 
 impl Begun {
-    /// Reads goals that may end in the middle: after "&", "then", "and" or "else".
+    /// Parses goals that may end after "&", "then", "and" or "else".
     ///
     /// # Errors
     ///
-    /// The first part that cannot be read.
+    /// The error in the first unreadable part.
     pub fn read(domain: &Domain, world: &World, answer: &str) -> Result<Self, GoalError> {
         let answer = answer.trim();
         let all = |text: &str| -> Result<Vec<GoalFact>, GoalError> {
@@ -71,7 +71,7 @@ impl Begun {
             let facts: Result<Vec<Vec<GoalFact>>, GoalError> = parts.iter().map(|part| all(part)).collect();
             Ok(facts?.concat())
         };
-        // Before the first goal of a side, the text does not read as a whole.
+        // A branch without goals is not yet a complete conditional.
         let (then, otherwise) = match &written {
             Some(written) => (read(&written.then)?, read(&written.otherwise)?),
             None => (Vec::new(), Vec::new()),
@@ -89,20 +89,24 @@ impl Begun {
         })
     }
 
-    /// What must be thought of when the next goal is said: the goals that will be pursued together with it.
+    /// Returns the goals so far that will be pursued together with the next one.
     pub fn said(&self) -> Vec<GoalFact> {
         let parts = self.facts.iter().flat_map(GoalFact::parts);
         parts.chain(&self.side).cloned().collect()
     }
 
-    /// Whether any of the goals depends on something.
+    /// Returns true if a goal is conditional.
     pub fn has_condition(&self) -> bool {
         let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_));
         matches!(self.next, Next::Then | Next::Otherwise) || self.facts.iter().any(depends)
     }
 }
 
-/// The goals of an answer that ends, perhaps with a word after which nothing is left to say.
+/// Parses an answer that has ended, possibly with a word that requires a continuation; that word is ignored.
+///
+/// # Errors
+///
+/// The error in the first unreadable part.
 pub fn ended(domain: &Domain, world: &World, answer: &str) -> Result<Goal, GoalError> {
     let mut text = answer.trim();
     while let Some(less) = [JOINT.trim(), AND, ELSE]
@@ -111,7 +115,7 @@ pub fn ended(domain: &Domain, world: &World, answer: &str) -> Result<Goal, GoalE
     {
         text = less.trim_end();
     }
-    // A condition after which nothing can be said wants nothing.
+    // A condition without a goal in its branch requires nothing.
     if text.ends_with(THEN) {
         text = text.rsplit_once('&').map_or("", |(before, _)| before);
     }

@@ -1,8 +1,8 @@
-//! Planning tasks as other planners read and write them.
+//! PDDL problems and plans, for exchange with other planners.
 //!
-//! [`read_problem`] reads a problem file for a domain, [`write_problem`] writes a world and what is wanted in it
-//! as one that any planner reads together with the domain's own, unchanged `domain.pddl`, and [`read_plan`]
-//! and [`write_plan`] know a planner's plan, one `(action argument ...)` to a line.
+//! [`read_problem`] reads a problem file for a domain. [`write_problem`] writes a world and a goal as a problem that
+//! any planner reads together with the unchanged `domain.pddl`. [`read_plan`] and [`write_plan`] read and write plans,
+//! one `(action argument ...)` per line.
 //!
 //! ```
 //! use longstep_core::search::{Limits, Outcome, solve};

@@ -1,16 +1,15 @@
-//! Names that PDDL allows, for identifiers of any form.
+//! PDDL names for arbitrary identifiers.
 
 use rustc_hash::FxHashSet;
 
 use crate::model::{Domain, World};
 
-/// The name of every entity in PDDL, by its id.
+/// Returns the PDDL name of every entity, by id.
 ///
-/// An identifier loses its angle brackets and its capitals, and whatever is neither a letter of ASCII, a digit,
-/// `_` nor `-` becomes `_`; a name that does not begin with a letter gets `o_` in front. `<pie_320>` is `pie_320`.
-/// Where two entities would be called the same, the later one gets `-2`, `-3` and so on behind its name, so that
-/// every name stands for one entity of the world, and the same one each time. Constants of the domain keep their
-/// names.
+/// The name is the identifier in lower case, without angle brackets, and with `_` for all characters except ASCII
+/// letters, digits, `_` and `-`. A name that does not begin with a letter gets the prefix `o_`. `<pie_320>` is
+/// `pie_320`. Where two entities would have the same name, the later one gets the suffix `-2`, `-3` and so on. So names
+/// are unique and deterministic. Constants of the domain keep their names.
 pub fn object_names(domain: &Domain, world: &World) -> Vec<String> {
     let constants = domain.constants.iter().map(|(name, _)| name.clone());
     let mut names: Vec<String> = constants.collect();
@@ -28,7 +27,7 @@ pub fn object_names(domain: &Domain, world: &World) -> Vec<String> {
     names
 }
 
-/// Text as a word that PDDL allows as a name.
+/// Converts a text to a valid PDDL name.
 pub(super) fn plain(text: &str) -> String {
     let inner = text.strip_prefix('<').and_then(|text| text.strip_suffix('>'));
     let allowed = |c: char| match c.to_ascii_lowercase() {

@@ -1,4 +1,4 @@
-//! A planner's plan: one `(action argument ...)` to a line.
+//! Plans in PDDL notation, one `(action argument ...)` per line.
 
 use rustc_hash::FxHashMap;
 
@@ -9,7 +9,7 @@ use crate::model::{Domain, EntityId, World};
 use crate::plan::Step;
 use crate::search::GroundAction;
 
-/// Writes steps with all their arguments, one to a line, in the names that [`object_names`] gives.
+/// Writes steps with all their arguments, one per line, with the names of [`object_names`].
 pub fn write_plan(domain: &Domain, world: &World, steps: &[Step]) -> String {
     let names = object_names(domain, world);
     let mut plan = String::new();
@@ -25,13 +25,13 @@ pub fn write_plan(domain: &Domain, world: &World, steps: &[Step]) -> String {
     plan
 }
 
-/// Reads what a planner wrote for a problem of this world; comments are skipped.
+/// Parses a planner's plan for a problem of this world; comments are skipped.
 ///
-/// Whether the steps can be done is not looked at: that is what [`crate::verify::check`] is for.
+/// Applicability is not checked; see [`crate::verify::check`].
 ///
 /// # Errors
 ///
-/// Unknown actions and objects, arguments too many, too few or of the wrong type: all at once, with their places.
+/// All unknown actions and objects, wrong numbers of arguments and arguments of the wrong type, with their positions.
 pub fn read_plan(domain: &Domain, world: &World, file: &str, text: &str) -> Result<Vec<GroundAction>, Diagnostics> {
     let lines = sexpr::read(file, text).map_err(|finding| Diagnostics(vec![finding]))?;
     let names = object_names(domain, world);

@@ -1,4 +1,4 @@
-//! Reads a problem file: objects, what holds at first, and what is wanted.
+//! The parser of PDDL problems: objects, initial state and goal.
 
 use indexmap::IndexMap;
 use rustc_hash::FxHashMap;
@@ -12,26 +12,26 @@ use crate::model::{
 };
 use crate::search::Wanted;
 
-/// A planning task: a world, and what is wanted in it.
+/// A planning task: a world and a goal.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// The objects and what holds at first. An identifier is the object's name.
+    /// The objects and the initial state. The identifier of an entity is the name of the object.
     pub world: World,
-    /// The parts of the goal, which all must hold at the end.
+    /// The goal, as conditions that must all hold at the end.
     pub wanted: Vec<Wanted>,
 }
 
-/// Reads a problem for the domain.
+/// Parses a problem for the domain.
 ///
-/// `file` is what findings call the text. Facts may be given twice and may be about objects of any type, as
-/// planners commonly allow.
+/// `file` is the name of the text in diagnostics. As most planners allow, a fact may occur twice, and arguments may
+/// have any type.
 ///
 /// # Errors
 ///
-/// Everything that cannot be read, at once, with its place: names that are declared nowhere or twice, wrong
-/// numbers of arguments, sections that are not understood, a problem that is for another domain.
+/// All errors with their positions: names that are undeclared or declared twice, wrong numbers of arguments, unknown
+/// sections, a problem for another domain.
 pub fn read_problem(domain: &Domain, file: &str, text: &str) -> Result<Problem, Diagnostics> {
     let mut findings = Vec::new();
     let problem = match sexpr::read(file, text) {
@@ -93,7 +93,7 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
                 domain.pddl_name
             );
             reader.report(section.position, message);
-            // Hardly a name in it would be known.
+            // Most names in it would be unknown.
             return None;
         }
     }
@@ -103,7 +103,7 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
         predicates: domain.predicates.clone(),
         ..Semantics::default()
     };
-    // The words are looked up here rather than in the lists: there are many more facts than names.
+    // A hash map, since there are many more facts than names.
     let mut numbers: FxHashMap<String, EntityId> = FxHashMap::default();
     for (index, (name, _)) in names.constants.iter().enumerate() {
         numbers.insert(name.clone(), EntityId::new(index));
@@ -136,7 +136,7 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
                 state.set(fact, true);
                 continue;
             }
-            // What is said not to hold does not hold anyway, but its names must be right.
+            // A negated fact has no effect, but its names must be valid.
             let atom = match item.tail_of("not") {
                 Some([inner]) => inner,
                 _ => item,
@@ -170,7 +170,7 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
     Some(Problem { name, world, wanted })
 }
 
-/// The fact, if all its words are known and it has as many arguments as it should.
+/// Returns the fact if all its names are known and its number of arguments is right.
 fn known_fact(
     item: &Expression,
     predicates: &FxHashMap<&str, (PredicateId, usize)>,
@@ -188,7 +188,7 @@ fn known_fact(
     Some(Fact::new(predicate, bound))
 }
 
-/// The parts of a condition, each a thing that is wanted.
+/// Splits a condition into its conjuncts, each a goal condition.
 fn conjuncts(condition: Condition, wanted: &mut Vec<Wanted>) {
     match condition {
         Condition::And(parts) => parts.into_iter().for_each(|part| conjuncts(part, wanted)),
@@ -199,7 +199,7 @@ fn conjuncts(condition: Condition, wanted: &mut Vec<Wanted>) {
     }
 }
 
-/// What holds, as an environment says it: facts about nothing have no place there.
+/// Writes the state as an environment, without facts that have no arguments.
 fn environment(domain: &Domain, entities: &[Entity], state: &State) -> Environment {
     let mut states: IndexMap<String, Vec<String>> = IndexMap::new();
     let name = |entity: EntityId| entities[entity.index()].identifier.clone();

@@ -19,7 +19,7 @@ fn shelves() -> Domain {
     domain::from_pddl("domain.pddl", SHELVES).unwrap()
 }
 
-/// The plan for a problem of the shelves, after the verifier found it good; or what is wrong with the problem.
+/// Solves a problem of the shelves and returns the verified plan, or the errors in the problem.
 fn plan(problem: &str) -> String {
     let domain = shelves();
     let problem = match read_problem(&domain, "p.pddl", problem) {
@@ -55,7 +55,7 @@ fn check_plan(parts: &str, expected: &str) {
 
 #[test]
 fn problems_are_read_as_planners_read_them() {
-    // A fact twice, a fact that does not hold, and facts about something of another type.
+    // A duplicate fact, a negated fact, and facts about an object of another type.
     check_plan(
         "(:init (at cup low) (at cup low) (not (at cup high)) (at low low) (heavy high)) (:goal (at cup high))",
         "(carry cup low high)\n",
@@ -160,7 +160,7 @@ fn names_are_legal_and_tell_entities_apart() {
     );
 }
 
-/// Goals written as a problem and read back have plans of the same length.
+/// Goals written as a problem and parsed again have plans of the same length.
 #[track_caller]
 fn check_round_trip(domain: &str, environment: &str, goals: &[&str]) {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../");

@@ -1,4 +1,4 @@
-//! Writes a world and what is wanted in it as a problem file.
+//! The writer of PDDL problems.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ use crate::effort;
 use crate::model::{Domain, Fact, RuleTime, World};
 use crate::search::{Formula, GroundCondition, Literal, Wanted, ground_condition};
 
-/// Why a task cannot be written as a PDDL problem.
+/// The reason why a task cannot be written as a PDDL problem.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum WriteError {
-    /// A problem file speaks of the first and the last state only.
+    /// A rule must hold in every state, but a PDDL problem constrains only the first and the last one.
     #[error("the rule `{rule}` must hold in every state on the way, which a PDDL problem cannot say")]
     Always {
         /// The rule's name.
@@ -24,19 +24,20 @@ pub enum WriteError {
     TooLarge,
 }
 
-/// The units of work of writing a problem or a goal.
+/// The budget for writing a problem or a goal, in units of work.
 const EFFORT: u64 = 25_000_000;
 
-/// Writes a problem that any planner reads together with the domain's own `domain.pddl`.
+/// Writes a problem that any planner reads together with the domain's `domain.pddl`.
 ///
-/// The goal is written ground, since conditions may ask of the first state, which PDDL has no words for: what is
-/// known from the start is left out, and what stays are facts with `and`, `or` and `not`. Whatever the world
-/// takes to hold is given as holding, assumptions included. Objects are named by [`object_names`]; where a name
-/// is not the identifier, a comment tells it. Everything is sorted, so the same task is always the same text.
+/// The goal is written ground, since conditions may refer to the initial state, which PDDL cannot express. Parts whose
+/// truth is known initially are left out; the rest are facts with `and`, `or` and `not`. Assumed facts are written like
+/// all others. Objects are named by [`object_names`]; a comment gives the identifier where it differs. The output is
+/// sorted, so equal tasks yield equal texts.
 ///
 /// # Errors
 ///
-/// When a rule of the domain must hold in every state: a problem cannot say that. When the goal is too large.
+/// [`WriteError::Always`] if a rule of the domain must hold in every state; [`WriteError::TooLarge`] if the goal has
+/// too many instances.
 pub fn write_problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
     affordable(|| problem(domain, world, wanted, name))?
 }
@@ -64,7 +65,7 @@ fn problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Res
     for (id, entity) in world.entities().skip(domain.constants.len()) {
         let object = &names[id.index()];
         let kind = domain.types.name(entity.kind);
-        // Writing to a text cannot fail.
+        // Writing to a `String` cannot fail.
         let _ = write!(text, "\n    {object} - {kind}");
         if *object != entity.identifier {
             let _ = write!(text, " ; {}", entity.identifier.escape_debug());
@@ -82,11 +83,11 @@ fn problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Res
     Ok(text)
 }
 
-/// The parts of the goal as [`write_problem`] writes them.
+/// Returns the parts of the goal in the notation of [`write_problem`].
 ///
 /// # Errors
 ///
-/// When the goal is too large.
+/// [`WriteError::TooLarge`] if the goal has too many instances.
 pub fn write_goal(domain: &Domain, world: &World, wanted: &[Wanted]) -> Result<Vec<String>, WriteError> {
     affordable(|| ground_goal(domain, world, &object_names(domain, world), wanted))
 }

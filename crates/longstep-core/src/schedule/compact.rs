@@ -1,4 +1,4 @@
-//! From steps one after the other to lanes side by side.
+//! Compaction: from a sequence of steps to parallel lanes.
 
 use std::collections::BTreeMap;
 
@@ -9,23 +9,23 @@ use crate::model::{Domain, EntityId, State, World};
 use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, apply, check};
 
-/// A plan whose actors work side by side.
+/// A plan with parallel lanes.
 #[derive(Debug, Clone)]
 pub struct Compacted {
     /// The plan.
     pub plan: VerifiedPlan,
-    /// How long it took one step after the other.
+    /// The makespan as a sequence.
     pub before: Makespan,
-    /// How long it takes now.
+    /// The makespan with lanes.
     pub after: Makespan,
 }
 
-/// Lets the actors of a plain list of steps work side by side, as early as each step can be: it comes after what its
-/// actor did before, and after every step that it is not independent of. Where it has to wait for another lane, both
-/// have a synchronisation point. A step that no single actor does parts what comes before from what comes after.
+/// Runs the actors of a sequence of steps in parallel, each step as early as possible: after the earlier steps of its
+/// actor, and after every earlier step from which it is not independent. Where it waits for another lane, both lanes
+/// get a synchronisation point. A step without a single actor separates the steps before it from those after it.
 ///
-/// None if the plan is no plain list, has one actor only, gains no time, or would end otherwise than it did: the
-/// result is verified in every order in which the lanes' steps can happen.
+/// None if the plan is not a sequence, has only one actor, gains no time, or would have another final state: the result
+/// is verified in all interleavings of the lanes.
 pub fn compact(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
     let spent = effort::within(effort::OPERATION, || compact_within(domain, world, plan, purpose));
     spent.result.filter(|_| !spent.exhausted)
@@ -52,7 +52,7 @@ fn compact_within(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: 
     })
 }
 
-/// The steps as lanes; none if there is nothing to do side by side.
+/// Arranges the steps as lanes; none if there are fewer than two actors.
 pub(super) fn arranged(domain: &Domain, world: &World, steps: &[Step]) -> Option<Plan> {
     if actors(domain, steps).len() < 2 {
         return None;
@@ -71,16 +71,16 @@ pub(super) fn arranged(domain: &Domain, world: &World, steps: &[Step]) -> Option
     Plan::tree(tree.steps, tree.body)
 }
 
-/// A step of one actor with its earliest time.
+/// A step of one actor with its earliest start time.
 struct Timed<'a> {
     step: &'a Step,
     actor: EntityId,
     start: usize,
-    /// By other lane: when the last of its steps ends that this one has to wait for.
+    /// The latest end among the steps for which this one waits, by the actor of their lane.
     awaits: BTreeMap<EntityId, usize>,
 }
 
-/// Gives each step the earliest time that its actor and the steps before it allow.
+/// Computes the earliest start time of each step.
 fn timed<'a>(domain: &Domain, steps: &'a [Step], prints: &[Footprint]) -> Vec<Timed<'a>> {
     let mut timed: Vec<Timed<'a>> = Vec::with_capacity(steps.len());
     for (step, own) in steps.iter().zip(prints) {
@@ -107,7 +107,7 @@ fn timed<'a>(domain: &Domain, steps: &'a [Step], prints: &[Footprint]) -> Vec<Ti
     timed
 }
 
-/// What each step reads and changes where it stands.
+/// Returns the footprint of each step in the state in which it is executed.
 fn footprints(domain: &Domain, world: &World, steps: &[Step]) -> Vec<Footprint> {
     let mut state: State = world.state.clone();
     let mut grounded = Vec::with_capacity(steps.len());
@@ -130,12 +130,12 @@ fn footprints(domain: &Domain, world: &World, steps: &[Step]) -> Vec<Footprint> 
     writers.iter().zip(&grounded).map(footprint).collect()
 }
 
-/// A plan that is being put together.
+/// A plan under construction.
 #[derive(Default)]
 struct Tree {
     steps: Vec<Step>,
     body: Vec<Node>,
-    /// How many synchronisation points there are.
+    /// The number of synchronisation points.
     syncs: usize,
 }
 
@@ -150,12 +150,12 @@ impl Tree {
         self.body.push(Node::Step(step));
     }
 
-    /// Adds steps that each have an actor.
+    /// Adds steps with one actor each as lanes, or as a sequence if nothing overlaps.
     fn side_by_side(&mut self, timed: &[Timed<'_>]) {
         let mut actors: Vec<EntityId> = timed.iter().map(|timed| timed.actor).collect();
         actors.sort_unstable();
         actors.dedup();
-        // Where nothing overlaps, a list says the same.
+        // Without overlap, a sequence is equivalent.
         let end = timed.iter().map(|timed| timed.start + 1).max();
         if end.is_none_or(|end| end == timed.len()) {
             timed.iter().for_each(|timed| self.one(timed.step));
@@ -186,13 +186,13 @@ impl Tree {
     }
 }
 
-/// A moment at which lanes wait for each other.
+/// A time at which lanes wait for each other.
 struct Meeting {
     time: usize,
     lanes: Vec<EntityId>,
 }
 
-/// The fewest moments that keep every step behind what it has to wait for, in order of time.
+/// Returns the fewest synchronisation points that keep every step after those for which it waits, in order of time.
 fn meetings(timed: &[Timed<'_>]) -> Vec<Meeting> {
     let mut by_start: Vec<&Timed<'_>> = timed.iter().collect();
     by_start.sort_by_key(|timed| timed.start);

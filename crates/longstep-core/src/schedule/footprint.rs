@@ -1,4 +1,4 @@
-//! What a step reads and changes.
+//! Footprints: the facts that a step reads and writes.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -6,17 +6,17 @@ use crate::model::{Domain, EntityId, Fact, State, World};
 use crate::plan::Step;
 use crate::search::{Formula, GroundAction, Literal, Operator, ground_step};
 
-/// What a step depends on and what it changes, done in a certain state.
+/// The facts that a step reads and writes when executed in a given state.
 #[derive(Debug, Clone)]
 pub(super) struct Footprint {
-    /// Facts that let it be done, and that let its effects happen or not, with whether they hold.
+    /// The facts that decide its precondition and the conditions of its effects, with their values.
     reads: FxHashMap<Fact, bool>,
     writes: Writes,
-    /// The things that it handles.
+    /// The objects among its arguments.
     things: Vec<EntityId>,
 }
 
-/// What a step makes true or false, and whether it was not so before.
+/// The facts that a step writes, with their values.
 type Writes = FxHashMap<Fact, Written>;
 
 #[derive(Debug, Clone, Copy)]
@@ -25,13 +25,13 @@ struct Written {
     changed: bool,
 }
 
-/// Facts with a value that some other actor makes or ends.
+/// Facts with a value that another actor makes true or false.
 pub(super) type Contended = FxHashSet<(Fact, bool)>;
 
-/// A step with its arguments, about to be done in a certain state.
+/// A ground step in the state before its execution.
 pub(super) struct Grounded {
     operator: Operator,
-    /// The facts that its literals number, and whether each holds.
+    /// The facts that its literals number, with their values.
     facts: Vec<(Fact, bool)>,
     things: Vec<EntityId>,
 }
@@ -61,7 +61,7 @@ impl Grounded {
             if effect.condition.holds(&|literal| self.holds(literal)) {
                 let (fact, held) = self.facts[effect.literal.fact as usize];
                 let before = writes.get(&fact).is_some_and(|written: &Written| written.holds);
-                // What is both taken away and given stays.
+                // A fact both added and deleted is added.
                 let holds = effect.literal.holds || before;
                 let changed = holds != held;
                 writes.insert(fact, Written { holds, changed });
@@ -70,7 +70,7 @@ impl Grounded {
         writes
     }
 
-    /// What nobody else can rely on: values that the step ends, or makes where it was otherwise.
+    /// Returns the values that no other step can rely on: those that the step ends, and those that it newly makes.
     pub(super) fn contends(&self) -> impl Iterator<Item = (Fact, bool)> {
         let values = |(fact, written): (Fact, Written)| {
             let made = written.changed.then_some((fact, written.holds));
@@ -79,8 +79,8 @@ impl Grounded {
         self.writes().into_iter().flat_map(values)
     }
 
-    /// What the step reads and changes: of several reasons why a condition holds or not, one that is not contended, if
-    /// there is one.
+    /// Returns the footprint of the step. If a condition holds or fails for several reasons, one without contended
+    /// facts is preferred.
     pub(super) fn footprint(&self, contended: &Contended) -> Footprint {
         let effects = self.operator.effects.iter().map(|effect| &effect.condition);
         let conditions = std::iter::once(&self.operator.precondition).chain(effects);
@@ -92,11 +92,11 @@ impl Grounded {
         }
     }
 
-    /// Whether a formula holds, and literals that alone make it so.
+    /// Evaluates a formula; returns its value and literals that suffice for it.
     fn because(&self, formula: &Formula, contended: &Contended) -> (bool, Vec<Literal>) {
         let (parts, decisive) = match formula {
             Formula::Literal(literal) => return (self.holds(*literal), vec![*literal]),
-            // One part that fails decides a conjunction, one that holds a disjunction; else all of them do.
+            // One false part decides a conjunction and one true part a disjunction; otherwise all parts do.
             Formula::And(parts) => (parts, false),
             Formula::Or(parts) => (parts, true),
         };
@@ -116,8 +116,8 @@ impl Grounded {
 }
 
 impl Footprint {
-    /// Whether this step, which stands before the other, has to: they handle something together, or one of them
-    /// changes what lets the other be done or what that changes.
+    /// Returns true if this step must stay before `later`: both handle an object, or one of them changes a fact that
+    /// the other reads or writes.
     pub(super) fn is_needed_before(&self, later: &Self) -> bool {
         let written = |by: &Self, fact: &Fact| by.writes.get(fact).copied();
         let enables = |(fact, held): (&Fact, &bool)| {
@@ -134,11 +134,11 @@ impl Footprint {
     }
 }
 
-/// Whether two steps, both about to be done in this state, can be done in either order or overlap: they handle
-/// nothing together, and neither changes what lets the other be done or what that changes.
+/// Returns true if two steps, both applicable in this state, can be executed in either order or overlap: they share no
+/// object, and neither changes a fact that the other reads or writes.
 ///
-/// Two steps that both make the same fact true, or both false, do not disturb each other by that, and neither does a
-/// step that makes a fact what it is already.
+/// Two steps that give a fact the same value do not conflict, and neither does a step that writes the current value of
+/// a fact.
 ///
 /// ```
 /// use longstep_core::{schedule, domain, json, plan::Step, environment};

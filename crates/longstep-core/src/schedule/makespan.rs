@@ -1,23 +1,24 @@
-//! How long a plan takes.
+//! The makespan of plans.
 
 use std::collections::VecDeque;
 use std::fmt;
 
 use crate::plan::{Lane, LaneItem, Node, Plan, StepId, Test};
 
-/// How long a plan takes at most, in units: a step takes one unit, whatever it does.
+/// The makespan of a plan, in units of time: every step takes one unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Makespan {
-    /// So long.
+    /// The exact makespan.
     Exact(u64),
-    /// So long with one turn of every loop whose number of turns is open; each further turn takes longer.
+    /// The makespan with one iteration of every loop whose number of iterations is unknown; each further one adds to
+    /// it.
     AtLeast(u64),
 }
 
 impl Makespan {
     const NOTHING: Self = Self::Exact(0);
 
-    /// The number of units.
+    /// Returns the number of units.
     pub fn units(self) -> u64 {
         match self {
             Self::Exact(units) | Self::AtLeast(units) => units,
@@ -51,8 +52,8 @@ impl fmt::Display for Makespan {
     }
 }
 
-/// How long a plan takes: lanes run side by side and wait for each other where they are told to, of two ways the
-/// longer one counts, and sensing is a step like any other.
+/// Returns the makespan of a plan in the worst case: lanes run in parallel and wait at synchronisation points, the
+/// longer of two branches counts, and sensing is a step like any other.
 ///
 /// ```
 /// use longstep_core::schedule::{Makespan, makespan};
@@ -94,22 +95,22 @@ fn of_lanes(lanes: &[Lane]) -> u64 {
     units.count() as u64
 }
 
-/// A line of a [`timetable`].
+/// A row of a [`timetable`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Row {
-    /// What each lane does in one unit of time; nothing where it waits or is done.
+    /// One unit of time: the step of each lane; none for a lane that waits or is done.
     Unit(Vec<Option<StepId>>),
-    /// Lanes that waited for each other go on.
+    /// A synchronisation point that lanes pass.
     Sync {
         /// The name of the synchronisation point.
         name: String,
-        /// The lanes, by their place.
+        /// The indexes of the lanes.
         lanes: Vec<usize>,
     },
 }
 
-/// What lanes do when each step takes one unit and nobody waits longer than told. Where lanes wait for each other for
-/// ever, as verification would tell, the first of them goes on.
+/// Returns the timetable of lanes in which each step takes one unit and starts as early as possible. In a deadlock,
+/// which verification reports, the first waiting lane continues.
 ///
 /// ```
 /// use longstep_core::schedule::{Row, timetable};
@@ -153,8 +154,8 @@ pub fn timetable(lanes: &[Lane]) -> Vec<Row> {
     }
 }
 
-/// A synchronisation point that every lane which still has it in front of it has come to; where no lane can do
-/// anything else, the first.
+/// Returns a synchronisation point that has been reached by every lane in which it is still ahead; in a deadlock, that
+/// of the first waiting lane.
 fn next_sync(rest: &[VecDeque<&LaneItem>]) -> Option<String> {
     let waiting: Vec<&String> = rest
         .iter()

@@ -1,9 +1,9 @@
-//! Several hands, arms or robots: what they can do at the same time, how long a plan takes, and who does what.
+//! Scheduling for several actors (hands, arms or robots): parallel lanes, makespan, and assignment of steps.
 //!
-//! A plan that search found is a list of steps, each by one actor or by several at once. [`compact`] turns such a list
-//! into lanes that run side by side and come to the same, [`spread`] first gives work to whoever makes that shorter,
-//! and [`makespan`] counts the time of any plan. Nothing here is trusted: what comes out is verified like any other
-//! plan, in every order in which the lanes' steps can happen.
+//! Search returns a list of steps, each by one actor or by several together. [`compact`] turns such a list into
+//! parallel lanes with the same final state, [`spread`] first assigns steps to other actors where that shortens the
+//! makespan, and [`makespan`] computes the duration of any plan. Every result is verified like any other plan, in all
+//! interleavings of the lanes.
 
 mod compact;
 mod footprint;
@@ -21,7 +21,7 @@ use crate::model::Domain;
 use crate::model::EntityId;
 use crate::plan::Step;
 
-/// The actors of steps, each once, in order.
+/// Returns the actors of the steps, each once, sorted.
 fn actors(domain: &Domain, steps: &[Step]) -> Vec<EntityId> {
     let mut actors: Vec<EntityId> = steps.iter().filter_map(|step| step.actor(domain)).collect();
     actors.sort_unstable();

@@ -1,4 +1,4 @@
-//! Who does what, where the goal leaves it open.
+//! Assignment of steps to actors, where the goal leaves it open.
 
 use super::compact::{Compacted, arranged, compact};
 use super::makespan;
@@ -7,15 +7,15 @@ use crate::model::{Domain, EntityId, Moment, World, holds};
 use crate::plan::{Plan, Step};
 use crate::verify::{Purpose, VerifiedPlan, apply, check};
 
-/// Plans with more steps than this keep their actors: what is tried grows with the square of the steps.
+/// The maximal number of steps; the number of candidates grows with its square.
 const LONGEST: usize = 60;
 
-/// Gives stretches of work to other actors as long as that makes the plan shorter in time and no longer in steps.
+/// Assigns stretches of work to other actors as long as that shortens the makespan without additional steps.
 ///
-/// A stretch is any number of steps that one actor does in turn, as it picks something up, carries it and puts it
-/// down; another actor takes all of it or nothing. What comes out is a plain list of steps again, verified for the same
-/// purpose: a hand that the goal names stays. Of equally good choices the first is taken, so the answer is always the
-/// same.
+/// A stretch is a number of consecutive steps of one actor, for example to pick up, carry and put down an object; it is
+/// reassigned as a whole. The result is a sequence of steps again, verified for the same purpose, so an actor that the
+/// goal names stays. Among equal candidates the first is chosen, so the result is deterministic. A plan that is not a
+/// sequence is returned unchanged, as it is when the budget is exhausted.
 pub fn spread(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> VerifiedPlan {
     let spent = effort::within(effort::OPERATION, || spread_within(domain, world, plan, purpose));
     match spent.exhausted {
@@ -48,19 +48,19 @@ fn spread_within(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &
     }
 }
 
-/// The work of a plan shared out between its actors and done side by side: [`spread`], then [`compact`].
+/// Assigns the steps of a plan to its actors and runs them in parallel: [`spread`], then [`compact`].
 ///
 /// None if that gains no time.
 pub fn share(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
     compact(domain, world, &spread(domain, world, plan, purpose), purpose)
 }
 
-/// How long the steps take when their actors work side by side.
+/// Returns the makespan of the steps with parallel actors.
 fn time_of(domain: &Domain, world: &World, steps: &[Step]) -> u64 {
     arranged(domain, world, steps).map_or(steps.len() as u64, |plan| makespan(&plan).units())
 }
 
-/// The steps with each stretch of one actor's work done by another, where that can be done.
+/// Returns the plans in which a stretch of one actor's work is done by another, as far as they are executable.
 fn handed_on(domain: &Domain, world: &World, steps: &[Step]) -> Vec<Vec<Step>> {
     let mut all = Vec::new();
     for first in 0..steps.len() {
@@ -83,7 +83,7 @@ fn handed_on(domain: &Domain, world: &World, steps: &[Step]) -> Vec<Vec<Step>> {
     all
 }
 
-/// Who else could do the step, by its type.
+/// Returns the other actors with the right type for the step.
 fn others(domain: &Domain, world: &World, step: &Step, actor: EntityId) -> Vec<EntityId> {
     let action = domain.action(step.action);
     let kinds = action.actor.map(|parameter| action.parameters[parameter].kind);
@@ -91,7 +91,7 @@ fn others(domain: &Domain, world: &World, step: &Step, actor: EntityId) -> Vec<E
     all.copied().filter(|other| *other != actor).collect()
 }
 
-/// The step done by another actor, with the explanation that the domain gives it.
+/// Returns the step with another actor and the domain's explanation.
 fn done_by(domain: &Domain, world: &World, step: &Step, actor: EntityId) -> Step {
     let mut arguments = step.arguments.clone();
     if let Some(parameter) = domain.action(step.action).actor {

@@ -1,4 +1,4 @@
-//! Lanes from lists of steps, on worlds of their own.
+//! Tests of lanes made from sequences of steps.
 
 use super::*;
 use crate::domain;
@@ -10,7 +10,7 @@ use crate::plan::{Lane, LaneItem, Node, Plan, Step, StepId, TaskCohesion, Test, 
 use crate::search::{Limits, Outcome, solve};
 use crate::verify::{Purpose, VerifiedPlan, bind, check};
 
-/// A bench with two things on it, a rack, and a locker with a jar in it.
+/// A bench with two objects on it, a rack, and a locker with a jar in it.
 const ROOM: &str = r#"{
     "assets": ["<bench>", "<rack>", "<locker>"],
     "objects": ["<mug>", "<towel>", "<jar>", "<trunk>", "<locker_handle>"],
@@ -37,7 +37,7 @@ fn solved(domain: &Domain, world: &World, goal: &str) -> (VerifiedPlan, Purpose)
     (check(domain, world, plan, &purpose).into_verified().unwrap(), purpose)
 }
 
-/// A goal in the room: steps, and units of time one after the other and side by side.
+/// Solves a goal in the room, and checks the number of steps and the makespans as a sequence and as lanes.
 #[track_caller]
 fn check_time(goal: &str, expected: (usize, u64)) {
     let (domain, world) = room(ROOM);
@@ -55,13 +55,13 @@ fn check_time(goal: &str, expected: (usize, u64)) {
 
 #[test]
 fn work_that_can_be_shared_is() {
-    // One thing is one hand's work.
+    // One object is the work of one hand.
     check_time("put(mug, rack)", (6, 6));
     check_time("put(mug, rack) & put(towel, rack)", (12, 6));
-    // Which hand is asked for stays so.
+    // A hand that the goal names stays.
     check_time("put(mug, rack, right hand) & put(towel, rack, right hand)", (12, 12));
     check_time("put(mug, rack, right hand) & put(towel, rack, left hand)", (12, 6));
-    // Both hands on one thing take turns.
+    // Two hands handle one object in turn.
     check_time("put(trunk, rack)", (9, 9));
     check_time("put(jar, rack) & closed(locker)", (11, 8));
 }
@@ -81,7 +81,7 @@ fn step(number: usize) -> Node {
     Node::Step(StepId::new(number))
 }
 
-/// A lane: numbers are steps, anything else a synchronisation point.
+/// Parses a lane: numbers are steps, all other words are synchronisation points.
 fn lane(actor: usize, items: &str) -> Lane {
     let item = |word: &str| match word.parse() {
         Ok(number) => LaneItem::Step(StepId::new(number)),
@@ -126,13 +126,13 @@ fn time_is_counted_along_the_longest_way() {
     };
     check_units(vec![lanes(&["0 1 2", "3"])], "3 units");
     check_units(vec![lanes(&["0 1 a 2", "a 3 4"]), step(5)], "5 units");
-    // Three lanes, of which two meet.
+    // Three lanes, two of which synchronise.
     check_units(vec![lanes(&["0 1 a 2", "3 4 5", "a 6"])], "3 units");
-    // Waiting for each other for ever is for verification to tell.
+    // A deadlock, which verification reports.
     check_units(vec![lanes(&["a 0 b", "b 1 a"])], "2 units");
 }
 
-/// Calls of a plan with what they are about in the explanation, as lanes; steps counted from 1.
+/// Parses calls and their explanations, and arranges them as lanes; steps are counted from 1.
 #[track_caller]
 fn check_lanes(things: &[&str], steps: &[(&str, &str)], expected: &str) {
     let (domain, world) = room(ROOM);
