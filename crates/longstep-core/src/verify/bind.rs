@@ -1,9 +1,9 @@
-//! The arguments that a plan does not show.
+//! Binding of implicit arguments, which the call syntax omits.
 //!
-//! `grasp_object()` names nothing: what is grasped is the plan's `object_name`, and where things go shows
-//! only in the environment afterwards. The arguments are found by trying: a choice that can be executed to
-//! the end and whose last state fits the claim is the one that was meant. Among choices that fit equally,
-//! an entity that the step's explanation speaks of comes first; what is open even then is said.
+//! `grasp_object()` names no argument: the object is the plan's `object_name`, and the place appears only in the
+//! environment after the plan. Binding is a search over candidate arguments. The chosen binding is executable and its
+//! final state differs least from the claims. Between equal bindings, entities that the step's explanation mentions
+//! come first. Arguments that are still ambiguous are listed as assumptions.
 
 use rustc_hash::FxHashSet;
 
@@ -18,45 +18,46 @@ use crate::model::{
 use crate::plan::claims::told;
 use crate::plan::{DraftStep, Plan, Step};
 
-/// States that are looked at before the best choice so far is taken.
+/// Maximum number of visited states; then the best binding so far is used.
 const LIMIT: usize = 20_000;
 
-/// States that are looked at for a choice that keeps the rules for the end, once one is found that ends as claimed.
+/// Maximum number of further states once a binding meets all claims, to find one that also keeps the rules for the
+/// final state.
 const AFTER: usize = 2_000;
 
-/// The units of work of finding the arguments of one way, and of seeing which of them could be others.
+/// Work budgets to bind one path, and to find its ambiguous arguments.
 const WAY: u64 = effort::OPERATION / 3 * 2;
 const OPEN: u64 = effort::OPERATION / 3;
 
-/// Plans with more steps than this are bound step by step, by what lacks the least: each step more is a call deeper.
+/// Plans with more steps are bound greedily, since each step is a level of recursion.
 const LONGEST: usize = 2_000;
 
-/// A step on a way through a plan, with what shows how it was meant.
+/// A step on an execution path, with the evidence for its arguments.
 #[derive(Debug, Clone)]
 pub(super) struct Turn {
     pub(super) step: DraftStep,
-    /// What it says that holds after it.
+    /// Facts that the step claims to hold after it.
     pub(super) claims: Vec<Fact>,
-    /// What the way takes to be known after it.
+    /// Facts that the path assumes to be known after the step.
     pub(super) learned: Vec<Learned>,
 }
 
-/// What a way through a plan takes to be known.
+/// An assumption of an execution path about a condition.
 #[derive(Debug, Clone)]
 pub(super) enum Learned {
-    /// Whether the first outcome came of the sensing step at this place of the way.
+    /// Outcome of the sensing step at this position on the path: true for its first outcome.
     Outcome(usize, bool),
-    /// Whether a fact holds.
+    /// Truth value of a fact.
     Fact(Fact, bool),
 }
 
-/// Binds every open argument. A plan that cannot be executed whatever they are is bound to what lacks the least, so
-/// that [`super::check`] can tell why.
+/// Binds every implicit argument. If no binding is executable, uses the one that misses the fewest preconditions, so
+/// that [`super::check`] can report them.
 ///
 /// # Errors
 ///
-/// [`Violation::NothingFits`] for the first step with a hidden argument for which the environment has no entity at all;
-/// [`Violation::TooMuchWork`] where looking for the arguments takes more than [`effort::OPERATION`] units.
+/// [`Violation::NothingFits`] for the first step with an implicit argument that no entity of the environment fits;
+/// [`Violation::TooMuchWork`] if binding exceeds [`effort::OPERATION`] units.
 pub fn bind(
     domain: &Domain,
     world: &World,
@@ -75,16 +76,16 @@ pub fn bind(
     }
 }
 
-/// Steps with their arguments, as far as there are any.
+/// Steps with their arguments, up to the first step that cannot be bound.
 pub(crate) struct Bound {
-    /// The steps; those from the first one on that nothing fits are not among them.
+    /// The bound steps.
     pub(crate) steps: Vec<Step>,
     pub(crate) assumptions: Vec<Assumption>,
-    /// Why there are no more.
+    /// Reason why later steps are not bound.
     pub(crate) missing: Option<Violation>,
 }
 
-/// Binds open arguments up to the first step that nothing fits.
+/// Binds implicit arguments up to the first step that no entity fits.
 pub(crate) fn bind_as_far(
     domain: &Domain,
     world: &World,
@@ -119,7 +120,7 @@ pub(crate) fn bind_as_far(
     }
 }
 
-/// The finding about a step for whose open arguments there is nothing.
+/// Returns the violation for a step with an implicit argument that no entity fits.
 pub(super) fn nothing_fits(domain: &Domain, index: usize, step: &DraftStep) -> Violation {
     let open = step.arguments.iter().position(Option::is_none);
     let parameters = &domain.action(step.action).parameters;
@@ -129,18 +130,18 @@ pub(super) fn nothing_fits(domain: &Domain, index: usize, step: &DraftStep) -> V
     }
 }
 
-/// The arguments of the steps of one way through a plan.
+/// Arguments of the steps on one execution path.
 #[derive(Debug, Default)]
 pub(super) struct WayArguments {
-    /// For each step; there are fewer where nothing fits a step.
+    /// Arguments of each step; fewer than steps if no entity fits one.
     pub arguments: Vec<Vec<EntityId>>,
-    /// The arguments that could be others.
+    /// The ambiguous arguments.
     pub(super) assumptions: Vec<Assumption>,
-    /// True if finding them would have taken more than the budget.
+    /// True if the search exceeded the budget.
     pub(super) exhausted: bool,
 }
 
-/// Arguments for the steps of one way from a state, as far as there are any.
+/// Binds the steps of one execution path from the state `start`, as far as possible.
 pub(super) fn bind_way(
     domain: &Domain,
     world: &World,
@@ -206,17 +207,17 @@ pub(super) fn bound(domain: &Domain, world: &World, step: &DraftStep, arguments:
     bound
 }
 
-/// Complete arguments for a step.
+/// Complete arguments of a step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidate {
     /// One entity for each parameter.
     pub arguments: Vec<EntityId>,
-    /// Whether the step's explanation speaks of something else in one of the open places.
+    /// True if the step's explanation mentions a different entity for an implicit argument.
     pub(crate) unspoken: bool,
 }
 
-/// Every choice of arguments for a step, the likeliest first: what the explanation speaks of, then what is claimed to
-/// be where the objects end.
+/// Returns all candidate arguments of a step, the most likely first: entities that the explanation mentions, then the
+/// places where the plan claims the objects to be.
 pub fn candidates(
     domain: &Domain,
     world: &World,
@@ -242,7 +243,8 @@ pub fn candidates(
                     .filter(|object| world.is_of_kind(**object, parameter.kind));
                 let mut handled: Vec<(EntityId, usize)> = fits.map(|object| (*object, named(object))).collect();
                 effort::spend(handled.len() * (1 + words.len()));
-                // Of several, the one that the sentence speaks of comes first; a place may be named after another.
+                // The object that the explanation mentions most comes first; another one may only be part of a place
+                // name.
                 handled.sort_by_key(|(_, named)| std::cmp::Reverse(*named));
                 let best = handled.first().map_or(0, |(_, named)| *named);
                 handled
@@ -251,7 +253,7 @@ pub fn candidates(
                     .collect()
             }
             None => {
-                // The object that is handled is named in every sentence, and is not its own place.
+                // Explanations mention the handled object, but it is not its own place.
                 let is_handled = |entity: &EntityId| action.object.is_some() && handled.contains(entity);
                 let mentioned = |entity: EntityId| match is_handled(&entity) {
                     true => 0,
@@ -281,7 +283,7 @@ pub fn candidates(
                 })
                 .collect::<Vec<_>>()
         };
-        // Every choice of arguments is kept until the plan is bound.
+        // All candidates stay in memory until the plan is bound.
         if !effort::spend(2 * effort::KEPT * all.len().saturating_mul(fitting.len())) {
             return Vec::new();
         }
@@ -290,7 +292,7 @@ pub fn candidates(
     all
 }
 
-/// Entities that newly claimed facts about the objects speak of.
+/// Returns the entities in newly claimed facts about the objects.
 pub(crate) fn claimed_places(
     domain: &Domain,
     world: &World,
@@ -312,18 +314,18 @@ struct Binder<'a> {
     claim: Option<&'a Claim>,
     start: &'a State,
     turns: &'a [Turn],
-    /// For each step, complete arguments, the likeliest first.
+    /// Candidate arguments of each step, the most likely first.
     candidates: Vec<Vec<Vec<EntityId>>>,
-    /// Where a choice has been followed from: before which step, and what is changed there since the start.
+    /// Visited search nodes: the step number, and the changes since the start state.
     seen: FxHashSet<(usize, ChangedLists)>,
-    /// States that are looked at.
+    /// Maximum number of visited states.
     most: usize,
-    /// The choice that can be executed and differs least from what is claimed and what the rules want at the end.
+    /// The best executable binding and its distance: differences from the claim plus broken rules for the final state.
     best: Option<(usize, Vec<Vec<EntityId>>)>,
-    /// The longest choice that can be executed.
+    /// The longest executable partial binding.
     deepest: Vec<Vec<EntityId>>,
     chosen: Vec<Vec<EntityId>>,
-    /// How many claims of single steps do not hold under the choice so far.
+    /// Number of step claims that do not hold under the current partial binding.
     broken: usize,
 }
 
@@ -358,8 +360,8 @@ impl Binder<'_> {
         unmet(self.world, state, precondition, &mut arguments.to_vec())
     }
 
-    /// Does the step behind those of `way`; returns how many of its claims do not hold then, and how many of the conditions
-    /// behind it nothing has sensed or come out otherwise than on this way.
+    /// Applies the step after those of `way`. Returns the number of its claims that do not hold, plus the number of
+    /// conditions after it that were not sensed or contradict the path.
     fn advance(&self, state: &mut State, way: &[Vec<EntityId>], arguments: &[EntityId]) -> usize {
         let turn = &self.turns[way.len()];
         apply(self.world, state, self.action(way.len()), arguments);
@@ -367,8 +369,8 @@ impl Binder<'_> {
         for learned in &turn.learned {
             match *learned {
                 Learned::Fact(fact, holds) => {
-                    // A condition that nothing has sensed, or that is known to come out otherwise than on this way, speaks
-                    // against the choice as a broken claim does.
+                    // A condition that was not sensed, or that is known to contradict the path, counts like a broken
+                    // claim.
                     let outcomes = self.domain.outcomes(fact);
                     let as_assumed = match outcomes.is_empty() {
                         true => state.holds(fact) == holds,
@@ -391,7 +393,7 @@ impl Binder<'_> {
         broken
     }
 
-    /// Returns whether a step of the way, or the one behind it with these arguments, tells whether the fact holds.
+    /// Returns true if a step of the path, or the next one with these arguments, senses the fact.
     fn is_sensed(&self, fact: Fact, way: &[Vec<EntityId>], arguments: &[EntityId]) -> bool {
         let done = way.iter().map(Vec::as_slice).chain([arguments]);
         let mut steps = self.turns.iter().zip(done);
@@ -445,8 +447,8 @@ impl Binder<'_> {
         }
     }
 
-    /// The longest executable beginning; from there on, at each step what breaks the fewest claims and lacks the fewest
-    /// facts.
+    /// Returns the longest executable prefix, continued greedily: each next step takes the arguments that break the
+    /// fewest claims and miss the fewest preconditions.
     fn as_far_as_it_goes(&self) -> Vec<Vec<EntityId>> {
         let mut state = self.start.clone();
         let mut way: Vec<Vec<EntityId>> = Vec::new();
@@ -467,8 +469,8 @@ impl Binder<'_> {
         way
     }
 
-    /// Arguments that could be others without any difference that the plan shows; where the budget does not suffice to
-    /// find out, they could.
+    /// Returns the ambiguous arguments: another value would fit the claims equally well. Arguments count as ambiguous
+    /// if the budget ends first.
     fn open(&self, chosen: &[Vec<EntityId>]) -> Vec<Assumption> {
         let mut open = Vec::new();
         let Some(along) = self.along(chosen) else {
@@ -500,8 +502,8 @@ impl Binder<'_> {
         open
     }
 
-    /// The states along a choice, the first state first, each with the claims that are broken so far; none if it cannot
-    /// be executed.
+    /// Returns the states along a binding, from the start state, each with the number of claims broken so far; none if
+    /// the binding is not executable.
     fn along(&self, chosen: &[Vec<EntityId>]) -> Option<Vec<(State, usize)>> {
         let mut along = vec![(self.start.clone(), 0)];
         for (depth, arguments) in chosen.iter().enumerate() {
@@ -515,7 +517,7 @@ impl Binder<'_> {
         Some(along)
     }
 
-    /// Returns whether the plan can be executed with `other` at one step, and is as far from what is claimed.
+    /// Returns true if the plan is executable with `other` at step `index`, and no further from the claims.
     fn fits_as_well(
         &self,
         chosen: &[Vec<EntityId>],
@@ -539,7 +541,7 @@ impl Binder<'_> {
                 return false;
             }
             broken += self.advance(&mut state, &changed[..depth], &changed[depth]);
-            // Where both come to the same state, the rest of the plan is the same.
+            // From an equal state, the rest of the plan runs equally.
             let (same, known) = &along[depth + 1];
             if state == *same && last_use.is_none_or(|last| last <= depth) {
                 return broken == *known;
@@ -552,13 +554,13 @@ impl Binder<'_> {
     }
 }
 
-/// What a step's explanation speaks of, word by word.
+/// Returns the words of a step's explanation, in singular form.
 fn spoken(step: &DraftStep) -> Vec<String> {
     let sentence = told(&step.explanation).sentence;
     plain_words(sentence).iter().map(|word| singular(word)).collect()
 }
 
-/// Takes a fact to hold, or not, where sensing tells it; what else is so shows without.
+/// Sets a sensing outcome in the state, with its alternatives; other facts are left as simulated.
 pub(super) fn learn(domain: &Domain, state: &mut State, fact: Fact, holds: bool) {
     let outcomes = domain.outcomes(fact);
     if outcomes.is_empty() {

@@ -1,8 +1,8 @@
-//! The arguments that a plan with branches, loops or lanes does not show.
+//! Binding of implicit arguments in plans with branches, loops or lanes.
 //!
-//! They are found way by way: ways through the tree are chosen that together do every step, and each is bound like a
-//! plain plan, with what earlier ways have settled. What a way takes the conditions to be is known on it from there on,
-//! as sensing would tell it.
+//! Binding proceeds by execution paths. The chosen paths together contain every step. Each path is bound like a
+//! sequential plan and keeps the arguments that earlier paths have fixed. The condition values that a path assumes are
+//! known from there on, like outcomes of sensing.
 
 use super::bind::{Learned, Turn, bind_way, bound, learn, nothing_fits};
 use super::claims;
@@ -12,18 +12,18 @@ use crate::environment::Claim;
 use crate::model::{Domain, Fact, World};
 use crate::plan::{DraftStep, Lane, LaneItem, Node, Plan, Resolved, StepId, Test, tree};
 
-/// More ways are not looked at; a step that none of them did is then bound by its words alone.
+/// Maximum number of paths; a step on none of them is bound on its own.
 const WAYS: usize = 256;
 
-/// Binds every open argument of a plan, whatever its shape.
+/// Binds every implicit argument of a plan of any shape.
 ///
-/// A plain list of steps is bound as [`super::bind`] does, except that what its steps claim counts as well.
+/// A sequential plan is bound as [`super::bind`] does, but the claims of its steps count as well.
 ///
 /// # Errors
 ///
-/// The issues of a draft whose words mean nothing; [`Violation::NothingFits`] for each step with a hidden argument for
-/// which there is nothing; [`Violation::TooMuchWork`] where looking for the arguments takes more than
-/// [`effort::OPERATION`] units.
+/// The issues of an unresolved draft; [`Violation::NothingFits`] for each step with an implicit argument that no entity
+/// fits; [`Violation::TooMuchWork`] if binding exceeds [`effort::OPERATION`] units; [`Violation::TooDeep`] if the tree
+/// is too deep.
 pub fn bind_tree(
     domain: &Domain,
     world: &World,
@@ -55,8 +55,8 @@ pub fn bind_tree(
     }
 }
 
-/// Binds way after way until every step has been on one, and what is left over by its words; false if one took too much
-/// work.
+/// Binds path after path until every step has been on one, then each remaining step on its own. Returns false if the
+/// budget is exceeded.
 fn bind_ways(
     domain: &Domain,
     world: &World,
@@ -119,14 +119,14 @@ fn bind_ways(
     true
 }
 
-/// One way through a plan.
+/// One execution path of a plan.
 #[derive(Debug, Default)]
 struct Way {
-    /// What is taken to be so before the first step.
+    /// Facts that are assumed before the first step.
     before: Vec<(Fact, bool)>,
-    /// The steps, as often as they are done.
+    /// The steps, as often as they are executed.
     steps: Vec<StepId>,
-    /// What is taken to be known after each.
+    /// Assumptions after each step.
     learned: Vec<Vec<Learned>>,
 }
 
@@ -148,13 +148,13 @@ impl Way {
     }
 }
 
-/// Chooses ways until every step has been done on one of them.
+/// Chooses execution paths until every step has been on one.
 struct Chooser<'a> {
     steps: &'a [DraftStep],
     done: Vec<bool>,
-    /// What the conditions on the way so far were taken to be: asked again, they are the same.
+    /// Assumed values of the conditions on the current path; a repeated condition keeps its value.
     decided: Vec<(Test, bool)>,
-    /// A step that the way must come to, whatever was decided before.
+    /// A step that the path must reach, whatever was assumed before.
     target: Option<StepId>,
 }
 
@@ -203,7 +203,7 @@ impl Chooser<'_> {
         }
     }
 
-    /// Which side of a branch the way takes.
+    /// Decides which branch the path takes: true for `then`.
     fn choose(&self, condition: &Test, then: &[Node], otherwise: &[Node]) -> bool {
         effort::spend(self.decided.len() + tree::steps(then).len() + tree::steps(otherwise).len());
         let leads = |nodes: &[Node]| self.target.is_some_and(|target| tree::steps(nodes).contains(&target));
@@ -214,7 +214,7 @@ impl Chooser<'_> {
         self.known(condition).unwrap_or_else(|| news(then) || !news(otherwise))
     }
 
-    /// What the condition must be after what was decided on this way.
+    /// Returns the value of the condition that follows from the assumptions of this path.
     fn known(&self, test: &Test) -> Option<bool> {
         let parts = |parts: &[Test], until: bool| {
             let known: Vec<Option<bool>> = parts.iter().map(|part| self.known(part)).collect();
@@ -234,7 +234,7 @@ impl Chooser<'_> {
         }
     }
 
-    /// Whether two conditions ask the same.
+    /// Returns true if two conditions ask for the same fact or the same sensing.
     fn same(&self, one: &Test, other: &Test) -> bool {
         match (one, other) {
             (Test::Holds(one), Test::Holds(other)) => one == other,
@@ -246,13 +246,14 @@ impl Chooser<'_> {
         }
     }
 
-    /// Senses what a condition senses, and takes it to hold or not.
+    /// Adds the sensing steps of a condition, and assumes its value.
     fn test(&mut self, condition: &Test, holds: bool, way: &mut Way) {
         condition.steps().into_iter().for_each(|step| way.step(step));
         self.assume(condition, holds, way);
     }
 
-    /// Takes a condition to hold or not: all its parts, where one would do, so that all are bound alike.
+    /// Assumes a value of the condition. All its parts take the value, even if one would suffice, so that all are bound
+    /// alike.
     fn assume(&mut self, test: &Test, holds: bool, way: &mut Way) {
         match test {
             Test::Not(inner) => self.assume(inner, !holds, way),
@@ -275,7 +276,7 @@ impl Chooser<'_> {
     }
 }
 
-/// Does the steps of lanes: each lane as far as it goes without waiting, the next one, and again.
+/// Adds the steps of lanes: runs each lane to its next synchronization point, passes one point, and repeats.
 fn in_turn(lanes: &[Lane], way: &mut Way) {
     let mut places = vec![0; lanes.len()];
     loop {
@@ -290,7 +291,7 @@ fn in_turn(lanes: &[Lane], way: &mut Way) {
             }
         }
         let Some(first) = (0..lanes.len()).find(|lane| met(lanes, &places, *lane)).or_else(|| {
-            // Lanes that wait for ever are for verification to tell.
+            // Verification reports the deadlock.
             (0..lanes.len()).find(|lane| places[*lane] < lanes[*lane].items.len())
         }) else {
             return;
@@ -302,7 +303,7 @@ fn in_turn(lanes: &[Lane], way: &mut Way) {
     }
 }
 
-/// Whether all lanes wait at the name at which this one waits, as far as it still stands in them.
+/// Returns true if every lane that still contains this lane's next synchronization point waits at it.
 fn met(lanes: &[Lane], places: &[usize], lane: usize) -> bool {
     let Some(sync) = lanes[lane].items.get(places[lane]) else {
         return false;

@@ -1,8 +1,8 @@
-//! Lanes that run side by side: every order in which their steps can happen.
+//! Parallel lanes: simulation of every interleaving of their steps.
 //!
-//! The walk visits each combination of places that the lanes can be at. Whichever lane goes first, its step must be
-//! possible, and where two orders meet again they must have come to the same state: then it does not matter how fast
-//! each lane is.
+//! The walk visits each combination of positions in the lanes. Whichever lane goes first, its step must be applicable,
+//! and interleavings that reach the same positions must be in the same state. Then the result does not depend on the
+//! speed of the lanes.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::model::EntityId;
 use crate::plan::{Lane, LaneItem, StepId};
 
 impl Walk<'_> {
-    /// What can be told of lanes without simulating them: each has its own actor, who does all its steps.
+    /// Checks lanes without simulation: each lane has its own actor, who executes all its steps, and no step senses.
     pub(super) fn check_lanes(&mut self, lanes: &[Lane]) {
         for (number, lane) in lanes.iter().enumerate() {
             if lanes[..number].iter().any(|other| other.actor == lane.actor) {
@@ -31,10 +31,10 @@ impl Walk<'_> {
         }
     }
 
-    /// Follows all orders in which the steps of lanes can happen; returns one way through them.
+    /// Simulates all interleavings of the lanes; returns one path through them.
     pub(super) fn side_by_side(&mut self, lanes: &[Lane], way: Way) -> Way {
         let lanes: Vec<Vec<&LaneItem>> = lanes.iter().map(items).collect();
-        // By how many items are done: every place is reached by all its ways before it is looked at.
+        // Ordered by the number of completed items, so that all paths to a combination arrive before it is expanded.
         let mut open: BTreeMap<(usize, Vec<usize>), Way> = BTreeMap::new();
         let mut last = way.clone();
         open.insert((0, vec![0; lanes.len()]), way);
@@ -99,7 +99,7 @@ impl Walk<'_> {
         last
     }
 
-    /// Steps that may happen at the same time share nothing that is handled.
+    /// Reports objects that concurrent steps share.
     fn together(&mut self, next: &[Option<&LaneItem>], way: &Way) {
         let steps: Vec<StepId> = next
             .iter()
@@ -129,7 +129,7 @@ impl Walk<'_> {
         shared
     }
 
-    /// Two orders of the same steps come to the same state.
+    /// Reports a race if two interleavings lead to different states.
     fn same_state(&mut self, one: Way, other: &Way) {
         if one.state == other.state {
             return;
@@ -156,7 +156,7 @@ fn steps(lane: &Lane) -> Vec<StepId> {
     lane.items.iter().filter_map(step).collect()
 }
 
-/// What a lane does, remarks left out.
+/// Returns the items of a lane without remarks.
 fn items(lane: &Lane) -> Vec<&LaneItem> {
     let counts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
     lane.items.iter().filter(counts).collect()

@@ -1,7 +1,7 @@
-//! Is a plan possible, does it keep the rules, and what is the world afterwards?
+//! Verification: simulates a plan and checks preconditions, rules, goals and claims.
 //!
-//! [`check`] simulates a plan and tells everything it finds as data. Only a [`Report`] without violations
-//! turns into a [`VerifiedPlan`], and there is no other way to make one.
+//! [`check`] returns all findings as data. Only a [`Report`] without violations can become a [`VerifiedPlan`], and
+//! there is no other way to create one.
 
 mod bind;
 mod bind_tree;
@@ -32,43 +32,43 @@ use crate::model::{ActionId, Domain, EntityId, Fact, Moment, State, Wanted, Worl
 use crate::plan::{Plan, Step};
 use walk::{Walk, Way};
 
-/// What a plan is for, as far as it is known.
+/// Purpose of a plan, as far as it is known.
 #[derive(Debug, Clone, Default)]
 pub struct Purpose {
-    /// What must hold at the end.
+    /// Conditions that must hold in the final state.
     pub wanted: Vec<Wanted>,
-    /// Which rules are set aside, and for what.
+    /// Rules that are suspended, each for an entity.
     pub waivers: Vec<Waiver>,
-    /// Whether the plan was made from a goal, so that tidy rules bind it.
+    /// True if the plan was made from a goal; then tidiness rules are mandatory.
     pub from_goal: bool,
-    /// What the plan claims the world to be afterwards.
+    /// The final environment that the plan claims.
     pub claim: Option<Claim>,
-    /// What its steps claim to hold after them, in the order of the steps.
+    /// Facts that the steps claim to hold after them, sorted by step.
     pub step_claims: Vec<StepClaim>,
-    /// Entities that the instruction speaks of. If there are any, moving another object is remarked on.
+    /// Entities that the instruction mentions. If there are any, moving another object is a warning.
     pub spoken: Vec<EntityId>,
 }
 
-/// What verification found.
+/// Result of verification.
 #[derive(Debug, Clone)]
 pub struct Report {
-    /// The plan, all arguments bound.
+    /// The plan with all arguments bound.
     pub plan: Plan,
-    /// How it can end, at least one: several where sensing decides, sorted by what it told.
+    /// The possible endings, at least one; with sensing there can be several, sorted by sensing outcomes.
     pub endings: Vec<Ending>,
-    /// The first ending that is as the plan claims; none if no ending is, or if the plan claims nothing.
+    /// Index of the first ending that fulfills the claim; none if no ending does, or if there is no claim.
     pub claimed: Option<usize>,
-    /// What is wrong; empty for a good plan.
+    /// Errors; empty for a valid plan.
     pub violations: Vec<Violation>,
-    /// What is odd without being wrong.
+    /// Warnings: unusual, but not wrong.
     pub warnings: Vec<Violation>,
-    /// What the verdict rests on that the environment does not say.
+    /// Assumptions that the verdict depends on.
     pub assumptions: Vec<Assumption>,
 }
 
-/// A plan that was simulated from first to last step without a violation.
+/// A plan that was simulated completely without a violation.
 ///
-/// Only [`Report::into_verified`] makes one. Exporters and executors take nothing else.
+/// Only [`Report::into_verified`] creates one. Exporters and executors accept nothing else.
 #[derive(Debug, Clone)]
 pub struct VerifiedPlan {
     report: Report,
@@ -80,22 +80,22 @@ impl VerifiedPlan {
         &self.report.plan
     }
 
-    /// Its steps, in reading order.
+    /// The steps, in reading order.
     pub fn steps(&self) -> &[Step] {
         self.report.plan.steps()
     }
 
-    /// The report behind it.
+    /// The verification report.
     pub fn report(&self) -> &Report {
         &self.report
     }
 
-    /// How it can end, at least one.
+    /// The possible endings, at least one.
     pub fn endings(&self) -> &[Ending] {
         &self.report.endings
     }
 
-    /// Its first ending: the only one of a plan without sensing.
+    /// The first ending: the only one of a plan without sensing.
     pub fn ending(&self) -> &Ending {
         self.report.ending()
     }
@@ -107,16 +107,16 @@ impl Report {
         &self.endings[0]
     }
 
-    /// The ending that the plan's claim is about: the one that is as claimed, else the first.
+    /// The ending that fulfills the claim, or the first one if none does.
     pub fn claimed_ending(&self) -> &Ending {
         &self.endings[self.claimed.unwrap_or(0)]
     }
 
-    /// The plan, if nothing speaks against it.
+    /// Converts the report to a verified plan if there are no violations.
     ///
     /// # Errors
     ///
-    /// The report itself, when it has violations.
+    /// The report itself, if it has violations.
     pub fn into_verified(self) -> Result<VerifiedPlan, Box<Report>> {
         if self.violations.is_empty() {
             Ok(VerifiedPlan { report: self })
@@ -128,26 +128,26 @@ impl Report {
 
 /// Simulates a plan from the world's state.
 ///
-/// A step that is not applicable is reported with the facts that were missing and the step that took each
-/// away; the simulation then goes on as if it had worked, so that later mistakes are told as well.
+/// A step that is not applicable is reported with its missing preconditions and the step that deleted each of them. The
+/// simulation then applies its effects anyway, so that later errors are reported too.
 ///
-/// When the plan claims an environment afterwards, what it promises must come true: a fact that is claimed, did not
-/// hold before, does not hold in the end, and that some action could have brought about is a violation. Everything
-/// else in which claim and simulation differ is for the caller to show.
+/// If the plan claims a final environment, its promises are checked: a claimed fact that did not hold before, does not
+/// hold in the final state, and that some action could achieve is a violation. Other differences between claim and
+/// simulation are not violations.
 ///
-/// Every way through the plan is followed: both sides of a branch, each outcome of sensing, a loop until no new state
-/// comes up, lanes in every order. What is so only on some of them is told with what sensing told there.
+/// Every execution path is followed: both sides of a branch, each sensing outcome, a loop until no new state occurs,
+/// lanes in every order. A violation that occurs only on some paths lists the sensing outcomes that lead to it.
 ///
-/// A claim is one environment, and a plan may end in several. The plan is as claimed if one ending keeps everything
-/// that is claimed; [`Report::claimed`] says which. Otherwise each ending's broken promises are violations.
+/// A claim is one environment, but a plan may have several endings. The claim is fulfilled if one ending keeps every
+/// claimed fact; [`Report::claimed`] is its index. Otherwise the broken promises of each ending are violations.
 ///
-/// The check has a budget of [`effort::OPERATION`] units. A plan that takes more is refused with
-/// [`Violation::TooMuchWork`] alone.
+/// The check has a budget of [`effort::OPERATION`] units. A plan that exceeds it gets the single violation
+/// [`Violation::TooMuchWork`].
 pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
     let spent = effort::within(effort::OPERATION, || simulated(domain, world, plan, purpose));
     let mut report = spent.result;
     if spent.exhausted {
-        // What was found under a spent budget means nothing.
+        // Findings after the budget is exhausted are not reliable.
         report.violations = vec![Violation::TooMuchWork];
         report.warnings.clear();
         report.assumptions.clear();
@@ -194,8 +194,8 @@ fn simulated(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> R
     }
 }
 
-/// The claimed facts that an ending must have to be as claimed: what has to come about and could, and where things are
-/// that are handled by calls which do not say where.
+/// Returns the claimed facts that an ending must have to fulfill the claim: achievable changes, and places of objects
+/// that are handled by calls which do not name the place.
 pub(crate) fn binding_claims(domain: &Domain, world: &World, plan: &Plan, claim: &Claim) -> Vec<Fact> {
     let mut binding = claim.promises(domain, world);
     binding.retain(|fact| can_be_brought_about(domain, world, *fact));
@@ -205,7 +205,7 @@ pub(crate) fn binding_claims(domain: &Domain, world: &World, plan: &Plan, claim:
     binding
 }
 
-/// What is wrong with the state in which a way ends.
+/// Records the violations and warnings of a final state.
 fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
     let (domain, world, state) = (walk.domain, walk.world, &way.state);
     let (mut wrong, mut odd) = (Vec::new(), Vec::new());
@@ -216,7 +216,7 @@ fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
         .map(|fact| subject_of(domain, *fact))
         .collect();
     for broken in broken_at_end(domain, world, state, purpose) {
-        // What the plan says it changes is not untidy.
+        // A change that the plan announces is not untidy.
         if !broken.binds && broken.bindings.iter().any(|entity| meant.contains(entity)) {
             continue;
         }
@@ -241,14 +241,14 @@ fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
     odd.into_iter().for_each(|violation| walk.odd(violation, when.clone()));
 }
 
-/// Whether the call of an action hides more than the thing that is handled: where it goes.
+/// Returns true if the call of an action omits an argument other than the handled object, such as its destination.
 pub(crate) fn hides_places(domain: &Domain, action: ActionId) -> bool {
     let action = domain.action(action);
     action.implicit().any(|parameter| action.object != Some(parameter))
 }
 
-/// Places that the claim gives for objects that are handled by calls which do not name one: then the claim alone does,
-/// even if it says that they are back where they were. A constant of the domain, such as a hand, is no place.
+/// Returns the claimed places of objects that are handled by calls which name no place. For them the claim is the only
+/// source, even if it keeps the old place. A constant of the domain, such as a hand, is no place.
 pub(crate) fn places_claimed(domain: &Domain, world: &World, claim: &Claim, handled: &[EntityId]) -> Vec<Fact> {
     let mut places = claim.kept(domain, world);
     let is_constant = |entity: EntityId| entity.index() < domain.constants.len();
@@ -261,9 +261,9 @@ pub(crate) fn places_claimed(domain: &Domain, world: &World, claim: &Claim, hand
     places
 }
 
-/// Objects that end elsewhere and that the instruction does not speak of.
+/// Returns the objects that the plan moves and the instruction does not mention.
 fn moved_unasked(domain: &Domain, world: &World, after: &State, spoken: &[EntityId]) -> Vec<Violation> {
-    // An instruction that names nothing at all says nothing about what may be moved.
+    // An instruction without any entity does not restrict what may be moved.
     if spoken.is_empty() {
         return Vec::new();
     }

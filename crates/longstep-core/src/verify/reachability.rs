@@ -1,13 +1,13 @@
-//! What could ever be, as far as the unchanging facts of a world tell.
+//! Reachability according to the static facts of a world.
 //!
-//! These are one-sided: "no" is certain, "yes" means that nothing unchanging speaks against it.
+//! The tests are one-sided: false is certain, true means that no static fact contradicts.
 
 use crate::effort;
 use crate::model::{
     ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, ground, grounded_term,
 };
 
-/// Whether the condition can have the value in some state of this world, facts that actions change being free.
+/// Returns true if the condition can hold in some state of this world; fluent facts may have any value.
 pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
     if !effort::spend(1) {
         return false;
@@ -38,7 +38,7 @@ pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bi
     }
 }
 
-/// Whether the action with these arguments can be applicable in some state of this world.
+/// Returns true if the action with these arguments may be applicable in some state of this world.
 pub fn can_apply(domain: &Domain, world: &World, action: ActionId, arguments: &[EntityId]) -> bool {
     possibly(
         domain,
@@ -48,8 +48,8 @@ pub fn can_apply(domain: &Domain, world: &World, action: ActionId, arguments: &[
     )
 }
 
-/// Whether some action can make the fact true in this world: nothing unchanging forbids the action, nor what the effect
-/// depends on.
+/// Returns true if some action may add the fact in this world: no static fact contradicts the action's precondition or
+/// the effect's condition.
 pub fn can_be_brought_about(domain: &Domain, world: &World, fact: Fact) -> bool {
     domain.action_ids().any(|(id, action)| {
         let adding = action
@@ -81,18 +81,18 @@ pub fn can_be_brought_about(domain: &Domain, world: &World, fact: Fact) -> bool 
     })
 }
 
-/// An effect that makes a fact true.
+/// An effect that adds the fact.
 struct Maker<'a> {
     domain: &'a Domain,
     world: &'a World,
     action: ActionId,
     effect: &'a Effect,
-    /// The types of the action's parameters and of the effect's own variables, with what the fact binds them to.
+    /// Types of the action's parameters and the effect's own variables, with the entities that the fact binds them to.
     slots: Vec<(TypeId, Option<EntityId>)>,
 }
 
 impl Maker<'_> {
-    /// Returns whether the open arguments can be filled in so that the action can apply and the effect can happen.
+    /// Returns true if the open arguments can be chosen so that the action is applicable and the effect fires.
     fn some_arguments(&self, arguments: &mut Vec<EntityId>) -> bool {
         let (domain, world) = (self.domain, self.world);
         let parameters = domain.action(self.action).parameters.len();

@@ -1,16 +1,16 @@
-//! Rules that are broken, and rules that are set aside.
+//! Rule checks and rule waivers.
 
 use super::Purpose;
 use crate::model::{
     Bindings, Condition, Domain, EntityId, Rule, RuleTime, State, Term, Wanted, World, broken_bindings,
 };
 
-/// A rule that is set aside for whatever an entity is part of, because the goal asks for the opposite.
+/// A rule suspended for all bindings that contain an entity, because the goal contradicts it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Waiver {
-    /// The rule's place in the domain's list.
+    /// Index of the rule in the domain's list.
     pub rule: usize,
-    /// The entity that the goal speaks of.
+    /// The entity in the goal.
     pub entity: EntityId,
 }
 
@@ -20,7 +20,7 @@ impl Waiver {
     }
 }
 
-/// Returns whether a step from one state to another breaks a rule for every state that held before it.
+/// Returns true if the step newly breaks an `always` rule.
 pub(super) fn breaks_a_rule(domain: &Domain, world: &World, before: &State, after: &State) -> bool {
     let mut always = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
     always.any(|rule| {
@@ -32,23 +32,23 @@ pub(super) fn breaks_a_rule(domain: &Domain, world: &World, before: &State, afte
     })
 }
 
-/// How many rules for the end a state breaks, each counted for every choice of entities.
+/// Counts the broken rules for the final state, once for each binding.
 pub(super) fn broken_rules_at_end(domain: &Domain, world: &World, state: &State) -> usize {
     let at_end = domain.rules.iter().filter(|rule| rule.time == RuleTime::End);
     at_end.map(|rule| broken_bindings(rule, world, state).len()).sum()
 }
 
-/// A rule that is broken in the last state of a plan.
+/// A rule that is broken in the final state.
 pub(crate) struct Broken {
-    /// The rule's place in the domain's list.
+    /// Index of the rule in the domain's list.
     pub(crate) rule: usize,
-    /// The entities for which it is.
+    /// The entities that the rule is broken for.
     pub(crate) bindings: Bindings,
-    /// Whether the plan has to keep it; it is only remarked on otherwise.
+    /// True if the rule is mandatory for the plan; otherwise breaking it is a warning.
     pub(crate) binds: bool,
 }
 
-/// The rules that are broken in a last state and that the purpose does not set aside, in the domain's order.
+/// Returns the rules that are broken in a final state and not waived, in the domain's order.
 pub(crate) fn broken_at_end<'a>(
     domain: &'a Domain,
     world: &'a World,
@@ -70,7 +70,8 @@ pub(crate) fn broken_at_end<'a>(
     })
 }
 
-/// What the rules ask of the last state of a plan; those for tidiness only if it is made from a goal.
+/// Returns the conditions that the rules impose on the final state; tidiness rules only if the plan is made from a
+/// goal.
 pub(crate) fn wanted_at_end(domain: &Domain, waivers: &[Waiver], from_goal: bool) -> Vec<Wanted> {
     let at_end = |rule: &Rule| rule.time == RuleTime::End || (from_goal && rule.time == RuleTime::Tidy);
     let rules = domain.rules.iter().enumerate().filter(|(_, rule)| at_end(rule));
@@ -78,7 +79,7 @@ pub(crate) fn wanted_at_end(domain: &Domain, waivers: &[Waiver], from_goal: bool
         .map(|(number, rule)| {
             let waived = waivers.iter().filter(|waiver| waiver.rule == number);
             let mut rule = rule.clone();
-            // For what is waived the rule says nothing; one without variables says nothing at all.
+            // Bindings with a waived entity satisfy the rule; a waived rule without variables is always satisfied.
             let exceptions = waived.flat_map(|waiver| match rule.variables.len() {
                 0 => vec![Condition::TRUE],
                 variables => (0..variables).map(|slot| is(slot, waiver.entity)).collect(),

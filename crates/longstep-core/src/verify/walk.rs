@@ -1,7 +1,7 @@
-//! Every way through a plan.
+//! Simulation of every execution path of a plan.
 //!
-//! The walk carries all states in which a way can be at a node. Sensing splits a state, and ways that come to the same
-//! state are one from there on. Loops are followed until no new state comes up.
+//! The walk keeps the set of states that are possible at a node. Sensing splits a state; paths that reach the same
+//! state are merged. Loops are followed until no new state occurs.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -14,44 +14,44 @@ use crate::model::{
 };
 use crate::plan::{Node, Plan, StepId, Test, tree};
 
-/// States that a plan may be in at one node; a plan that can be in more is refused rather than followed.
+/// Maximum number of states at one node; a plan that exceeds it is rejected.
 pub const STATES: usize = 4_096;
-/// Units of effort that are charged for a step, besides what its conditions and effects take.
+/// Work units for a step, besides those for its conditions and effects.
 const STEP: usize = 16;
 
-/// One way through a plan, as far as it has come.
+/// One execution path up to the current node.
 #[derive(Debug, Clone)]
 pub(super) struct Way {
     pub(super) state: State,
     pub(super) here: Here,
-    /// The `always` rules that are broken in the state, so that each is reported where it begins to be. A function of the
-    /// state, so ways with the same state are the same.
+    /// The `always` rules that are broken in the state, so that each violation is reported where it begins. A function
+    /// of the state, so paths with equal states are equal.
     broken: Vec<(usize, Bindings)>,
 }
 
-/// What is wrong or odd on one or more ways.
+/// A finding on one or more paths.
 #[derive(Debug, Clone)]
 struct Found {
     violation: Violation,
-    /// Whether it is only odd.
+    /// True for a warning.
     odd: bool,
-    /// What sensing told on the ways where it is so; nothing if it is so on all of them.
+    /// Sensing outcomes common to the paths with the finding; empty if it occurs on all paths.
     when: Vec<Fact>,
 }
 
-/// What is found on the way, and room to work in.
+/// State of the simulation: findings and scratch space.
 pub(super) struct Walk<'a> {
     pub(super) domain: &'a Domain,
     pub(super) world: &'a World,
     pub(super) plan: &'a Plan,
     pub(super) history: History,
     pub(super) rested: FxHashSet<Fact>,
-    /// What the steps claim, in their order.
+    /// Claims of the steps, sorted by step.
     claims: &'a [StepClaim],
     found: Vec<Found>,
     sensed: Vec<PredicateId>,
     reached: Vec<bool>,
-    /// Whether there were too many states to go on.
+    /// True if the state limit was exceeded.
     stopped: bool,
     bindings: Bindings,
     fired: Vec<(Fact, bool)>,
@@ -79,7 +79,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Follows the whole plan; returns the ways that come to its end, of which there is at least one.
+    /// Simulates the whole plan; returns the paths that reach its end, at least one.
     pub(super) fn run(&mut self) -> Vec<Way> {
         let start = Way {
             state: self.world.state.clone(),
@@ -101,7 +101,7 @@ impl<'a> Walk<'a> {
         ends
     }
 
-    /// What sensing told on a way, as far as it is known still.
+    /// Returns the sensing outcomes of a path that are still known.
     pub(super) fn when(&self, way: &Way) -> Vec<Fact> {
         let known = self
             .sensed
@@ -126,14 +126,14 @@ impl<'a> Walk<'a> {
         });
     }
 
-    /// Does something with each way; what is found on all of them is found whatever sensing told.
+    /// Runs `done` on each path. A finding on all paths no longer depends on sensing outcomes.
     pub(super) fn each<T>(&mut self, ways: Vec<Way>, mut done: impl FnMut(&mut Self, Way) -> Vec<T>) -> Vec<T> {
         let (count, from) = (ways.len(), self.found.len());
         let mut all = Vec::with_capacity(count);
         for way in ways {
             let own = self.found.len();
             all.extend(done(self, way));
-            // Lanes find the same in many orders, and a way counts once.
+            // Interleavings of lanes repeat findings; each counts once per path.
             if count > 1 && self.found.len() > own + 1 {
                 let together = joined(self.found.split_off(own), None);
                 self.found.extend(together);
@@ -176,14 +176,14 @@ impl<'a> Walk<'a> {
                 self.stop(first_of(node), ways.len());
             }
             if self.is_stopped() {
-                // One of them is enough to show where it was given up.
+                // A single path suffices to report the place.
                 ways.truncate(1);
             }
         }
         ways
     }
 
-    /// Gives up: there are too many states to follow.
+    /// Stops the simulation because there are too many states.
     fn stop(&mut self, step: Option<usize>, states: usize) {
         if !self.stopped {
             self.stopped = true;
@@ -191,15 +191,15 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Returns whether the plan is not followed any further: there are too many states, or the budget is spent.
+    /// Returns true if the simulation stops: too many states, or no budget left.
     pub(super) fn is_stopped(&self) -> bool {
         self.stopped || effort::is_exhausted()
     }
 
-    /// The ways out of a loop that is done a number of times.
+    /// Returns the paths after a loop with a fixed number of iterations.
     ///
-    /// The states after one round depend on those before it alone. So once a round begins with states that a round
-    /// began with before, the rounds repeat, and only the remainder of the last period is followed.
+    /// The states after an iteration depend only on those before it. Once the states at the start of an iteration
+    /// repeat, the loop is periodic, and only the remainder of the last period is simulated.
     fn counted(&mut self, times: u32, body: &[Node], mut ways: Vec<Way>) -> Vec<Way> {
         let mut rounds: FxHashMap<Vec<ChangedLists>, u32> = FxHashMap::default();
         let (mut round, mut last) = (0, times);
@@ -224,7 +224,7 @@ impl<'a> Walk<'a> {
         ways
     }
 
-    /// The lists of facts in which the state of a way differs from the first state.
+    /// Returns the fact lists in which the state of a path differs from the initial state.
     fn changed(&self, way: &Way) -> ChangedLists {
         way.state.changed_lists(&self.world.state)
     }
@@ -282,8 +282,8 @@ impl<'a> Walk<'a> {
         self.always(id, way);
     }
 
-    /// Reports rules for every state after the step that breaks them. One that is broken already in the first state is
-    /// no fault of the plan: it binds from where it is first kept.
+    /// Reports each `always` rule at the step that breaks it. A rule that is broken in the initial state becomes
+    /// binding once it holds.
     fn always(&mut self, id: StepId, way: &mut Way) {
         let now = self.broken_always(&way.state);
         for (rule, bindings) in now.iter().filter(|broken| !way.broken.contains(broken)) {
@@ -297,7 +297,7 @@ impl<'a> Walk<'a> {
         way.broken = now;
     }
 
-    /// The rules for every state that are broken in one, with the bindings for which they are.
+    /// Returns the `always` rules that are broken in a state, with their bindings.
     fn broken_always(&self, state: &State) -> Vec<(usize, Bindings)> {
         let rules = self.domain.rules.iter().enumerate();
         let always = rules.filter(|(_, rule)| rule.time == RuleTime::Always);
@@ -309,7 +309,7 @@ impl<'a> Walk<'a> {
             .collect()
     }
 
-    /// The ways on from a sensing step that was just done: one for each outcome, unless it is known already.
+    /// Splits a path after a sensing step into one path for each outcome, unless the outcome is already known.
     fn outcomes(&mut self, id: StepId, way: Way) -> Vec<Way> {
         let facts = self.senses(id);
         if facts.iter().any(|fact| way.state.holds(*fact)) {
@@ -325,23 +325,24 @@ impl<'a> Walk<'a> {
                     holds: true,
                 });
             });
-            // What sensing reveals is no fault of the plan.
+            // A rule violation that sensing reveals is not caused by the plan.
             way.broken = self.broken_always(&way.state);
             way
         };
         facts.iter().map(told).collect()
     }
 
-    /// What a sensing step can tell.
+    /// Returns the possible outcomes of a sensing step.
     fn senses(&self, id: StepId) -> Vec<Fact> {
         let step = self.plan.step(id);
         let outcomes = self.domain.action(step.action).senses.iter();
         outcomes.map(|atom| ground(atom, &step.arguments)).collect()
     }
 
-    /// The ways on which a condition holds, and those on which it does not. `before` is a step that follows it.
+    /// Splits paths into those on which a condition holds and those on which it does not. `before` is the step that
+    /// findings name.
     ///
-    /// Ways that come to the same state inside a condition are one, and are counted, as those between nodes are.
+    /// Within a condition, paths with equal states are merged and limited, as between nodes.
     fn test(&mut self, condition: &Test, ways: Vec<Way>, before: Option<usize>) -> (Vec<Way>, Vec<Way>) {
         match condition {
             Test::Sense(id) => {
@@ -382,7 +383,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Ways at one place inside a condition, those with the same state as one; gives up where there are too many.
+    /// Merges paths within a condition; stops if there are too many.
     fn counted_ways(&mut self, ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
         let mut ways = self.merged(ways);
         if ways.len() > STATES {
@@ -392,7 +393,7 @@ impl<'a> Walk<'a> {
         ways
     }
 
-    /// A way on which a fact is asked, and whether it holds there. What nobody knows may be either.
+    /// Evaluates a fact on a path. A fact of unknown value splits the path.
     fn asked(&mut self, fact: Fact, way: Way, before: Option<usize>) -> Vec<(Way, bool)> {
         if way.state.holds(fact) {
             return vec![(way, true)];
@@ -407,7 +408,7 @@ impl<'a> Walk<'a> {
         vec![(way.clone(), true), (way, false)]
     }
 
-    /// The ways out of a loop that goes on as long as a condition holds.
+    /// Returns the paths after a loop with a condition.
     fn repeated(&mut self, condition: &Test, body: &[Node], ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
         let start = &self.world.state;
         let mut heads = Heads::default();
@@ -442,7 +443,7 @@ impl<'a> Walk<'a> {
         self.merged(out)
     }
 
-    /// Ways that came to the same state are one: the first of them.
+    /// Keeps the first path for each state.
     fn merged(&self, ways: Vec<Way>) -> Vec<Way> {
         if ways.len() < 2 {
             return ways;
@@ -450,14 +451,14 @@ impl<'a> Walk<'a> {
         let mut seen = FxHashSet::default();
         let new = |way: &Way| {
             let changed = self.changed(way);
-            // Lists are compared with the first state's, hashed and kept.
+            // Lists are compared with the initial state's, hashed and stored.
             effort::spend(4 + kept_units(&changed) / 2);
             seen.insert(changed)
         };
         ways.into_iter().filter(new).collect()
     }
 
-    /// What was found, what is wrong and what is odd, each once.
+    /// Returns the distinct violations and warnings.
     pub(super) fn findings(self) -> (Vec<Violation>, Vec<Violation>) {
         let (odd, wrong): (Vec<_>, Vec<_>) = joined(self.found, None).into_iter().partition(|found| found.odd);
         let told = |found: Vec<Found>| {
@@ -470,16 +471,16 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The states at the head of a loop.
+/// The states at the start of a loop iteration.
 #[derive(Default)]
 struct Heads {
     numbers: FxHashMap<ChangedLists, usize>,
     ways: Vec<Way>,
-    /// How many of them have been followed.
+    /// Number of states that have been followed.
     followed: usize,
-    /// Whether the loop can end at each.
+    /// By state: true if the loop can end there.
     leaves: Vec<bool>,
-    /// Which can come after which.
+    /// Transitions between the states by an iteration.
     follows: Vec<(usize, usize)>,
 }
 
@@ -502,7 +503,7 @@ impl Heads {
         Some((self.followed - 1, way))
     }
 
-    /// One from which the loop can never end.
+    /// Returns a state from which the loop can never end.
     fn endless(&self) -> Option<usize> {
         let mut before: Vec<Vec<usize>> = vec![Vec::new(); self.ways.len()];
         for (from, to) in &self.follows {
@@ -521,17 +522,17 @@ impl Heads {
     }
 }
 
-/// The first step of a node, from 0; none if there is none in it.
+/// Returns the first step in a node, from 0; none if it has no steps.
 fn first_of(node: &Node) -> Option<usize> {
     tree::steps(std::slice::from_ref(node)).first().map(|step| step.index())
 }
 
-/// The units that are charged for a state that is kept: what of it is not shared with the first state.
+/// Returns the work units for storing a state: the part that is not shared with the initial state.
 fn kept_units(state: &ChangedLists) -> usize {
     state.iter().map(|(_, facts)| 2 * facts.len() + 1).sum()
 }
 
-/// What a loop finds, merged whenever it has doubled: rounds find the same again and again.
+/// Merges the findings of a loop whenever their number has doubled, since iterations repeat them.
 struct Findings {
     from: usize,
     most: usize,
@@ -551,8 +552,8 @@ impl Findings {
     }
 }
 
-/// Each finding once. One that `count` of them share, or that somewhere is so whatever sensing told, is so in any
-/// case; else what they all know counts.
+/// Merges equal findings. A finding becomes unconditional if `count` paths have it or one of them is unconditional;
+/// otherwise the common sensing outcomes are kept.
 fn joined(found: Vec<Found>, count: Option<usize>) -> Vec<Found> {
     let mut together: Vec<(Found, usize)> = Vec::with_capacity(found.len());
     let mut numbers: FxHashMap<(Violation, bool), usize> = FxHashMap::default();

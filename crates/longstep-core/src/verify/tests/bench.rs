@@ -1,5 +1,5 @@
-//! A small domain with everything that a tree needs: lamps that are pressed by either hand, and whether one is warm has
-//! to be felt.
+//! A small test domain for plan trees: either hand can switch lamps on and off, and sensing reveals whether a lamp is
+//! warm.
 
 use crate::domain::{self, Files};
 use crate::environment::{self};
@@ -103,7 +103,7 @@ pub(super) fn domain() -> Domain {
     domain_with("")
 }
 
-/// The domain with more words, such as rules.
+/// Returns the domain with additional words, such as rules.
 pub(super) fn domain_with(words: &str) -> Domain {
     let files = Files {
         pddl: PDDL.to_owned(),
@@ -113,7 +113,7 @@ pub(super) fn domain_with(words: &str) -> Domain {
     domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"))
 }
 
-/// A bench with so many lamps, `<lamp_1>` and so on; none is lit, and of none it is known whether it is warm.
+/// Returns a world with lamps `<lamp_1>`, `<lamp_2>`, ...; only those in `lit` are lit, and no temperature is known.
 pub(super) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
     let names: Vec<String> = (1..=lamps).map(|number| format!("\"<lamp_{number}>\"")).collect();
     let states: Vec<String> = lit
@@ -129,7 +129,7 @@ pub(super) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
     environment::read(domain, &environment, "env.json", &text, &Path::default()).unwrap()
 }
 
-/// A part of a plan in a few words: `press left 1`, `feel 2`, `[...]` for what stands in it.
+/// Shorthand for a plan node, for example `press left 1` or `feel 2`.
 #[derive(Debug, Clone)]
 pub(super) enum Part {
     Do(String),
@@ -139,12 +139,12 @@ pub(super) enum Part {
     Lanes(Vec<(&'static str, Vec<String>)>),
 }
 
-/// A condition in a few words.
+/// Shorthand for a condition.
 #[derive(Debug, Clone)]
 pub(super) enum Ask {
-    /// Feels whether the lamp is warm.
+    /// Senses whether the lamp is warm.
     Feel(usize),
-    /// Whether a fact holds of a lamp: `lit`, `warm`, `cold`.
+    /// A state of a lamp: `lit`, `warm` or `cold`.
     Is(&'static str, usize),
     Not(Box<Ask>),
     All(Vec<Ask>),
@@ -252,7 +252,7 @@ pub(super) fn report(domain: &Domain, world: &World, parts: &[Part]) -> Report {
     check(domain, world, plan(domain, world, parts), &Purpose::default())
 }
 
-/// Everything wrong and odd, as sentences.
+/// Returns all violations and warnings as sentences.
 pub(super) fn messages(domain: &Domain, world: &World, report: &Report) -> Vec<String> {
     let all = report.violations.iter().chain(&report.warnings);
     all.map(|found| found.message(domain, world, report.plan.steps(), None))

@@ -1,4 +1,4 @@
-//! The verifier against brute force: every outcome and every order, one at a time and nothing remembered.
+//! Comparison of the verifier with brute force: every outcome and every interleaving, one at a time, without memory.
 
 use std::collections::BTreeSet;
 
@@ -10,17 +10,17 @@ use crate::model::{Domain, Environment, Fact, State, World};
 use crate::plan::{LaneItem, Node, Plan, StepId, Test};
 use crate::verify::{Purpose, Violation, apply, check, unmet};
 
-/// What can be found out about a plan, in whatever order.
+/// Findings about a plan, without their order.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Findings {
-    /// Steps that were not possible somewhere, with the facts that were missing.
+    /// Steps that are not applicable on some path, with the missing facts.
     impossible: BTreeSet<(usize, Vec<(Fact, bool)>)>,
     unsensed: BTreeSet<Fact>,
     endless: bool,
     ends: BTreeSet<Vec<Fact>>,
 }
 
-/// What is left to do on a way: nodes, and loops that were entered with the states that their heads have seen.
+/// Remaining work on a path: nodes, and loops with the states seen at their heads.
 #[derive(Clone)]
 enum Todo<'a> {
     Node(&'a Node),
@@ -32,12 +32,12 @@ struct Enumeration<'a> {
     world: &'a World,
     plan: &'a Plan,
     findings: Findings,
-    /// Turns that it may still take.
+    /// Remaining transitions.
     left: usize,
 }
 
 impl<'a> Enumeration<'a> {
-    /// Enumerates every way; none where there are too many, since a few random plans have millions.
+    /// Enumerates all paths; none if there are too many, since some random plans have millions.
     fn of(domain: &'a Domain, world: &'a World, plan: &'a Plan) -> Option<Findings> {
         let mut all = Self {
             domain,
@@ -51,13 +51,13 @@ impl<'a> Enumeration<'a> {
         (all.left > 0).then_some(all.findings)
     }
 
-    /// Takes a turn; false when there are none left.
+    /// Counts a transition; false if none are left.
     fn turn(&mut self) -> bool {
         self.left = self.left.saturating_sub(1);
         self.left > 0
     }
 
-    /// Does what is left, the last of it first; tells whether some way comes to an end.
+    /// Executes the remaining work, last item first; returns true if some path ends.
     fn go(&mut self, mut todo: Vec<Todo<'a>>, state: State) -> bool {
         if !self.turn() {
             return true;
@@ -97,7 +97,7 @@ impl<'a> Enumeration<'a> {
                     unreachable!()
                 };
                 if seen.contains(&state) {
-                    // What follows was looked at when the way was here before.
+                    // The continuation was explored at the first visit of this state.
                     return false;
                 }
                 let mut alone = Self {
@@ -128,7 +128,7 @@ impl<'a> Enumeration<'a> {
         }
     }
 
-    /// Whether some way through what is left comes to its end, loops within being left out of the question.
+    /// Returns true if some path through the remaining work ends; inner loops are not checked for termination.
     fn only(&mut self, mut todo: Vec<Todo<'a>>, state: State) -> bool {
         if !self.turn() {
             return true;
@@ -252,7 +252,7 @@ impl<'a> Enumeration<'a> {
         }
     }
 
-    /// Asks in turn as long as each part has the value.
+    /// Evaluates the parts in order as long as each has the value.
     fn in_turn(&mut self, parts: &[Test], value: bool, state: State) -> Vec<(State, bool)> {
         let Some((first, rest)) = parts.split_first() else {
             return vec![(state, value)];
@@ -268,7 +268,7 @@ impl<'a> Enumeration<'a> {
     }
 }
 
-/// The claim that just these lamps are lit afterwards.
+/// Returns the claim that exactly these lamps are lit in the final state.
 fn lit_claim(domain: &Domain, world: &World, lamps: &BTreeSet<usize>) -> Claim {
     let states: Vec<String> = lamps
         .iter()
@@ -281,7 +281,7 @@ fn lit_claim(domain: &Domain, world: &World, lamps: &BTreeSet<usize>) -> Claim {
     Claim::read(domain, world, &Environment::from_json(&text).unwrap())
 }
 
-/// What the verifier says, in the same terms.
+/// Converts the verifier's report to [`Findings`].
 fn findings(domain: &Domain, world: &World, plan: &Plan) -> (Findings, bool) {
     let report = check(domain, world, plan.clone(), &Purpose::default());
     let mut found = Findings::default();
@@ -357,7 +357,7 @@ fn parts() -> impl Strategy<Value = Vec<Part>> {
     prop::collection::vec(part, 1..=4)
 }
 
-/// All orders in which lanes can happen, each to its end; `None` where they wait for ever.
+/// Returns all interleavings of the lanes; `None` for a deadlock.
 fn orders(lanes: &[Vec<LaneItem>], places: &[usize]) -> Vec<Option<Vec<StepId>>> {
     let next = |lane: usize| lanes[lane].get(places[lane]);
     let all = 0..lanes.len();
@@ -396,7 +396,7 @@ fn orders(lanes: &[Vec<LaneItem>], places: &[usize]) -> Vec<Option<Vec<StepId>>>
 fn lane(hand: &'static str) -> impl Strategy<Value = Vec<String>> {
     let item = prop_oneof![5 => steps(hand), 1 => prop::sample::select(vec!["sync a".to_owned(), "sync b".to_owned()])];
     prop::collection::vec(item, 0..=4).prop_map(|mut items| {
-        // A lane meets the others at a name once.
+        // Each synchronization point occurs once in a lane.
         let mut seen = Vec::new();
         items.retain(|item| {
             !item.starts_with("sync") || {
@@ -446,7 +446,7 @@ proptest! {
         let promised: Vec<Fact> = claimed.iter().map(|lamp| fact(&domain, &world, "lit", *lamp)).collect();
         let promised: Vec<Fact> = promised.into_iter().filter(|fact| !world.state.holds(*fact)).collect();
         let report = check(&domain, &world, plan, &purpose);
-        // A plan without an end has no ending to keep the claim; it is refused for that.
+        // A plan without an end has no ending that could fulfill the claim and is rejected for that.
         if !ends.is_empty() {
             let kept = ends.iter().any(|end| promised.iter().all(|fact| end.contains(fact)));
             prop_assert_eq!(report.claimed.is_some(), kept);
@@ -480,8 +480,8 @@ proptest! {
         let has = |kind: &str| report.violations.iter().any(|violation| violation.kind() == kind);
         prop_assert_eq!(has("deadlock"), waits);
         if !waits {
-            // What is accepted is possible in every order and ends in one state; what is possible in every order and
-            // ends in one state is refused only where two orders differ on the way.
+            // An accepted plan is applicable in every order and has one final state. A plan with these properties is
+            // rejected only if two orders differ at an intermediate position.
             let fine = possible && ends.len() == 1;
             let refused = has("precondition") || has("race");
             prop_assert!(fine || refused);

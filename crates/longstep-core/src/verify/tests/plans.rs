@@ -1,4 +1,4 @@
-//! Plans in, messages out.
+//! Tests from plans to messages.
 
 use super::super::*;
 use crate::domain;
@@ -142,7 +142,7 @@ fn where_calls_do_not_say_where_the_claim_does() {
         told(&[&lifted[..], &["attach_to_plane()", "release_object()"]].concat()),
         Vec::<String>::new()
     );
-    // Without being put down, the cup can only have been dropped into the bin.
+    // Without a step that puts it down, the cup can only have been dropped into the bin.
     assert_eq!(
         told(&[&lifted[..], &["release_object()"]].concat()),
         ["at the end, this is claimed and not so: the cup is on the table"]

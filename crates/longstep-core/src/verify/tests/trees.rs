@@ -1,10 +1,10 @@
-//! Branches, loops and lanes.
+//! Tests of branches, loops and lanes.
 
 use super::bench::{self, Ask, Part, does, domain, messages, not, plan, report, world};
 use crate::effort;
 use crate::verify::{Purpose, STATES, Violation, check as check_plan};
 
-/// What is told of a plan for three lamps of which the first is lit.
+/// Checks the messages for a plan with three lamps of which the first is lit.
 fn check(parts: &[Part], expected: &[&str]) {
     let domain = domain();
     let world = world(&domain, 3, &[1]);
@@ -27,7 +27,7 @@ fn both_sides_of_a_branch_are_followed() {
             "step 2: press(left, <lamp_1>) changes nothing (when lamp 2 is warm)",
         ],
     );
-    // What follows has to be possible whichever side was taken.
+    // Steps after a branch must be applicable whichever side was taken.
     check(
         &[branch(&["press left 2"], &[]), does("unpress left 2")],
         &[
@@ -35,7 +35,7 @@ fn both_sides_of_a_branch_are_followed() {
             "step 3: unpress(left, <lamp_2>) changes nothing (when lamp 2 is cold)",
         ],
     );
-    // What is wrong on every way is wrong in any case.
+    // A finding on every path is unconditional.
     check(
         &[branch(&["press left 3"], &["press right 3"]), does("press left 3")],
         &[
@@ -64,7 +64,7 @@ fn what_was_sensed_is_known_on_its_way() {
         ],
     );
     check(&all(&["cool 2"]), &["step 1: cool(<lamp_2>) needs that lamp 2 is warm"]);
-    // Sensed by a step of its own, asked for later.
+    // Sensed by a separate step, used later.
     check(
         &[
             does("feel 2"),
@@ -73,7 +73,7 @@ fn what_was_sensed_is_known_on_its_way() {
         ],
         &[],
     );
-    // Feeling what is known tells nothing new, and the other side is dead.
+    // Sensing a known fact adds nothing, and the other side is unreachable.
     check(
         &[Part::If(
             Ask::Feel(2),
@@ -98,7 +98,7 @@ fn nobody_may_ask_what_was_never_sensed() {
         ],
         &["step 3: a condition asks whether lamp 2 is warm, and nothing has sensed that (when lamp 3 is cold)"],
     );
-    // Forgotten.
+    // Deleted after sensing.
     check(
         &[
             does("feel 2"),
@@ -107,7 +107,7 @@ fn nobody_may_ask_what_was_never_sensed() {
         ],
         &["step 3: a condition asks whether lamp 2 is warm, and nothing has sensed that"],
     );
-    // Short-circuit: the second is asked only where the first holds.
+    // Short-circuit evaluation: the second part is evaluated only if the first holds.
     let both = Ask::All(vec![Ask::Feel(2), Ask::Is("warm", 2)]);
     check(&[Part::If(both, all(&["press left 2"]), vec![])], &[]);
     let either = Ask::Any(vec![Ask::Feel(2), Ask::Is("cold", 2)]);
@@ -115,7 +115,7 @@ fn nobody_may_ask_what_was_never_sensed() {
         &[Part::If(either, all(&["press left 2"]), all(&["press left 3"]))],
         &["step 3: press(left, <lamp_3>) is never reached"],
     );
-    // What nothing senses is known from the start.
+    // Facts that no action senses are known from the start.
     check(&[Part::If(Ask::Is("lit", 1), all(&["unpress left 1"]), vec![])], &[]);
 }
 
@@ -130,7 +130,7 @@ fn loops_end_or_are_refused() {
         &[],
     );
     check(&[Part::While(Ask::Is("lit", 1), all(&["unpress right 1"]))], &[]);
-    // Once felt, it stays known.
+    // A sensed fact stays known.
     check(
         &[Part::While(Ask::Feel(2), all(&["press left 2", "unpress left 2"]))],
         &[
@@ -141,7 +141,7 @@ fn loops_end_or_are_refused() {
         &[Part::While(Ask::Is("lit", 1), all(&["press left 2", "unpress left 2"]))],
         &["step 1: the loop can come to where nothing in it changes what it asks, and never ends"],
     );
-    // The second time round it is lit already.
+    // On the second iteration the lamp is already lit.
     check(
         &[Part::While(Ask::Feel(2), all(&["press left 2", "wait 2"]))],
         &[
@@ -181,7 +181,7 @@ fn lanes_do_not_get_in_each_others_way() {
         )],
         &[],
     );
-    // Both handle the third one.
+    // Both lanes use the third lamp.
     check(
         &[lanes(&["press left 3"], &["link right 2 3"])],
         &[
@@ -221,7 +221,7 @@ fn lanes_do_not_get_in_each_others_way() {
     );
 }
 
-/// So many branches one after the other, each on a lamp of its own if `apart`.
+/// Returns a sequence of branches, each on its own lamp if `apart`.
 fn branches(count: usize, apart: bool) -> Vec<Part> {
     let branch = |number: usize| {
         let lamp = if apart { number + 1 } else { 1 };
@@ -259,7 +259,7 @@ fn what_two_orders_find_on_one_way_is_not_so_on_all() {
     );
 }
 
-/// The units that checking takes, and the kinds of what is found.
+/// Returns the work units of the check and the kinds of its violations.
 fn effort_of(parts: &[Part]) -> (u64, Vec<&'static str>) {
     let domain = domain();
     let world = world(&domain, 4, &[1]);
@@ -278,7 +278,7 @@ fn a_condition_takes_effort_that_grows_with_its_length() {
     assert_eq!(kinds, ["unsensed", "unsensed"]);
     let (long, _) = effort(40);
     assert!(long < 8 * short, "{long} units for four times the {short} of a quarter");
-    // A sensing step in every part: so many outcomes are too many states, not too much memory.
+    // With a sensing step in every part, the number of states exceeds the limit before memory does.
     let lamps = |at: usize| Ask::Any(vec![Ask::Feel(1 + at % 4), not(Ask::Is("warm", 1 + at % 4))]);
     let (units, kinds) = effort_of(&[Part::While(Ask::All((0..60).map(lamps).collect()), all(&["wait 1"]))]);
     assert!(units < effort::OPERATION, "{units} units, {kinds:?}");
@@ -293,7 +293,7 @@ fn a_counted_loop_follows_one_period_of_its_states() {
     let (few, kinds) = effort_of(&swing(4));
     assert_eq!(kinds, Vec::<&str>::new());
     assert_eq!(effort_of(&swing(1_000_000_000)).0, few);
-    // The state after the last round is that of its remainder: lamp 1 is lit at first.
+    // The state after the last iteration is that of the remainder: lamp 1 is lit at first.
     let domain = domain();
     let world = world(&domain, 4, &[1]);
     for (times, lit) in [(1, false), (2, true), (999_999_999, false), (1_000_000_000, true)] {
@@ -305,7 +305,7 @@ fn a_counted_loop_follows_one_period_of_its_states() {
 
 #[test]
 fn a_plan_that_takes_too_much_work_is_refused() {
-    // A binary counter of four lamps inside itself: each level multiplies the rounds of the one within.
+    // A nested binary counter of four lamps: each level multiplies the iterations of the inner one.
     let count = |body: Vec<Part>| {
         let carry = |lamp: usize, rest: Vec<Part>| {
             let on = format!("press left {lamp}");
