@@ -1,73 +1,72 @@
-//! What of a conversation fits into a model's context.
+//! Fitting a conversation into a model's context length.
 
 use super::{Message, Part, Role, TokenCounter};
 
-/// Something that was said to the model, and its reply.
+/// A user message with the model's reply.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Exchange {
-    /// The user's turn: a query, or feedback.
+    /// The user message: a query or feedback.
     pub said: String,
-    /// The model's turn.
+    /// The reply.
     pub replied: String,
 }
 
-/// A conversation before it is cut to size. Its turns are said in the order of the fields.
+/// A conversation before it is shortened. The fields are in prompt order.
 #[derive(Debug, Clone, Copy)]
 pub struct Conversation<'a> {
-    /// What is the same for every request. Never dropped.
+    /// The fixed parts. Never dropped.
     pub fixed: &'a [Part],
-    /// About earlier instructions, oldest first. The oldest are dropped when there is too little room.
+    /// Exchanges about earlier instructions, oldest first. The oldest are dropped first.
     pub history: &'a [Exchange],
-    /// About this instruction: the query with its reply, feedback with its reply. Never dropped.
+    /// Exchanges about this instruction: query and feedback with their replies. Never dropped.
     pub rounds: &'a [Exchange],
-    /// The newest user turn. Never dropped.
+    /// The newest user message. Never dropped.
     pub now: &'a str,
 }
 
-/// What a part of a conversation costs.
+/// Token count of a part of a conversation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PartCost {
-    /// The part: those of [`super::PartName`], `history`, `rounds`, `query`, and `frame` for what a model's template
-    /// puts around the whole.
+    /// The part: a name of [`super::PartName`], `history`, `rounds`, `query`, or `frame` for the chat template around
+    /// the messages.
     pub name: &'static str,
-    /// Tokens.
+    /// Number of tokens.
     pub tokens: u64,
 }
 
-/// A conversation that fits.
+/// A conversation within its token budget.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fitted {
-    /// Its turns: fixed parts, history, rounds, now.
+    /// Its messages: fixed parts, history, rounds, newest message.
     pub messages: Vec<Message>,
-    /// How many of the first messages are the fixed parts'.
+    /// Number of leading messages from the fixed parts.
     pub fixed: usize,
-    /// What each part costs, in the order of the conversation; they add up to the whole.
+    /// Token counts by part, in prompt order. Their sum is the total.
     pub costs: Vec<PartCost>,
-    /// Exchanges of the history that were left out.
+    /// Number of dropped exchanges.
     pub dropped: usize,
 }
 
-/// What may not be dropped is too long.
+/// The parts that cannot be dropped exceed the token budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the prompt needs {needed} tokens, which is {} more than the {room} that the model has room for", .needed - .room)]
 pub struct OverBudget {
-    /// Tokens that it takes at least.
+    /// Minimum number of tokens.
     pub needed: u64,
-    /// Tokens that there are.
+    /// Token budget.
     pub room: u64,
 }
 
 impl OverBudget {
-    /// By how many tokens it is too long.
+    /// Returns the excess in tokens.
     pub fn by(&self) -> u64 {
         self.needed - self.room
     }
 }
 
-/// Cuts a conversation to `room` tokens by leaving out the oldest pairs of its history.
+/// Shortens a conversation to `room` tokens by dropping the oldest exchanges of its history.
 ///
-/// `room` is the model's context less what is kept for its answer; without one, everything fits. The fixed parts, the
-/// rounds of this instruction and the newest turn are never dropped.
+/// `room` is the model's context length minus the budget of the answer; without it, nothing is dropped.
 ///
 /// ```
 /// use longstep::dialogue::{Conversation, EstimatedTokens, Exchange, fit};
@@ -80,7 +79,7 @@ impl OverBudget {
 ///
 /// # Errors
 ///
-/// When it is too long without any history.
+/// The conversation is too long without any history.
 pub fn fit(
     conversation: Conversation<'_>,
     room: Option<u64>,
@@ -165,7 +164,7 @@ mod tests {
     use super::super::{EstimatedTokens, PartName};
     use super::*;
 
-    /// One token for a character and nothing around.
+    /// One token per character, none around a message.
     fn counter() -> EstimatedTokens {
         EstimatedTokens {
             characters: 1.0,
@@ -180,7 +179,7 @@ mod tests {
         }
     }
 
-    /// Fixed parts of 10 tokens, history pairs of 4, 6 and 8, a round of 2, and 5 for now.
+    /// Uses fixed parts of 10 tokens, exchanges of 4, 6 and 8, a round of 2, and a newest message of 5.
     #[track_caller]
     fn check(room: Option<u64>, expected: Result<&str, u64>) {
         let fixed = [Part {

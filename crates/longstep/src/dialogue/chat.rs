@@ -1,32 +1,32 @@
-//! What is said to a language model and what comes back, whichever model it is.
+//! Requests to language models and their replies, as plain data.
 //!
-//! These are plain data: the library makes requests and reads replies, and never calls a model itself.
+//! The library builds requests and parses replies; it never calls a model.
 
 use crate::usage::Usage;
 use serde_json::Value;
 
-/// Who says a [`Message`].
+/// The role of a [`Message`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Role {
-    /// Sets the task; comes first.
+    /// Sets the task; the first message.
     System,
-    /// Speaks for the person.
+    /// The person.
     User,
-    /// Speaks for the model.
+    /// The model.
     Assistant,
 }
 
-/// One turn of a conversation.
+/// One message of a conversation.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Message {
-    /// Who speaks.
+    /// The role.
     pub role: Role,
-    /// What is said, without any template markers of a model.
+    /// The text, without chat-template markers.
     pub text: String,
 }
 
 impl Message {
-    /// A turn of the given role.
+    /// Creates a message.
     pub fn new(role: Role, text: impl Into<String>) -> Self {
         Self {
             role,
@@ -35,71 +35,70 @@ impl Message {
     }
 }
 
-/// Which answers are allowed.
+/// Constraint on the output of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Constraint {
     /// Any text.
     Free,
-    /// A grammar in llguidance's Lark dialect, for a model whose every token we choose.
+    /// A grammar in llguidance's Lark dialect, for an engine with control over token sampling.
     Lark(String),
-    /// A JSON schema, for a server. A hint only: some servers accept a schema and ignore it,
-    /// so the reader of the reply checks it all the same.
+    /// A JSON schema, for a server. Some servers accept a schema and ignore it, so the parser validates the reply
+    /// anyway.
     JsonSchema(Value),
 }
 
 /// One request to a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChatRequest {
-    /// The conversation, system turn first, the person's turn last.
+    /// The conversation, from the system message to the newest user message.
     pub messages: Vec<Message>,
-    /// How many of the first messages are the same for every request of a domain. An engine
-    /// that can keep its state for them on disk does.
+    /// Number of leading messages that are equal in all requests of a domain: the prefix to cache. An engine may keep
+    /// its state for them on disk.
     pub fixed: usize,
-    /// How the model's answer begins already; the reply's text goes on from here. Only sent to
-    /// models that take [`Constraint::Lark`].
+    /// Start of the model's answer, which the reply continues. Used only with [`Constraint::Lark`].
     pub answer_so_far: String,
-    /// What the answer (after `answer_so_far`) must look like.
+    /// Constraint on the answer after `answer_so_far`.
     pub constraint: Constraint,
-    /// At most this many tokens are generated.
+    /// Token budget of the answer.
     pub max_tokens: u32,
 }
 
-/// Why a model stopped.
+/// Reason why generation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Finish {
-    /// It said that it was done, or the grammar allowed nothing more.
+    /// The model ended its answer, or the grammar permitted no further token.
     Stop,
-    /// It ran into the token limit: the text is cut off.
+    /// The token limit cut the text off.
     Length,
-    /// The server withheld the answer or the model refused to give one.
+    /// The model refused or the server withheld the answer.
     Refused,
 }
 
-/// What a model answered.
+/// A model's reply.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Reply {
-    /// The text, as it came.
+    /// The text, unchanged.
     pub text: String,
-    /// Why it ended.
+    /// Reason why generation ended.
     pub finish: Finish,
-    /// What it cost.
+    /// Token counts.
     pub usage: Usage,
 }
 
-/// The kind of [`Constraint`] that a model obeys, which decides how it is asked.
+/// The kind of [`Constraint`] that a model supports. It decides the form of requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ConstraintKind {
-    /// The engine masks every token by a grammar: the answer is built fact by fact.
+    /// The engine masks every token by a grammar; the answer is built goal by goal.
     Grammar,
-    /// A server that takes a JSON schema: the answer comes whole.
+    /// A server with JSON schemas; the answer arrives whole.
     JsonSchema,
 }
 
-/// What a model replied about an instruction, and what was said to it then.
+/// A reply about an instruction, and the feedback on it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Round {
-    /// The reply, or what was made of it: goals joined by ` & `, `question: ...`, or a plan.
+    /// The reply in normalized form: goals joined by ` & `, `question: ...`, or a plan.
     pub replied: String,
-    /// The words of a person, or of the verifier.
+    /// The feedback of the person or the verifier.
     pub said: String,
 }

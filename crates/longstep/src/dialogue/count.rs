@@ -1,35 +1,35 @@
-//! Counting tokens: only a model knows how many it makes of a text.
+//! Token counting. Only a model's tokenizer gives exact counts.
 
 use super::Message;
 
-/// Counts tokens as one model would. The library has no tokenizer of its own: whoever holds the model gives this.
+/// Counts tokens for a model. The library has no tokenizer; the owner of the model implements this trait.
 pub trait TokenCounter {
-    /// Tokens of a message, with what the model's template puts around it.
+    /// Returns the tokens of a message, including its chat-template markers.
     fn message_tokens(&mut self, message: &Message) -> u64;
 
-    /// Tokens that a conversation has beyond those of its messages: its beginning, and the opening of the answer.
+    /// Returns the tokens of a conversation outside its messages: its start, and the start of the answer.
     fn frame_tokens(&mut self) -> u64;
 
-    /// How it counts.
+    /// Returns the method of counting.
     fn counting(&self) -> Counting;
 
-    /// Tokens of a whole conversation.
+    /// Returns the tokens of a whole conversation.
     fn tokens(&mut self, messages: &[Message]) -> u64 {
         let all: u64 = messages.iter().map(|message| self.message_tokens(message)).sum();
         self.frame_tokens() + all
     }
 }
 
-/// How far a count can be trusted.
+/// Accuracy of a token count.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Counting {
-    /// By the model's own tokenizer, named here.
+    /// Exact, by the named tokenizer.
     Exact(String),
-    /// By something else, said here.
+    /// Estimated, by the described method.
     Estimate(String),
 }
 
-/// Counts characters and takes so many for a token: what is left where nobody offers a tokenizer.
+/// Estimates tokens from the number of characters, for use without a tokenizer.
 ///
 /// ```
 /// use longstep::dialogue::{EstimatedTokens, Message, Role, TokenCounter};
@@ -38,15 +38,15 @@ pub enum Counting {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EstimatedTokens {
-    /// Characters of a token, on average.
+    /// Average number of characters in a token.
     pub characters: f64,
     /// Tokens around each message.
     pub around: u64,
 }
 
 impl Default for EstimatedTokens {
-    /// Three and a half characters for a token: a little low for English prose and about right for the JSON of an
-    /// environment, so that an estimate is rather too high than too low.
+    /// 3.5 characters per token: a little low for English prose and about right for environment JSON, so estimates are
+    /// high rather than low.
     fn default() -> Self {
         Self {
             characters: 3.5,

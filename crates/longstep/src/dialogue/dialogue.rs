@@ -1,7 +1,7 @@
-//! The goal strategy as a conversation that somebody else carries out.
+//! The goal strategy as a dialogue with a model.
 //!
-//! The dialogue never calls a model. It says what to send ([`GoalDialogue::request`]) and is given the reply
-//! ([`GoalDialogue::supply`]) until it understands.
+//! The dialogue never calls the model. The caller sends [`GoalDialogue::request`] and passes the reply to
+//! [`GoalDialogue::supply`] until the dialogue is done.
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -20,45 +20,45 @@ use crate::goal::{
 use crate::model::{Domain, plain_words};
 use crate::search;
 
-/// Goals in one answer at most.
+/// Maximum number of goals in an answer.
 const GOAL_LIMIT: usize = 6;
-/// Tokens for one goal or a question.
+/// Token budget of one goal or a question.
 const STEP_TOKENS: u32 = 96;
-/// Tokens for a whole answer of a server.
+/// Token budget of a whole answer of a server.
 pub(super) const ANSWER_TOKENS: u32 = 1024;
 
-/// Why a reply cannot be used. It is never completed by guesswork.
+/// Reason why a reply is unusable. Replies are never completed by guesses.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DialogueError {
-    /// The reply is cut off.
+    /// The reply was cut off.
     #[error("the model's answer was cut off: `{0}`")]
     CutOff(String),
-    /// The model or its server would not answer.
+    /// The model or its server refused to answer.
     #[error("the model refused to answer")]
     Refused,
-    /// The reply is not in the form that was asked for.
+    /// The reply does not have the required form.
     #[error("the model's answer cannot be read: {0}")]
     Unreadable(String),
-    /// The reply names something that there is not.
+    /// The reply names an unknown goal or entity.
     #[error("the model's answer is no goal here: {0}")]
     NoGoal(#[from] GoalError),
-    /// The reply is no change of the plan that it is about.
+    /// The reply is no change of the plan.
     #[error("the model's answer is no change of this plan: {0}")]
     NoWish(String),
-    /// Finding the goals that make sense here takes more work than its budget.
+    /// Enumerating the possible goals exceeds the work budget.
     #[error("{TOO_MUCH_WORK}")]
     TooMuchWork,
 }
 
-/// Message for a domain and a world with more goals than can be looked at.
+/// Error for a domain and world with too many goals to enumerate.
 pub(super) const TOO_MUCH_WORK: &str =
     "there are too many goals in this domain and world, or their conditions take too much work";
 
-/// Whether a reply came to its end: one that is cut off or refused says nothing.
+/// Checks that a reply is complete.
 ///
 /// # Errors
 ///
-/// When it did not.
+/// The reply was cut off or refused.
 pub(crate) fn whole(reply: &Reply) -> Result<(), DialogueError> {
     match reply.finish {
         Finish::Stop => Ok(()),
@@ -67,13 +67,13 @@ pub(crate) fn whole(reply: &Reply) -> Result<(), DialogueError> {
     }
 }
 
-/// The JSON object of a server's answer.
+/// Parses the JSON object of a server's answer.
 ///
 /// # Errors
 ///
-/// When it is none, or another one.
+/// The text is no such object.
 pub(crate) fn object<T: DeserializeOwned>(text: &str) -> Result<T, DialogueError> {
-    // A server that ignores the schema may put a fence around the object.
+    // Servers that ignore the schema may add a code fence.
     let bare = text
         .trim()
         .trim_start_matches("```json")
@@ -83,62 +83,62 @@ pub(crate) fn object<T: DeserializeOwned>(text: &str) -> Result<T, DialogueError
         .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))
 }
 
-/// What to do next.
+/// The next step of a dialogue.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Turn {
-    /// Send [`GoalDialogue::request`] again: the answer goes on.
+    /// Send [`GoalDialogue::request`] again to continue the answer.
     GoOn,
-    /// This is what was understood.
+    /// The result.
     Done(Understanding),
 }
 
-/// Asks a model what an instruction wants.
+/// Lets a model translate an instruction into goals.
 #[derive(Debug, Clone)]
 pub struct GoalDialogue {
-    /// What the person spoke of, all told.
+    /// Mentions of the instruction and all later utterances.
     heard: Correction,
-    /// The same, or nothing where a thing that is not here is among it: then nothing is taken to be meant for certain.
+    /// These mentions, or none if they include an unknown object: no reference is certain then.
     spoken: Spoken,
     kind: ConstraintKind,
     messages: Vec<Message>,
     fixed: usize,
     answer: String,
     facts: Vec<GoalFact>,
-    /// What the next goal goes with, and where it stands.
+    /// Goals that precede the next one in its branch.
     said: Vec<GoalFact>,
-    /// What is asked for in the other case, which is not asked for in this one.
+    /// Goals of the other branch of a condition, which this branch must not repeat.
     other_side: Vec<GoalFact>,
     next: Next,
     has_condition: bool,
-    /// Whether the instruction depends on what nothing here can tell.
+    /// True if the instruction has a condition that no sensing action can decide.
     cannot_be_told: bool,
-    /// Whether the model said that something is not here which is: then it is not to ask again.
+    /// True if the model denied that an existing object is here; it may not ask again.
     mistaken: bool,
-    /// Goals that can be said next.
+    /// Possible next goals.
     open: Vec<Offer>,
-    /// True if finding `open`, or the scene, took more work than its budget.
+    /// True if enumerating `open` or the scene exceeded the work budget.
     exhausted: bool,
-    /// What the calls so far cost.
+    /// Token counts of the calls so far.
     pub usage: Usage,
 }
 
 impl GoalDialogue {
-    /// Begins a conversation about `instruction` with a model of the given kind.
+    /// Starts a dialogue about `instruction`.
     pub fn new(domain: &Domain, world: &World, instruction: &str, kind: ConstraintKind) -> Self {
         Self::again(domain, world, instruction, &[], kind)
     }
 
-    /// Goes on with a conversation after the person said something about the answer, or answered the question.
+    /// Continues a dialogue after feedback on the answer or an answer to its question.
     ///
-    /// What the person speaks of is read from the instruction and the words together, and the words win: what they
-    /// exclude ("not that plate") is not offered, and neither is the answer that they take back.
+    /// Mentions come from the instruction and the later utterances, which take precedence: entities that they exclude
+    /// ("not that plate") and answers that they reject are no longer offered.
     pub fn again(domain: &Domain, world: &World, instruction: &str, rounds: &[Round], kind: ConstraintKind) -> Self {
         let mut dialogue = Self::before(domain, world, instruction, rounds, kind);
         dialogue.begin(domain, world);
         dialogue
     }
 
-    /// The conversation before it is known what can be said in it.
+    /// Creates the dialogue before the possible goals are enumerated.
     pub(super) fn before(
         domain: &Domain,
         world: &World,
@@ -188,7 +188,8 @@ impl GoalDialogue {
         }
     }
 
-    /// Where the last words only add to the answer, a new one goes on from it.
+    /// Enumerates the possible goals. If the last utterance only adds to the answer, the new answer continues the old
+    /// one.
     pub(super) fn begin(&mut self, domain: &Domain, world: &World) {
         self.facts.clone_from(&self.heard.begun);
         self.said = self.facts.iter().flat_map(GoalFact::parts).cloned().collect();
@@ -206,7 +207,7 @@ impl GoalDialogue {
         }
     }
 
-    /// What to send to the model now.
+    /// Returns the next request to the model.
     pub fn request(&self, domain: &Domain, world: &World) -> ChatRequest {
         let constraint = match self.kind {
             ConstraintKind::Grammar => Constraint::Lark(self.grammar(domain, world)),
@@ -227,7 +228,7 @@ impl GoalDialogue {
         }
     }
 
-    /// The grammar for what can be said next.
+    /// Returns the grammar of possible continuations.
     fn grammar(&self, domain: &Domain, world: &World) -> String {
         let offers = &self.open;
         let spoken = &self.heard.spoken;
@@ -250,7 +251,7 @@ impl GoalDialogue {
         if !more {
             joints.clear();
         }
-        // Who says "if" makes something depend on it.
+        // After "if" in the instruction, some goal must have a condition.
         let must_depend = more && !conditions.is_empty() && !self.has_condition;
         let place = if self.answer.is_empty() {
             let question = !self.mistaken && !goal::is_plain(domain, offers, &self.spoken);
@@ -267,8 +268,8 @@ impl GoalDialogue {
         grammar_of(domain, world, &ways, place)
     }
 
-    /// What the parts of the conversation cost: `task`, `examples`, `query`, and `frame` for what a model's template
-    /// puts around the whole.
+    /// Returns the token counts by part: `task`, `examples`, `query`, and `frame` for the chat template around the
+    /// messages.
     pub fn costs(&self, counter: &mut dyn TokenCounter) -> Vec<PartCost> {
         let parts = [
             ("task", &self.messages[..1]),
@@ -287,21 +288,21 @@ impl GoalDialogue {
         costs
     }
 
-    /// Finds the goals that can be said next, within a budget.
+    /// Enumerates the possible next goals, within a work budget.
     fn look(&mut self, domain: &Domain, world: &World) {
-        // What a word asks for may hold again after the goals before it, which takes a search to know.
+        // A goal that holds now may be undone by the goals before it; a search decides.
         let search = if self.said.is_empty() { 0 } else { search::EFFORT };
         let found = effort::within(effort::OPERATION + search, || self.offers(domain, world));
         self.exhausted |= found.exhausted;
         self.open = found.result;
     }
 
-    /// Returns whether finding the goals that make sense took more work than its budget; no reply is of use then.
+    /// Returns true if enumerating the possible goals exceeded the work budget. No reply is usable then.
     pub(super) fn is_exhausted(&self) -> bool {
         self.exhausted
     }
 
-    /// What can be said next: nothing that the person took back.
+    /// Returns the possible next goals without those that the person rejected.
     fn offers(&self, domain: &Domain, world: &World) -> Vec<Offer> {
         let further = !self.said.is_empty() || self.next == Next::Otherwise;
         let mut offers = offers_on(domain, world, &self.said, &self.spoken, further);
@@ -317,16 +318,16 @@ impl GoalDialogue {
         offers
     }
 
-    /// The model's answer as far as it has come.
+    /// Returns the model's answer so far.
     pub fn answer(&self) -> &str {
         &self.answer
     }
 
-    /// Takes the model's reply to the last request.
+    /// Interprets the reply to the last request.
     ///
     /// # Errors
     ///
-    /// When the reply is cut off, refused, or not what was asked for, or when finding what it can say took too much work.
+    /// The reply is cut off, refused or invalid, or enumerating its continuations exceeds the work budget.
     pub fn supply(&mut self, domain: &Domain, world: &World, reply: &Reply) -> Result<Turn, DialogueError> {
         self.usage += reply.usage;
         self.answer.push_str(&reply.text);
@@ -387,8 +388,8 @@ impl GoalDialogue {
         Ok(self.done(domain, world))
     }
 
-    /// Whether the model says of something that the instruction names, and that is here, that it does not see it. Small
-    /// models do so of what has one more word to its name: "the remote control", where there is a remote.
+    /// Returns true if the model denies an object that the instruction names and that exists. Small models do so if the
+    /// instruction's name is longer: "the remote control" for a remote.
     fn denies_what_is_here(&self, world: &World, question: &str) -> bool {
         let lower = question.to_lowercase();
         let Some(rest) = lower.strip_prefix("i see no ") else {
@@ -407,7 +408,7 @@ impl GoalDialogue {
                 .any(|entity| world.entity(*entity).names.iter().any(named))
     }
 
-    /// The model asks back. If what the instruction asks for holds already, that is what puzzles it.
+    /// Handles a question of the model. If the requested goals hold already, they are the answer.
     fn asked(&self, domain: &Domain, world: &World, question: String) -> Turn {
         let facts = goal::already(domain, world, &self.spoken);
         Turn::Done(if facts.is_empty() {
@@ -431,7 +432,7 @@ impl GoalDialogue {
     }
 }
 
-/// An instruction is one line of a conversation, whatever was typed.
+/// Returns a text as one line.
 pub(crate) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,4 +1,4 @@
-//! A request of the direct strategy, cut to the room that a model has.
+//! Requests of the direct strategy, within a token budget.
 
 use super::query::{contained_json, query_text};
 use super::reply::StateLists;
@@ -10,26 +10,27 @@ use crate::diagnostic::Diagnostics;
 use crate::environment::World;
 use crate::model::Domain;
 
-/// Tokens for the steps of an answer; the environments come on top.
+/// Token budget of the steps in an answer; the environments are added to it.
 const STEP_TOKENS: u64 = 1500;
 
-/// A request that fits.
+/// A request within its token budget.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
-    /// What to send. `max_tokens` is what an answer may need: both environments and some sixty steps.
+    /// The request. Its `max_tokens` suffice for both environments and about sixty steps.
     pub request: ChatRequest,
-    /// What each part of it costs.
+    /// Token counts by part.
     pub costs: Vec<PartCost>,
-    /// Exchanges of the history that were left out, the oldest ones.
+    /// Number of omitted exchanges of the history, from the oldest.
     pub dropped: usize,
-    /// Entities that are not shown to the model. They stay in the world: the reply is read against all of it.
+    /// Number of entities that the prompt omits. The world keeps them, and the reply is resolved in all of it.
     pub left_out: usize,
 }
 
-/// Asks for a whole plan: the fixed parts, the history, the query, and the rounds of feedback about it so far.
+/// Builds the request for a whole plan: fixed parts, history, query, and the feedback rounds on it.
 ///
-/// `context` is how many tokens prompt and answer may have together; without one, everything is sent. What does not fit
-/// goes in this order: the history, oldest pair first; then entities that the instruction hardly concerns ([`focus`]).
+/// `context` is the model's context length in tokens, for prompt and answer together; without it, nothing is omitted.
+/// If the prompt is too long, the history is dropped from its oldest exchange on, then the least relevant entities
+/// ([`focus`]).
 ///
 /// ```
 /// use longstep::dialogue::{EstimatedTokens, direct_request};
@@ -46,7 +47,7 @@ pub struct Prepared {
 ///
 /// # Errors
 ///
-/// When the domain's `prompt/` files cannot be used, or when not even what the instruction names fits.
+/// The domain's `prompt/` files are invalid, or even the required entities exceed the budget.
 pub fn direct_request(
     domain: &Domain,
     world: &World,
@@ -57,7 +58,7 @@ pub fn direct_request(
     counter: &mut dyn TokenCounter,
 ) -> Result<Prepared, PromptError> {
     let fixed = fixed_parts(domain)?;
-    // A query that cannot be rendered for this world can be rendered for no part of it either.
+    // If the query can be rendered for this world, it can be rendered for every part of it.
     query_text(domain, &world.environment, instruction).map_err(|finding| Diagnostics(vec![finding]))?;
     let attempt = |shown: &World, history: &[Exchange], counter: &mut dyn TokenCounter| {
         let query = query_text(domain, &shown.environment, instruction).unwrap_or_default();
@@ -112,7 +113,7 @@ fn prepared(
     }
 }
 
-/// Tokens that are kept for an answer: both environments, and the steps.
+/// Returns the token budget of an answer: two environments and the steps.
 fn answer_tokens(shown: &World, counter: &mut dyn TokenCounter) -> u64 {
     let lists = contained_json(&StateLists::of(&shown.environment));
     2 * counter.message_tokens(&Message::new(Role::Assistant, lists)) + STEP_TOKENS

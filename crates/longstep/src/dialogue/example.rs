@@ -1,4 +1,4 @@
-//! What is the same in every request of a domain: the task, and worked examples.
+//! The fixed messages of a goal request: task and few-shot examples.
 
 use minijinja::context;
 use serde_json::json;
@@ -8,8 +8,7 @@ use super::{ConstraintKind, Message, Role, template};
 use crate::goal::{Written, read_form};
 use crate::model::{Domain, Example, GoalWord, StateWord};
 
-/// Whether the example's answer is one that a model could give: goals of this domain about things of the
-/// example's scene.
+/// Checks that a model could give the example's answer: goals of this domain about entities of the example's scene.
 pub(crate) fn check_example(domain: &Domain, example: &Example) -> Result<(), String> {
     if example.answer.starts_with(crate::goal::QUESTION) {
         return Ok(());
@@ -74,7 +73,7 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
     template::render(template, variables, size(domain)).map(|text| text.trim_end().to_owned())
 }
 
-/// The turns that come before the scene and the instruction: the task, then each example as a pair of turns.
+/// Returns the fixed messages: the task, then two messages for each example.
 pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
     let mut task = domain.prompts.goal.clone();
     if kind == ConstraintKind::JsonSchema {
@@ -92,7 +91,7 @@ pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message>
     turns
 }
 
-/// An answer as a model of this kind writes it.
+/// Converts an answer to the form for this kind of model.
 pub(super) fn in_form(answer: &str, kind: ConstraintKind) -> String {
     match kind {
         ConstraintKind::Grammar => answer.to_owned(),
@@ -106,7 +105,7 @@ pub(super) fn in_form(answer: &str, kind: ConstraintKind) -> String {
     }
 }
 
-/// The two lists of a scene.
+/// Renders the two lists of a scene.
 pub(super) fn scene_text(objects: &[(String, String)], places: &[(String, String)]) -> String {
     let mut text = String::new();
     for (title, entries) in [("Objects", objects), ("Places", places)] {
@@ -125,7 +124,7 @@ pub(super) fn scene_text(objects: &[(String, String)], places: &[(String, String
     text
 }
 
-/// A person's turn: the scene first, since it changes less often than the instruction.
+/// Returns the user message. The scene comes first, since it changes less often than the instruction.
 pub(super) fn scene_and_instruction(scene: &str, instruction: &str) -> String {
     format!("{scene}\nInstruction: {instruction}")
 }

@@ -1,32 +1,32 @@
-//! What a prompt is made of, for a person.
+//! Token counts of a prompt by part, for people.
 
 use super::{Counting, PartCost};
 
-/// What the parts of a prompt cost, in the order in which they are said.
+/// Token counts of a prompt, in prompt order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Explanation {
-    /// A line for each part that costs something.
+    /// Parts with at least one token.
     pub parts: Vec<PartShare>,
     /// Tokens of all parts.
     pub total: u64,
-    /// Tokens that there is room for, if that is known.
+    /// Token budget, if known.
     pub room: Option<u64>,
-    /// How the tokens were counted.
+    /// Method of counting.
     pub counting: Counting,
 }
 
-/// A part of a prompt.
+/// The share of one part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PartShare {
-    /// Its name.
+    /// Name of the part.
     pub name: &'static str,
-    /// What it costs.
+    /// Tokens of the part.
     pub tokens: u64,
-    /// Of the whole prompt, in tenths of a percent.
+    /// Share of the whole prompt, in tenths of a percent.
     pub per_mille: u64,
 }
 
-/// Works out what each part of a prompt has of the whole.
+/// Computes the share of each part.
 ///
 /// ```
 /// use longstep::dialogue::{Counting, PartCost, explain};
@@ -51,7 +51,7 @@ pub fn explain(costs: &[PartCost], room: Option<u64>, counting: Counting) -> Exp
 }
 
 impl Explanation {
-    /// The total in one line: of how many tokens, and how they were counted.
+    /// Returns one line with the total, the budget and the method of counting.
     pub fn summary(&self) -> String {
         let of = self.room.map_or(String::new(), |room| format!(" of {room}"));
         match &self.counting {

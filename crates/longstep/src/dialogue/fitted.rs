@@ -1,4 +1,4 @@
-//! The goal strategy in a world that may be too large for it.
+//! Goal dialogues for worlds that may be too large for a prompt.
 
 use super::dialogue::ANSWER_TOKENS;
 use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, PromptError, Round, TokenCounter, focus};
@@ -6,38 +6,38 @@ use crate::effort;
 use crate::environment::World;
 use crate::model::Domain;
 
-/// Entities of a scene at most, unless the instruction names more. Goals are offered for pairs of things: a grammar for a
-/// hundred has some 70 KiB where nothing is named, and a model that is shown more reads none of it well.
+/// Maximum entities of a scene, unless the instruction names more. Goals are offered for pairs of entities: with a
+/// hundred entities, none of them named, a grammar has about 70 KiB, and a longer scene makes models less accurate.
 const SCENE: usize = 100;
-/// Units of work for all dialogues that are begun to find one that fits.
+/// Work budget for all dialogues that the fitting tries.
 const EFFORT: u64 = 2 * effort::OPERATION;
 
-/// A goal dialogue, and the part of the world that it is about.
+/// A goal dialogue with the part of the world that it shows.
 #[derive(Debug, Clone)]
 pub struct FittedDialogue {
-    /// The dialogue; give it [`FittedDialogue::world`].
+    /// The dialogue; call it with [`FittedDialogue::world`].
     pub dialogue: GoalDialogue,
-    /// The part of the world that the model is shown; none if that is all of it.
+    /// The part of the world in the prompt; none for the whole world.
     pub narrowed: Option<World>,
-    /// Entities that the model is not shown.
+    /// Number of entities that the prompt omits.
     pub left_out: usize,
-    /// What each part of the first request costs.
+    /// Token counts of the first request, by part.
     pub costs: Vec<PartCost>,
 }
 
 impl FittedDialogue {
-    /// The world that the dialogue is about, `whole` being the one that it was begun with. What is understood is
-    /// carried back to `whole` by [`crate::goal::Understanding::carried`].
+    /// Returns the world of the dialogue, where `whole` is the original world. [`crate::goal::Understanding::carried`]
+    /// transfers the result back to `whole`.
     pub fn world<'a>(&'a self, whole: &'a World) -> &'a World {
         self.narrowed.as_ref().unwrap_or(whole)
     }
 }
 
 impl GoalDialogue {
-    /// Begins a conversation that fits, with its answer, into a model's `context` of so many tokens.
+    /// Starts a dialogue that fits, with its answer, into a `context` length in tokens.
     ///
-    /// When the whole world does not fit, or is too large to make goals for, the model is shown the part of it that the
-    /// instruction can concern ([`focus`]).
+    /// If the whole world does not fit, or has too many possible goals, the prompt shows its most relevant part
+    /// ([`focus`]).
     ///
     /// ```
     /// use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue};
@@ -54,7 +54,7 @@ impl GoalDialogue {
     ///
     /// # Errors
     ///
-    /// When not even what the instruction names fits, or when finding the goals that make sense takes too much work.
+    /// Even the required entities exceed the token budget, or enumerating the possible goals exceeds the work budget.
     pub fn fitted(
         domain: &Domain,
         world: &World,

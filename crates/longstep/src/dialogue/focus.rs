@@ -1,4 +1,4 @@
-//! What of a large world an instruction can concern.
+//! Selection of the relevant part of a large world.
 
 use std::cmp::Reverse;
 
@@ -8,38 +8,38 @@ use crate::environment::{EntityId, World};
 use crate::goal::Spoken;
 use crate::model::{Domain, PredicateId, base_name, plain_words, singular};
 
-/// Of a kind of which the instruction means one thing without saying which, so many are taken to be needed.
+/// Maximum candidates for an ambiguous reference to one entity of a kind.
 const CANDIDATES: usize = 12;
-/// Of a kind of which it means all, so many at most: a model cannot count further anyway.
+/// Maximum entities of a kind when the instruction refers to all of them.
 const ALL: usize = 100;
-/// Never more than this is needed.
+/// Maximum number of required entities.
 const NEEDED: usize = 200;
-/// Of what is on or in a thing, so much is near it.
+/// Maximum neighbours of an entity: entities on or in it, or its parts.
 const NEIGHBOURS: usize = 30;
-/// What stands on what, so many times over.
+/// Maximum length of a chain of relations, such as on or in.
 const DEPTH: usize = 8;
-/// A changing fact that holds of no more things than this tells of the robot rather than of the place: what is in hand.
+/// A changing unary fact of at most this many entities describes the robot: an object in its hand.
 const FEW: usize = 3;
 
-/// The entities of a world, those first that an instruction can concern.
+/// The entities of a world, ranked by relevance to an instruction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Focus {
-    /// Every entity, once.
+    /// All entities, each once.
     pub ranked: Vec<EntityId>,
-    /// How many of the first ones must not be left out: what the instruction names with what that is on or in and what
-    /// belongs to it, and what the robot has in hand.
+    /// Length of the prefix of `ranked` that must be kept: named entities, their places and parts, and objects in the
+    /// robot's hand.
     pub needed: usize,
 }
 
-/// Ranks the entities of a world for an instruction.
+/// Ranks the entities of a world by relevance to an instruction.
 ///
-/// First comes what it names, and what the robot has in hand; each thing is followed by what it is on or in, and what
-/// that is on or in, and by what belongs to it, such as a handle. Then comes what is on or in those, then what has a
-/// name of which the instruction has a word, and then the rest: places before things, one of each kind before a second
-/// one, since a tool or a place that nobody named is hardly ever the twentieth of its kind.
+/// Entities that the instruction names come first, then objects in the robot's hand. Each is followed by its parts,
+/// such as a handle, and by its place, the place of that place, and so on. Next come entities on or in these, then
+/// entities with a name that shares a word with the instruction. The rest follows with places before objects, and one
+/// entity of each kind before the second, because an unnamed tool or place is rarely the twentieth of its kind.
 ///
-/// Of things that share a name, one that is called by its number or identifier is meant; if none is, those that are at
-/// a place that is named come first. Of a great many things that are all meant only the first are needed.
+/// Among entities with one name, a number or identifier in the instruction decides; otherwise those at a named place
+/// come first. If a large group is meant, only its first members are required.
 ///
 /// ```
 /// use longstep::{domain, json, dialogue, environment};
@@ -86,7 +86,7 @@ pub fn focus(domain: &Domain, world: &World, instruction: &str) -> Focus {
         rest.push((*ordinal, !mentioned(id), movable, id));
         *ordinal += 1;
     }
-    // Mentioned in part, then one of each kind, places first.
+    // Partial mentions, then one entity of each kind, places first.
     rest.sort_by_key(|(ordinal, unmentioned, movable, id)| (*unmentioned || *ordinal > 0, *ordinal, *movable, *id));
     for (.., id) in rest {
         ranking.push(id, DEPTH);
@@ -98,10 +98,10 @@ pub fn focus(domain: &Domain, world: &World, instruction: &str) -> Focus {
 }
 
 impl Focus {
-    /// The most entities, from the first on, with which `attempt` succeeds, and what it made of them: all if possible,
-    /// and never fewer than are needed.
+    /// Finds the longest prefix of the ranking for which `attempt` succeeds, and returns its result. The prefix is
+    /// never shorter than `needed`.
     ///
-    /// More entities are taken to cost more.
+    /// The binary search assumes that a longer prefix costs more.
     pub(super) fn most<T, E>(
         &self,
         at_most: usize,
@@ -121,13 +121,13 @@ impl Focus {
     }
 }
 
-/// What relates to what.
+/// Relations between entities.
 struct Nearness {
-    /// What a thing is on or in, and what it belongs to.
+    /// For each entity, its places and the entities that it belongs to.
     around: FxHashMap<EntityId, Vec<EntityId>>,
-    /// What belongs to a thing for good.
+    /// For each entity, its permanent parts.
     parts: FxHashMap<EntityId, Vec<EntityId>>,
-    /// What is on or in a thing for now.
+    /// For each entity, the entities that are currently on or in it.
     held_by: FxHashMap<EntityId, Vec<EntityId>>,
 }
 
@@ -154,7 +154,7 @@ impl Nearness {
     }
 }
 
-/// Entities in the order in which they came first.
+/// Entities in order of first insertion.
 struct Ranking<'a> {
     near: &'a Nearness,
     ranked: Vec<EntityId>,
@@ -178,7 +178,7 @@ impl Ranking<'_> {
     }
 }
 
-/// What the robot has in hand, where it is: changing facts that hold of few things.
+/// Returns the objects in the robot's hand, and its location: arguments of changing facts that hold for few entities.
 fn handled(domain: &Domain, world: &World) -> Vec<EntityId> {
     let ids = (0..domain.predicates.len()).map(PredicateId::new);
     let few = ids.filter(|id| domain.words(*id).fluent && domain.predicate(*id).parameters.len() == 1);
@@ -188,7 +188,7 @@ fn handled(domain: &Domain, world: &World) -> Vec<EntityId> {
         .collect()
 }
 
-/// What the instruction names, in the order of the world.
+/// Returns the entities that the instruction names, in the order of the world.
 fn named(domain: &Domain, world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
     let spoken = Spoken::of(domain, world, instruction);
     let words = plain_words(instruction);
@@ -198,7 +198,7 @@ fn named(domain: &Domain, world: &World, instruction: &str, near: &Nearness) -> 
         let numbered = name
             .last()
             .is_some_and(|word| word.starts_with(|c: char| c.is_ascii_digit()));
-        // A name without a number is that of its kind: nothing more exact can be said.
+        // A name without a number denotes the kind and identifies no single entity.
         instruction.contains(&entity.identifier) || (numbered && words.windows(name.len()).any(|part| part == name))
     };
     let mut kinds: Vec<(String, Vec<EntityId>)> = Vec::new();
@@ -252,7 +252,7 @@ mod tests {
                           "<flag>": "inside_hand()", "<map>": "on_something(<galley_table>)",
                           "<spoon>": "on_something(<galley_table>)", "<tin_13>": "on_something(<galley_table>)"}}"#;
 
-    /// What must be shown of the boat, by identifier.
+    /// Compares the required entities of the boat, by identifier.
     #[track_caller]
     fn check(instruction: &str, expected: &str) {
         let domain = shipped("household").unwrap().unwrap();

@@ -1,8 +1,9 @@
-//! What is asked of a language model, and how its answer is read.
+//! Requests to a language model and the parsing of its replies.
 //!
-//! Two strategies share the rest. For the goal strategy, [`GoalDialogue`] asks for goals and reads them. For the direct
-//! strategy, [`direct_request`] asks for a whole plan: five fixed parts ([`fixed_parts`]), what was said before, and
-//! the [`query`]; [`crate::plan::read`] reads the answer. What does not fit is cut ([`fit`], [`focus`]), and said.
+//! There are two strategies. In the goal strategy, [`GoalDialogue`] requests goals and parses them. In the direct
+//! strategy, [`direct_request`] requests a whole plan: five fixed parts ([`fixed_parts`]), the history, and the
+//! [`query`]; [`crate::plan::read`] parses the reply. A prompt beyond the token budget is shortened ([`fit`],
+//! [`focus`]), and the result reports the omissions.
 
 mod budget;
 mod chat;

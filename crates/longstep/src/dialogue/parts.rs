@@ -1,7 +1,7 @@
-//! The fixed parts of the direct strategy's conversation: role, actions, environment, format, examples.
+//! The fixed parts of a direct-strategy prompt: role, actions, environment, format, examples.
 //!
-//! Each is a template, the library's own or one of the domain's `prompt/` folder, rendered from the domain when it is
-//! asked for. The sixth part, the query, is made anew for each instruction (`query`).
+//! Each part is a template, from this library or from the domain's `prompt/` folder, and is rendered on demand. The
+//! sixth part, the query, changes with each instruction (`query`).
 
 use minijinja::{Value, context};
 
@@ -10,26 +10,26 @@ use super::{Message, OverBudget, Role, template, template_context, worked};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::model::Domain;
 
-/// What a model says to a part that asks nothing of it.
+/// The assistant message after a part that asks for no plan.
 const UNDERSTOOD: &str = "Understood. I am waiting.";
 
 /// A fixed part of the conversation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PartName {
-    /// What the model is to be.
+    /// The model's task.
     Role,
-    /// What the robot can do.
+    /// The robot's actions.
     Actions,
-    /// How the world is written.
+    /// The notation of environments.
     Environment,
-    /// How an answer is written, and the rules that a plan keeps.
+    /// The notation of answers, and the rules for plans.
     Format,
-    /// Worked examples, each a query and its answer.
+    /// Few-shot examples, each a query with its answer.
     Examples,
 }
 
 impl PartName {
-    /// Every part, in the order of the conversation.
+    /// All parts, in prompt order.
     pub const ALL: [PartName; 5] = [
         Self::Role,
         Self::Actions,
@@ -38,7 +38,7 @@ impl PartName {
         Self::Examples,
     ];
 
-    /// The name that people see.
+    /// Returns the name for people.
     pub fn name(self) -> &'static str {
         match self {
             Self::Role => "role",
@@ -49,7 +49,7 @@ impl PartName {
         }
     }
 
-    /// The file of `prompt/` that it is made from.
+    /// Returns the file of `prompt/` with the template.
     pub fn file(self) -> &'static str {
         match self {
             Self::Role => "role.md",
@@ -61,34 +61,34 @@ impl PartName {
     }
 }
 
-/// A fixed part with its turns: the role is the system's, each other part is said by the user and acknowledged, and
-/// examples are pairs of a query and its answer.
+/// A fixed part with its messages. The role is a system message; each other part is a user message with an
+/// acknowledgement. Examples are pairs of a query and an answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
-    /// Which part.
+    /// The part.
     pub name: PartName,
-    /// Its turns.
+    /// Its messages.
     pub messages: Vec<Message>,
 }
 
-/// Why there is no prompt.
+/// Reason why no prompt can be built.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PromptError {
-    /// A file of the domain's `prompt/` cannot be used: each finding has its file and line.
+    /// A file of the domain's `prompt/` is invalid; each finding has a file and a line.
     #[error(transparent)]
     Broken(#[from] Diagnostics),
-    /// It does not fit.
+    /// The prompt exceeds the token budget.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
-    /// Finding the goals that make sense in the world takes more work than its budget.
+    /// Enumerating the possible goals exceeds the work budget.
     #[error("{TOO_MUCH_WORK}")]
     TooMuchWork,
 }
 
-/// Renders the fixed parts, in the order in which they are said.
+/// Renders the fixed parts, in prompt order.
 ///
-/// Examples are planned for and checked on the way, so that none can be out of date; this takes milliseconds, and
-/// nothing of it happens when a domain is loaded.
+/// The examples are planned and verified each time, so they always match the domain. This takes milliseconds; loading a
+/// domain does none of it.
 ///
 /// ```
 /// use longstep::{domain, dialogue};
@@ -100,7 +100,7 @@ pub enum PromptError {
 ///
 /// # Errors
 ///
-/// Everything that is wrong with the domain's `prompt/` files, with file and line: [`PromptError::Broken`].
+/// All errors in the domain's `prompt/` files, with file and line: [`PromptError::Broken`].
 pub fn fixed_parts(domain: &Domain) -> Result<Vec<Part>, PromptError> {
     let mut parts = Vec::new();
     let mut findings = Vec::new();
@@ -121,7 +121,7 @@ pub fn fixed_parts(domain: &Domain) -> Result<Vec<Part>, PromptError> {
     }
 }
 
-/// Everything that is wrong with what the direct strategy would tell a model, sorted; nothing for a good domain.
+/// Returns all errors in the direct strategy's prompt files, sorted.
 pub(crate) fn broken_parts(domain: &Domain) -> Vec<Diagnostic> {
     let mut findings = match fixed_parts(domain) {
         Err(PromptError::Broken(Diagnostics(findings))) => findings,
@@ -158,7 +158,7 @@ fn text_part(domain: &Domain, name: PartName) -> Result<Vec<Message>, Diagnostic
     })
 }
 
-/// Renders a file of `prompt/` with what the domain says, and with `more`, whose texts have `more_size` bytes.
+/// Renders a file of `prompt/` with the domain's variables and with `more`, whose texts have `more_size` bytes.
 pub(super) fn render(domain: &Domain, file: &str, more: Value, more_size: usize) -> Result<String, Diagnostic> {
     let source = domain.prompts.parts.source(file);
     let given = template_context::size(domain) + more_size;

@@ -1,4 +1,4 @@
-//! The sixth part of the direct strategy's conversation: the world and the instruction, as data.
+//! The sixth part of a direct-strategy prompt: world and instruction, as data.
 
 use minijinja::{Value, context};
 use serde::Serialize;
@@ -9,10 +9,10 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::environment::{Environment, World};
 use crate::model::Domain;
 
-/// Renders `prompt/query.md`: the person's turn.
+/// Renders `prompt/query.md`, the user message.
 ///
-/// What somebody typed and what things are called stands in it as JSON that cannot end the place where it stands: line
-/// breaks, quotes and backticks are escaped, and so is what a model's template could take for a marker of its own.
+/// Instruction and names are inserted as JSON strings that cannot end their context: line breaks, quotes, backticks and
+/// possible chat-template markers are escaped. This prevents prompt injection.
 ///
 /// ```
 /// use longstep::{domain, json, dialogue, environment};
@@ -25,7 +25,7 @@ use crate::model::Domain;
 ///
 /// # Errors
 ///
-/// When the domain's `query.md` cannot be rendered.
+/// The domain's `query.md` cannot be rendered.
 pub fn query(domain: &Domain, world: &World, instruction: &str) -> Result<String, PromptError> {
     query_text(domain, &world.environment, instruction).map_err(|finding| Diagnostics(vec![finding]).into())
 }
@@ -37,13 +37,13 @@ pub(super) fn query_text(domain: &Domain, environment: &Environment, instruction
     render(domain, "query.md", given, size)
 }
 
-/// A value as JSON in one line, which stays data wherever it is put.
+/// Serializes a value to one line of JSON that remains data in any context.
 pub(super) fn contained_json(value: &(impl Serialize + ?Sized)) -> String {
-    // Only values with other keys than texts cannot be written, and there are none here.
+    // Only maps with other keys than strings fail to serialize, and there are none here.
     contained(&serde_json::to_string(value).unwrap_or_default())
 }
 
-/// Names in angle brackets that models' templates give a meaning to; things are hardly ever called so.
+/// Names in angle brackets that chat templates reserve. Entities rarely have such names.
 const MARKERS: [&str; 12] = [
     "s",
     "bos",
@@ -59,8 +59,8 @@ const MARKERS: [&str; 12] = [
     "sep",
 ];
 
-/// Escapes what could be taken for the end of a fence or for the marker of a turn. The JSON stays the same value,
-/// since all of these signs stand in its strings only.
+/// Escapes characters that could end a code fence or form a chat-template marker. The value stays equal, since these
+/// characters occur in strings only.
 fn contained(json: &str) -> String {
     let mut text = String::with_capacity(json.len());
     for_signs(json, |sign, marks| {
@@ -76,7 +76,7 @@ fn contained(json: &str) -> String {
     text
 }
 
-/// A text as one line of a conversation, whatever was typed, without what a model could take for markers.
+/// Returns a text as one line without characters that a model could read as markers.
 pub(crate) fn plain_line(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -85,13 +85,13 @@ pub(crate) fn plain_line(text: &str) -> String {
         (true, '`') => plain.push('\''),
         (true, '<' | '[') => plain.push('('),
         (true, '>') => plain.push(')'),
-        // Invisible.
+        // Invisible characters are removed.
         (true, _) => {}
     });
     plain
 }
 
-/// Visits every sign of a text, with whether it could mark something to a model or to whoever reads along.
+/// Visits each character, with true if it could be a marker or is invisible.
 fn for_signs(text: &str, mut visit: impl FnMut(char, bool)) {
     let mut previous = ' ';
     for (at, sign) in text.char_indices() {
@@ -101,9 +101,9 @@ fn for_signs(text: &str, mut visit: impl FnMut(char, bool)) {
             '`' => true,
             '<' => !opens_a_name(after),
             '>' => previous == '|',
-            // `[INST]` and its like; what begins a list of JSON has a quote or a bracket behind it.
+            // `[INST]` and similar markers; a JSON list continues with a quote or a bracket.
             '[' => next == '/' || next.is_alphabetic(),
-            // Invisible signs, and those that turn the direction of what follows.
+            // Invisible characters and direction controls.
             '\u{0}'..='\u{1f}'
             | '\u{7f}'..='\u{9f}'
             | '\u{200b}'..='\u{200f}'
@@ -117,7 +117,7 @@ fn for_signs(text: &str, mut visit: impl FnMut(char, bool)) {
     }
 }
 
-/// Whether `<` is followed by the rest of a plain identifier, as environments write them: `cup_3>`.
+/// Returns true if `<` begins an ordinary identifier of an environment: `cup_3>`.
 fn opens_a_name(after: &str) -> bool {
     let Some((name, _)) = after.split_once('>') else {
         return false;

@@ -1,4 +1,4 @@
-//! The form of a direct answer: as worked examples show it, and as the schema of a request demands it.
+//! The form of direct answers, in few-shot examples and in the request's schema.
 
 use indexmap::IndexMap;
 use longstep_core::model::state_word;
@@ -13,7 +13,7 @@ use crate::environment::{EntityId, Environment, World};
 use crate::model::{Action, Domain, Term, TypeId};
 use crate::plan::{PlanFile, TaskCohesion, write_tree};
 
-/// A whole answer, every key there.
+/// A whole answer with all keys.
 #[derive(Debug, Serialize)]
 pub(super) struct AnswerText {
     task_cohesion: Cohesion,
@@ -23,7 +23,7 @@ pub(super) struct AnswerText {
     question: String,
 }
 
-/// The steps, every key there: a list, or a tree in a domain whose plans can branch or have lanes.
+/// The steps with all keys: a list, or a tree if the domain supports branches or lanes.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Cohesion {
@@ -42,7 +42,7 @@ enum Cohesion {
 
 impl Cohesion {
     fn of(domain: &Domain, steps: &TaskCohesion) -> Self {
-        // A step that is no call stays in its list: what somebody wrote is shown as it is.
+        // A step that is no call keeps the list form, so the plan appears as written.
         match steps.written() {
             Ok(written) if has_trees(domain) => {
                 let mut objects: Vec<String> = steps.objects().map(str::to_owned).collect();
@@ -63,7 +63,7 @@ impl Cohesion {
     }
 }
 
-/// An environment without what never changes, with a list of states for each thing.
+/// An environment without properties, and with a list of states for each entity.
 #[derive(Debug, Serialize)]
 pub(super) struct StateLists {
     assets: Vec<String>,
@@ -113,8 +113,7 @@ impl AnswerText {
     }
 }
 
-/// A plan as a model would have answered with it: in the form of the worked examples, and contained like them, since a
-/// summary is what somebody typed.
+/// Serializes a plan in the form of the few-shot examples. It is escaped, since its summary is user input.
 pub(crate) fn answered(domain: &Domain, file: &PlanFile) -> String {
     let lists = |environment: &Option<Environment>| {
         let environment = environment.as_ref();
@@ -129,19 +128,19 @@ pub(crate) fn answered(domain: &Domain, file: &PlanFile) -> String {
     })
 }
 
-/// Values in one enumeration at most, and properties of one schema.
+/// Maximum number of values in an enumeration, and of properties in a schema.
 const VALUES: usize = 500;
-/// And how long all of them may be, in bytes.
+/// Maximum total length of these values, in bytes.
 const BYTES: usize = 12_000;
 
-/// A JSON schema for an answer in this world: only the domain's calls, and an entry for each thing.
+/// Returns a JSON schema for a direct answer in this world: only calls of the domain, and an entry for each entity.
 ///
-/// Every key is required and no other is allowed, as OpenAI's strict mode wants it. Calls are listed where they are few
-/// enough, with their arguments of the right types. When there are too many things for a schema (some 150), entries may
-/// have any names, which strict servers do not take: narrow the world first.
+/// All keys are required and no others are allowed, as OpenAI's strict mode demands. Calls with well-typed arguments
+/// are enumerated if they are few enough. With more than about 150 entities, the schema permits any entry name, which
+/// strict servers reject: narrow the world first.
 ///
-/// Where the domain senses or has actors, the steps are a tree: branches and loops are written out to a depth of two,
-/// since strict servers take no schema that refers to itself.
+/// If the domain has sensing actions or actors, the steps are a tree. Branches and loops are expanded to depth two,
+/// since strict servers reject recursive schemas.
 ///
 /// ```
 /// use longstep::{domain, json, dialogue, environment};
@@ -156,7 +155,7 @@ pub fn direct_schema(domain: &Domain, world: &World) -> Value {
     let Environment { assets, objects, .. } = &world.environment;
     let listed = assets.len() + objects.len();
     let bytes: usize = assets.iter().chain(objects).map(String::len).sum();
-    // Each thing has an entry before and after, and may be the object.
+    // Each entity has an entry before and after, and may be the object.
     let small = 3 * listed <= VALUES && 3 * bytes <= BYTES;
     let texts = json!({"type": "array", "items": {"type": "string"}});
     let call = match calls(domain, world, |_| true) {
@@ -216,10 +215,10 @@ pub fn direct_schema(domain: &Domain, world: &World) -> Value {
     schema
 }
 
-/// How deep branches and loops may stand in each other in an answer.
+/// Maximum nesting of branches and loops in an answer.
 const DEPTH: usize = 2;
 
-/// The steps of a domain that senses or has actors.
+/// Builds the tree schema for a domain with sensing actions or actors.
 fn tree(domain: &Domain, world: &World) -> TreeSchema {
     let calls = calls(domain, world, |_| true);
     let senses = senses(domain);
@@ -242,14 +241,14 @@ fn tree(domain: &Domain, world: &World) -> TreeSchema {
     })
 }
 
-/// The states that sensing can tell, as conditions ask them, of things of the right types.
+/// Returns the sensed states in condition notation, with well-typed arguments.
 fn told_states(domain: &Domain, world: &World) -> Vec<String> {
     let mut all = Vec::new();
     for outcome in domain.actions.iter().flat_map(|action| &action.senses) {
         let Some(word) = state_word(domain, outcome.predicate) else {
             continue;
         };
-        // The thing in whose entry the state stands comes first.
+        // Slot 0 is the entity whose entry holds the state.
         let slots = 0..=word.parameters.len();
         let kinds = slots.filter_map(|slot| {
             let place = word.atom.terms.iter().position(|term| *term == Term::Variable(slot))?;
@@ -261,7 +260,7 @@ fn told_states(domain: &Domain, world: &World) -> Vec<String> {
     all
 }
 
-/// Every call that a plan can have here, arguments of the right types; none if there are too many.
+/// Returns every call with well-typed arguments, or none if there are too many.
 fn calls(domain: &Domain, world: &World, wanted: impl Fn(&Action) -> bool) -> Option<Vec<String>> {
     let mut all = Vec::new();
     for action in domain.actions.iter().filter(|action| wanted(action)) {
@@ -277,7 +276,7 @@ fn written(name: &str, arguments: Vec<String>) -> String {
     Call { name, arguments }.to_string()
 }
 
-/// Identifiers of these types, in every combination; none if there are too many.
+/// Returns every combination of identifiers of these types, or none if there are too many.
 fn choices(world: &World, kinds: impl Iterator<Item = TypeId>) -> Option<Vec<Vec<String>>> {
     let mut choices: Vec<Vec<String>> = vec![Vec::new()];
     for kind in kinds {
@@ -294,9 +293,9 @@ fn choices(world: &World, kinds: impl Iterator<Item = TypeId>) -> Option<Vec<Vec
     Some(choices)
 }
 
-/// The texts, if a server can be expected to take a list of them.
+/// Returns the texts if servers can be expected to accept them as an enumeration.
 fn listed(mut all: Vec<String>) -> Option<Vec<String>> {
-    // Two actions may be written alike.
+    // Two actions may have one notation.
     all.dedup();
     let bytes: usize = all.iter().map(String::len).sum();
     (!all.is_empty() && all.len() <= VALUES && bytes <= BYTES).then_some(all)

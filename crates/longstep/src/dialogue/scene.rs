@@ -1,4 +1,4 @@
-//! The world as a model sees it: everyday names, a line for each thing.
+//! The scene of a goal prompt: one line for each entity, with everyday names.
 
 use rustc_hash::FxHashSet;
 
@@ -7,7 +7,7 @@ use crate::environment::{EntityId, Fact, World};
 use crate::goal::Offer;
 use crate::model::Domain;
 
-/// The scene: every object with where it is, and every place that a goal or an object's line can speak of.
+/// Renders the scene: every object with its place, and every place that occurs in an offer.
 pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {
     let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
     let mut shown: FxHashSet<EntityId> = offers
@@ -29,7 +29,7 @@ pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {
     scene_text(&objects, &places)
 }
 
-/// What a fact adds to the line of `id`. Where a place stands is nobody's business here.
+/// Returns the text that a fact adds to the line of `id`, if any. Relations of places are omitted.
 fn line(
     domain: &Domain,
     world: &World,

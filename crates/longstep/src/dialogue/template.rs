@@ -1,9 +1,9 @@
-//! Rendering of prompt templates within bounds.
+//! Rendering of untrusted prompt templates within bounds.
 //!
-//! A template of a domain's `prompt/` folder may come from a stranger. It is rendered with a bounded number of steps
-//! ([`STEPS`]) into a bounded text ([`GROWTH`]). Steps alone bound no memory: each `{% set s = s ~ s %}` doubles a text.
-//! So what builds texts or lists out of others is refused before anything runs, and the filters that build a text count
-//! its bytes. What is left, variables, conditions, loops over what is given and a few filters, is all that a prompt needs.
+//! A domain's `prompt/` folder may come from a third party. Rendering has a bounded number of steps ([`STEPS`]) and a
+//! bounded output ([`GROWTH`]). A step limit alone does not bound memory: each `{% set s = s ~ s %}` doubles a text.
+//! Operations that build texts or lists are therefore rejected before rendering, and filters that build texts count
+//! their bytes. Variables, conditions, loops over given lists and a few filters remain, which suffices for prompts.
 
 use std::io;
 use std::sync::Arc;
@@ -15,23 +15,23 @@ use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value, tests};
 
 use crate::effort;
 
-/// The steps of one rendering. The longest template that is shipped takes about 1,000.
+/// Maximum steps of one rendering. The longest shipped template takes about 1,000.
 const STEPS: u64 = 200_000;
 
-/// The bytes that a rendered text, and all that filters build on the way, may have beyond four times what is given.
+/// Maximum size of the output and of all texts that filters build, in bytes beyond four times the input.
 const GROWTH: usize = 1 << 20;
 
-/// The bytes of a template's source.
+/// Maximum size of a template's source, in bytes.
 const SOURCE: usize = 256 << 10;
 
-/// The reason why a template cannot be rendered, and its line, counted from 1.
+/// The line of an error, from 1, and its reason.
 pub(super) type Broken = (u32, String);
 
-/// Renders a template with the variables; `given` is the size of their texts in bytes.
+/// Renders a template; `given` is the size of the variables' texts in bytes.
 ///
 /// # Errors
 ///
-/// When the template is wrong, or reaches one of the bounds.
+/// The template is invalid or exceeds a bound.
 pub(super) fn render(source: &str, variables: Value, given: usize) -> Result<String, Broken> {
     if source.len() > SOURCE {
         return Err((1, format!("the template is longer than {} KiB", SOURCE >> 10)));
@@ -53,12 +53,12 @@ pub(super) fn render(source: &str, variables: Value, given: usize) -> Result<Str
     String::from_utf8(text.bytes).map_err(|_| (1, "the rendered text is not UTF-8".to_owned()))
 }
 
-/// Refuses what builds values out of others: operators that join texts and lists, lists and maps of the template's own,
-/// parts of texts, blocks that are kept as text, and loops that call themselves.
+/// Rejects constructs that build values: operators on texts and lists, list and map literals, slices, `set` and
+/// `filter` blocks, and recursive loops.
 fn refuse_growth(source: &str) -> Result<(), Broken> {
     let mut before_block = false;
     for token in tokenize(source, false, SyntaxConfig::default()) {
-        // What is no token at all is reported by the parser, with its place.
+        // The parser reports an invalid token with its position.
         let Ok((token, span)) = token else { return Ok(()) };
         let refused = match &token {
             Token::Tilde => Some("`~`"),
@@ -94,7 +94,7 @@ fn broken(error: &Error, room: usize) -> Broken {
     (error.line().unwrap_or(1) as u32, message)
 }
 
-/// A text that takes no more than so many bytes.
+/// A buffer with a maximum size in bytes.
 struct Bounded {
     bytes: Vec<u8>,
     room: usize,
@@ -114,7 +114,7 @@ impl io::Write for Bounded {
     }
 }
 
-/// The environment of one rendering: filters share the room for the texts that they build.
+/// Creates the environment of one rendering. Its filters share `room` for the texts that they build.
 fn environment(room: usize) -> Environment<'static> {
     let mut environment = Environment::empty();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
@@ -150,10 +150,10 @@ fn environment(room: usize) -> Environment<'static> {
     environment
 }
 
-/// A filter that builds a text out of another one.
+/// A filter that builds a text from another one.
 type Built = fn(&str) -> String;
 
-/// Joins the entries of a list, which are texts or numbers.
+/// Joins the entries of a list of texts or numbers.
 fn joined(left: &AtomicUsize, list: &Value, between: Option<&str>) -> Result<String, Error> {
     let mut text = String::new();
     for (number, entry) in list.try_iter()?.enumerate() {
@@ -181,7 +181,7 @@ fn capitalized(text: &str) -> String {
         .unwrap_or_default()
 }
 
-/// Takes so many bytes of what is left for texts that filters build.
+/// Takes bytes from the remaining room of the filters.
 fn take(left: &AtomicUsize, bytes: usize) -> Result<(), Error> {
     let enough = left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(bytes));
     enough
@@ -278,7 +278,7 @@ mod unit_tests {
             } else {
                 open.repeat(4_000) + &close.repeat(4_000)
             };
-            // The parser follows a chain of `not` without recursion; everything else is too deep for it.
+            // The parser handles a chain of `not` without recursion; all others exceed its depth limit.
             let refused = rendered(&source).is_err();
             assert_eq!(refused, open != "{{ not ", "{open}");
         }

@@ -1,15 +1,18 @@
-//! What the templates of `prompt/` are given to tell: the domain's actions, states and rules, in words.
+//! Variables of prompt templates: the domain's actions, states and rules in words.
 
 use minijinja::{Value, context};
 
 use super::forms::{acts, has_trees, senses};
 use crate::model::{Action, Condition, Domain, RuleTime, Slot, Term, TypeId};
 
-/// The variables of a template: `name`, `about`, `actions` (`call`, `means`, `needs`, `object`, `hidden`, `tells`),
-/// `states` and `properties` (`word`, `means`), `rules` (`name`, `when`, `says`), `objects_matter` (calls leave out what
-/// they handle), `something_hidden` (they leave out more), `trees` (plans are trees), `senses` (with branches and
-/// loops), `asked` (a state that sensing tells, as a condition asks it), `acts` (calls name who does them, and there are
-/// lanes) and `actors` (those whom every environment has).
+/// Builds the variables of a template:
+///
+/// - `name`, `about`;
+/// - `actions` (`call`, `means`, `needs`, `object`, `hidden`, `tells`);
+/// - `states` and `properties` (`word`, `means`), `rules` (`name`, `when`, `says`);
+/// - `objects_matter`: calls omit the handled object; `something_hidden`: calls omit other arguments;
+/// - `trees`: plans are trees; `senses`: with branches and loops; `asked`: an example of a condition on a sensed state;
+/// - `acts`: calls name actors, and plans can have lanes; `actors`: the actors of every environment.
 pub(super) fn context(domain: &Domain) -> Value {
     let actions: Vec<Value> = domain
         .actions
@@ -88,7 +91,7 @@ pub(super) fn context(domain: &Domain) -> Value {
     }
 }
 
-/// Returns the bytes of what the domain's files say in words, about as many as [`context`] has.
+/// Returns the approximate size of the variables' texts in bytes.
 pub(super) fn size(domain: &Domain) -> usize {
     let actions = domain
         .actions
@@ -98,7 +101,7 @@ pub(super) fn size(domain: &Domain) -> usize {
     actions.chain(states).sum::<usize>() + domain.name.len() + domain.about.len()
 }
 
-/// Whether things of this type are hands, arms or robots.
+/// Returns true if entities of this type are actors (hands, arms or robots).
 fn is_actor(domain: &Domain, kind: TypeId) -> bool {
     let actor_kind = |action: &Action| action.actor.map(|actor| action.parameters[actor].kind);
     let mut kinds = domain.actions.iter().filter_map(actor_kind);
@@ -135,9 +138,7 @@ fn told_action(domain: &Domain, action: &Action) -> Value {
     }
 }
 
-/// A condition as short sentences that hold all at once.
-///
-/// `names` are what the slots from 0 are called.
+/// Splits a condition into short sentences that must all hold. `names` are the names of the variables, by slot.
 fn needs(domain: &Domain, condition: &Condition, names: &[String]) -> Vec<String> {
     match condition {
         Condition::And(parts) => parts.iter().flat_map(|part| needs(domain, part, names)).collect(),
@@ -153,7 +154,7 @@ fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String 
     match condition {
         Condition::And(parts) => all(parts, " and "),
         Condition::Or(parts) => {
-            // What PDDL writes as an implication arrives here as "not this, or that", where that may be a denial too.
+            // An implication of PDDL arrives as a disjunction with a negated part; the consequent may be negated too.
             let (mut unless, mut then): (Vec<Condition>, Vec<Condition>) = parts.iter().cloned().partition(denies);
             if then.is_empty() {
                 then.extend(unless.pop());
@@ -184,7 +185,7 @@ fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String 
     }
 }
 
-/// Whether it says of things that something is not the case.
+/// Returns true if the condition is a negated literal, or a disjunction of such literals.
 fn denies(condition: &Condition) -> bool {
     match condition {
         Condition::Atom { holds, .. } | Condition::Equal { holds, .. } => !holds,
@@ -210,7 +211,7 @@ fn quantified(
     debug_assert_eq!(slot, names.len());
     let kind = domain.types.name(kind);
     let within = |name: String, inner: &Condition| sentence(domain, inner, &[names, &[name]].concat());
-    // One fact about one thing reads well without a name for it: "the hand holds no item".
+    // A single literal reads well without a variable: "the hand holds no item".
     match inner {
         Condition::Atom { holds: false, .. } if every => within(format!("no {kind}"), &inner.clone().negated()),
         Condition::Atom { holds: true, .. } => {

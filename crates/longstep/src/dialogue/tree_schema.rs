@@ -1,33 +1,33 @@
-//! A JSON schema for the tree of a plan, for servers that hold a model to it.
+//! A JSON schema for plan trees.
 
 use serde_json::{Value, json};
 
-/// What a tree may be made of.
+/// Elements that a plan tree may contain.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TreeForms<'a> {
-    /// The calls that a step can be; any text if there are too many to list.
+    /// Calls that a step can be; none for any text, if there are too many to list.
     pub(crate) calls: Option<&'a [String]>,
-    /// What a condition can ask; no branches if nothing can be asked, any text if there is too much to list.
+    /// Calls that a condition can test: empty for no branches, none for any text.
     pub(crate) asked: Option<&'a [String]>,
-    /// Who can have a lane; no lanes if nobody can.
+    /// Actors that can have a lane; empty for no lanes.
     pub(crate) lanes: &'a [String],
-    /// Whether loops are allowed besides branches.
+    /// True if loops are allowed besides branches.
     pub(crate) loops: bool,
-    /// Whether each step has an explanation.
+    /// True if each step has an explanation.
     pub(crate) explained: bool,
-    /// How deep branches and loops may stand in each other. Strict servers take no schema that refers to itself, so
-    /// each level is written out.
+    /// Maximum nesting of branches and loops. Strict servers reject recursive schemas, so each level has its own
+    /// definition.
     pub(crate) depth: usize,
 }
 
-/// A schema for the list of nodes, and the definitions that it refers to under `#/$defs/`.
+/// A schema for the list of nodes, with the definitions under `#/$defs/` that it refers to.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TreeSchema {
     pub(crate) nodes: Value,
     pub(crate) definitions: Value,
 }
 
-/// The schema of a tree.
+/// Builds the schema of a plan tree.
 pub(crate) fn tree_schema(forms: TreeForms<'_>) -> TreeSchema {
     let branches = forms.asked.is_none_or(|asked| !asked.is_empty());
     let mut definitions = serde_json::Map::new();
@@ -91,7 +91,7 @@ fn one_of(texts: Option<&[String]>) -> Value {
     }
 }
 
-/// An object with exactly these keys, all of them always there, as OpenAI's strict mode wants it.
+/// Returns an object schema with exactly these keys, all required, as OpenAI's strict mode demands.
 pub(crate) fn closed(entries: &[(&str, Value)]) -> Value {
     let required: Vec<&str> = entries.iter().map(|(key, _)| *key).collect();
     let properties: serde_json::Map<String, Value> = entries
@@ -101,7 +101,7 @@ pub(crate) fn closed(entries: &[(&str, Value)]) -> Value {
     json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
 }
 
-/// A tree of a plan file as the schema has it: every key there, and nothing besides.
+/// Converts a tree of a plan file to the form of the schema: all keys present, remarks removed.
 pub(crate) fn in_schema(tree: &Value, explained: bool) -> Value {
     let nodes = tree.as_array().map_or(&[][..], Vec::as_slice);
     let nodes = nodes.iter().filter(|node| node.get("remark").is_none());

@@ -1,7 +1,7 @@
-//! The worked examples of the direct strategy, `prompt/plans.toml`.
+//! The few-shot examples of the direct strategy, `prompt/plans.toml`.
 //!
-//! An example that names a goal is planned for when it is shown, so that it cannot fall behind its domain; one that
-//! brings a reply along has it verified.
+//! An example with a goal is planned when it is rendered, so it always matches its domain. An example with a reply is
+//! verified.
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -27,25 +27,25 @@ struct PlansFile {
     example: Vec<Entry>,
 }
 
-/// An example as it is written: one of `goal`, `script`, `reply` and `question`.
+/// An example in the file: it has one of `goal`, `script`, `reply` and `question`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
     instruction: Spanned<String>,
     environment: Environment,
-    /// A goal, for which a shortest plan is found.
+    /// A goal, for which search finds a shortest plan.
     goal: Option<Spanned<String>>,
-    /// A plan as a script, which has to be valid.
+    /// A valid plan as a script.
     script: Option<Spanned<String>>,
-    /// A plan in the paper's JSON, which has to be valid.
+    /// A valid plan in the paper's JSON.
     reply: Option<Spanned<String>>,
-    /// What is asked back.
+    /// A question to the person.
     question: Option<Spanned<String>>,
-    /// What was asked for, in short; else the instruction.
+    /// Summary of the instruction; by default the instruction itself.
     summary: Option<String>,
 }
 
-/// The examples as pairs of turns: the query, and the answer to it.
+/// Returns the examples as pairs of messages: query and answer.
 pub(super) fn turns(domain: &Domain) -> Result<Vec<Message>, Vec<Diagnostic>> {
     let source = domain.prompts.parts.source("plans.toml");
     let file: PlansFile = toml::from_str(&source.text).map_err(|error| {
@@ -63,7 +63,7 @@ pub(super) fn turns(domain: &Domain) -> Result<Vec<Message>, Vec<Diagnostic>> {
                 turns.push(Message::new(Role::Assistant, contained_json(&answer)));
             }
             (Err(finding), _) => findings.push(finding),
-            // That the query cannot be rendered is told once, not for each example.
+            // A query template that cannot be rendered is reported once, not for each example.
             (_, Err(finding)) => findings.push(finding),
         }
     }
@@ -104,13 +104,13 @@ fn answer(domain: &Domain, source: &Source, entry: &Entry) -> Result<AnswerText,
     }
 }
 
-/// The answer that asks back.
+/// Returns the answer with a question.
 fn asking(domain: &Domain, world: &World, summary: &str, question: &str) -> AnswerText {
     let before = StateLists::of(&world.environment);
     AnswerText::new(domain, &TaskCohesion::default(), world, before, summary, question)
 }
 
-/// The shortest plan for a goal: one that looks first, where the goal depends on what nobody knows.
+/// Finds a shortest plan for a goal; it senses if the goal depends on unknown facts.
 fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
     let goal = goal::parse(domain, world, text).map_err(|error| error.to_string())?;
     let Solution { plan, answer } = report::of_goal(domain, world, &goal, summary, || 0.0);
@@ -126,7 +126,7 @@ fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<
     }
 }
 
-/// The plan of a script.
+/// Verifies the plan of a script.
 fn scripted(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
     let written = script::read(text).map_err(|error| format!("{error} ({})", error.hint))?;
     let file = PlanFile {
@@ -140,7 +140,7 @@ fn scripted(domain: &Domain, world: &World, text: &str, summary: &str) -> Result
     verified(domain, world, file, summary)
 }
 
-/// The plan of a reply, if it keeps what it promises.
+/// Verifies the plan of a reply.
 fn replied(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
     let draft = plan::read(text).map_err(|error| error.to_string())?;
     match draft.file.question.trim() {
@@ -150,7 +150,7 @@ fn replied(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<
 }
 
 fn verified(domain: &Domain, world: &World, mut file: PlanFile, summary: &str) -> Result<AnswerText, String> {
-    // What was asked for is the example's to say.
+    // The summary comes from the example.
     file.instruction_summary.clear();
     let draft = Draft {
         file,
@@ -163,13 +163,13 @@ fn verified(domain: &Domain, world: &World, mut file: PlanFile, summary: &str) -
     }
 }
 
-/// What is wrong with a plan, in one line.
+/// Returns the violations of a plan, in one line.
 fn told(answer: &Answer) -> String {
     let wrong = answer.violations.iter().map(|violation| violation.message.as_str());
     wrong.collect::<Vec<_>>().join("; ")
 }
 
-/// The answer that shows a plan. The environment afterwards is the simulated one.
+/// Returns the answer with a plan and the simulated final environment.
 fn shown(domain: &Domain, world: &World, plan: &VerifiedPlan, summary: &str) -> AnswerText {
     let after = environment::write(domain, world, &plan.ending().after);
     let cohesion = TaskCohesion::new(domain, world, plan.plan());

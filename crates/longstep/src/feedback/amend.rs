@@ -1,4 +1,4 @@
-//! From wishes to a verified plan, or to what stands in the way.
+//! Amendment of a plan: from wishes to a verified plan or to the reasons against it.
 
 use super::StepWish;
 use super::apply::{Applied, apply, completed, reopened};
@@ -10,37 +10,37 @@ use crate::repair::{Edit, Outcome, repair_pinned};
 use crate::search::Wanted;
 use crate::verify::{Purpose, Report, VerifiedPlan, Violation, bind, check, unmet};
 
-/// So many changes besides each wish are made without asking, and one more.
+/// Number of other changes that each wish may cause without a question, plus one in total.
 const OTHERS: usize = 2;
 
-/// What came of wishes about a plan.
+/// Result of an amendment.
 #[derive(Debug, Clone)]
 pub enum Amended {
-    /// The plan as the person wants it.
+    /// The amended plan.
     Done(Box<Amendment>),
-    /// It cannot be had.
+    /// No valid plan fulfils the wishes.
     Impossible {
-        /// What stands in the way, for a person: one sentence for each finding.
+        /// The reasons, one sentence for each.
         why: Vec<String>,
-        /// The report on the plan as the person wanted it.
+        /// The report on the plan with the wishes.
         report: Box<Report>,
     },
 }
 
-/// A plan that does what a person asked for.
+/// A verified plan that fulfils the wishes.
 #[derive(Debug, Clone)]
 pub struct Amendment {
     /// The plan.
     pub plan: VerifiedPlan,
-    /// What had to change besides, in the order of the plan. Their steps are those of the plan with the wishes in it.
+    /// Other necessary edits, in plan order. Their indices refer to the plan with the wishes.
     pub edits: Vec<Edit>,
 }
 
-/// Changes a plan as a person wishes, and verifies it for its purpose.
+/// Applies wishes to a plan and verifies the result for its purpose.
 ///
-/// What the wishes leave open is taken from the steps around, or bound like the hidden arguments of any draft. If the
-/// plan does not verify then, the rest of it is repaired; what was inserted, replaced or moved stays, and what was
-/// dropped does not come back. Where no repair can do that, the person is told why.
+/// Open arguments of a wish are taken from neighbouring steps, or bound like the hidden arguments of a draft. If the
+/// result is invalid, the other steps are repaired: inserted, replaced and moved steps stay, and removed steps do not
+/// return. If no such repair exists, the result lists the reasons.
 ///
 /// ```
 /// use longstep::feedback::{Amended, StepWish, amend};
@@ -76,7 +76,7 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
     if open.draft != full.draft {
         ways.push(&open);
     }
-    // Only what is to come out tells whether another reading of the hidden places is as good.
+    // Without a claim or a goal, nothing shows that another binding is equally good.
     let says_what_for = purpose.claim.is_some() || !purpose.wanted.is_empty();
     let freer = says_what_for.then(|| reopened(domain, world, &open.draft)).flatten();
     let freer = freer.map(|draft| Applied {
@@ -94,7 +94,7 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
     for way in &ways {
         match repair_pinned(domain, world, &way.draft, purpose, &way.pins) {
             Outcome::Valid(plan) => return done(plan, Vec::new()),
-            // Room for a wish is not made by another plan.
+            // So many changes would make a different plan.
             Outcome::Repaired(repaired) if repaired.edits.len() > OTHERS * wishes.len() + 1 => {
                 too_many = Some(repaired.edits.len());
             }
@@ -126,7 +126,7 @@ fn done(plan: VerifiedPlan, edits: Vec<Edit>) -> Amended {
     Amended::Done(Box::new(Amendment { plan, edits }))
 }
 
-/// The report on a draft; its assumptions include the arguments that could be others.
+/// Returns the report on a draft. Its assumptions include the ambiguous bindings.
 fn verified(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Result<Report, Violation> {
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
     let (plan, assumptions) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref())?;
@@ -135,7 +135,7 @@ fn verified(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose)
     Ok(report)
 }
 
-/// The findings as sentences for a person.
+/// Returns the violations as sentences for a person.
 fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose) -> Vec<String> {
     let sentence = |violation: &Violation| match violation {
         Violation::Goal { index } => match purpose.wanted.get(*index) {
@@ -150,7 +150,7 @@ fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose
     report.violations.iter().map(sentence).collect()
 }
 
-/// What is wanted as a sentence: the goal word's, or the facts that are missing.
+/// Returns the sentence of the goal word, or else the missing facts.
 fn wanted_text(domain: &Domain, world: &World, wanted: &Wanted, state: &State) -> String {
     let mut words = domain.goal_words.iter();
     let same = |word: &crate::model::GoalWord| {

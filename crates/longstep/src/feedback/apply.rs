@@ -1,4 +1,4 @@
-//! Wishes and a plan make a draft: which of its steps are settled, and what is not to come back.
+//! Application of wishes to a plan, which gives a draft with pins.
 
 use super::StepWish;
 use super::difference::unwanted;
@@ -7,13 +7,13 @@ use crate::model::{ActionId, Domain, plain_words, singular};
 use crate::plan::{DraftStep, Plan, Resolved, Step};
 use crate::repair::Pins;
 
-/// A plan after the wishes, not verified yet.
+/// A draft after the wishes, not verified yet.
 pub(super) struct Applied {
     pub(super) draft: Resolved,
     pub(super) pins: Pins,
 }
 
-/// Applies the wishes to the plan, all at once.
+/// Applies all wishes at once.
 pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish]) -> Applied {
     let steps = plan.steps();
     let mut applied = Applied {
@@ -51,7 +51,7 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
         let Some(step) = steps.get(index) else { break };
         match wishes.iter().find(|wish| wish.step() == Some(index)) {
             None => {
-                // A step that something was moved past stays where it is, or the move would come to nothing.
+                // A step that another one was moved past is pinned; otherwise repair could undo the move.
                 if passed(index) {
                     kept.push(drafted.len());
                 }
@@ -105,8 +105,8 @@ fn as_draft(step: &Step) -> DraftStep {
     }
 }
 
-/// The wishes with what they leave open taken from the steps around: "another move_object()" handles the same thing,
-/// and goes the same way, unless its words name another place.
+/// Fills open arguments of the wishes from neighbouring steps: "another move_object()" has the object and the direction
+/// of its neighbour, unless its explanation names another place.
 pub(super) fn completed(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish]) -> Vec<StepWish> {
     let mut wishes = wishes.to_vec();
     for wish in &mut wishes {
@@ -150,7 +150,7 @@ fn complete(
     let object = domain.action(action).object;
     if let Some(place) = object.filter(|place| arguments[*place].is_none()) {
         let kind = domain.action(action).parameters[place].kind;
-        // What has just been handled is handled on.
+        // The object of the previous steps comes first.
         let handled = own.into_iter().chain(before.iter().rev()).chain(after);
         let mut objects = handled.filter_map(|step| step.object(domain));
         arguments[place] = objects.find(|entity| world.is_of_kind(*entity, kind));
@@ -175,8 +175,8 @@ fn complete(
     }
 }
 
-/// The draft with every hidden place open again that neither a person nor a sentence names: what verification chose,
-/// verification may choose anew. None if there is no such place.
+/// Opens the hidden arguments that no wish and no explanation names, so that binding can choose them again. Returns
+/// none if there are none.
 pub(super) fn reopened(domain: &Domain, world: &World, draft: &Resolved) -> Option<Resolved> {
     let mut draft = draft.clone();
     let mut any = false;

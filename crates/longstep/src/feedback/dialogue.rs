@@ -1,4 +1,4 @@
-//! Reading feedback as a conversation that somebody else carries out.
+//! The model dialogue that interprets feedback.
 
 use serde::Deserialize;
 
@@ -16,22 +16,22 @@ use crate::goal::QUESTION;
 use crate::model::{Domain, plain_words};
 use crate::plan::{Plan, Step};
 
-/// Tokens for the answer of a model under a grammar, and of a server.
+/// Token budget of an answer under a grammar, and of a server.
 const GRAMMAR_TOKENS: u32 = 128;
 const ANSWER_TOKENS: u32 = 512;
 
-/// What a person's words about a plan ask for.
+/// Interpretation of an utterance about a plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Wish {
-    /// They are about what is wanted: the goal has to be asked for anew, with these words.
+    /// It concerns the goal, which must be determined again with this utterance.
     Goal,
-    /// They are about the steps.
+    /// It concerns the steps.
     Steps(Vec<StepWish>),
-    /// The person must say more first.
+    /// A question to the person.
     Question(String),
 }
 
-/// Asks a model what a person's words about a plan mean. One request, one reply.
+/// Lets a model interpret an utterance about a plan. One request, one reply.
 #[derive(Debug, Clone)]
 pub struct FeedbackDialogue {
     words: String,
@@ -41,12 +41,12 @@ pub struct FeedbackDialogue {
     messages: Vec<Message>,
     fixed: usize,
     answer: String,
-    /// What the call cost.
+    /// Token counts of the call.
     pub usage: Usage,
 }
 
 impl FeedbackDialogue {
-    /// Begins a conversation about what a person said of a plan for an instruction, with a model of the given kind.
+    /// Starts a dialogue about `feedback` on the plan for an instruction.
     pub fn new(
         domain: &Domain,
         world: &World,
@@ -82,7 +82,7 @@ impl FeedbackDialogue {
         }
     }
 
-    /// What to send to the model.
+    /// Returns the request to the model.
     pub fn request(&self, domain: &Domain, world: &World) -> ChatRequest {
         let (constraint, max_tokens) = match self.kind {
             ConstraintKind::Grammar => (
@@ -103,16 +103,16 @@ impl FeedbackDialogue {
         }
     }
 
-    /// The model's answer, as it came.
+    /// Returns the model's answer, unchanged.
     pub fn answer(&self) -> &str {
         &self.answer
     }
 
-    /// Takes the model's reply.
+    /// Interprets the model's reply.
     ///
     /// # Errors
     ///
-    /// When the reply is cut off, refused, or no change of this plan.
+    /// The reply is cut off, refused, or no change of this plan.
     pub fn supply(&mut self, domain: &Domain, world: &World, reply: &Reply) -> Result<Wish, DialogueError> {
         self.usage += reply.usage;
         self.answer.clone_from(&reply.text);
@@ -133,7 +133,7 @@ impl FeedbackDialogue {
         Ok(Wish::Steps(wishes))
     }
 
-    /// The answer of a server, as a model under a grammar would have written it.
+    /// Converts the JSON answer of a server to the notation of the grammar.
     fn unwrapped(&self, text: &str) -> Result<String, DialogueError> {
         #[derive(Deserialize)]
         struct Answer {
@@ -153,7 +153,7 @@ impl FeedbackDialogue {
         })
     }
 
-    /// A step that comes in takes its sentence from the person's words, if they say what it is for.
+    /// Takes the explanation of a single new step from the utterance, if it states a purpose.
     fn explain(&self, world: &World, wishes: &mut [StepWish]) {
         let mut explanations = wishes.iter_mut().filter_map(|wish| match wish {
             StepWish::Insert { explanation, .. } | StepWish::Replace { explanation, .. } => Some(explanation),
@@ -167,7 +167,7 @@ impl FeedbackDialogue {
     }
 }
 
-/// Whether the words can ask for several changes.
+/// Returns true if the utterance can ask for several changes.
 fn says_several(words: &str) -> bool {
     let several = ["and", "both", "two", "three", "all", "then", "every", "each", "steps"];
     words.contains([',', ';']) || plain_words(words).iter().any(|word| several.contains(&word.as_str()))

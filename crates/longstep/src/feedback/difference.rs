@@ -1,10 +1,9 @@
-//! What a rewritten plan says by being different.
+//! Pins from the difference between a plan and its rewritten form.
 
 use crate::plan::{DraftStep, Plan, Resolved, Step};
 use crate::repair::{Pins, Reach, Unwanted};
 
-/// What a person's words settled, when a model rewrote the whole plan after them: what is new in it stays, and what is
-/// gone does not come back.
+/// Returns the pins for a plan that a model rewrote after feedback: new steps are kept, removed steps must not return.
 ///
 /// ```
 /// use longstep::plan::{TaskCohesion, resolve};
@@ -26,7 +25,7 @@ use crate::repair::{Pins, Reach, Unwanted};
 pub fn pins(before: &Plan, after: &Resolved) -> Pins {
     let old = before.steps();
     let new = &after.steps;
-    // The longest way through both that meets the same steps, those with the same explanation first.
+    // The alignment with the most common steps, which prefers steps with equal explanations.
     let mut score = vec![vec![0u32; new.len() + 1]; old.len() + 1];
     let worth = |step: &Step, drafted: &Option<DraftStep>| match drafted {
         Some(drafted) if is_like(step, drafted) => 2 + u32::from(step.explanation == drafted.explanation),
@@ -59,7 +58,7 @@ pub fn pins(before: &Plan, after: &Resolved) -> Pins {
             j += 1;
         }
     }
-    // What means nothing cannot be kept.
+    // A step that did not resolve cannot be kept.
     kept.retain(|index| new[*index].is_some());
     Pins {
         kept,
@@ -67,8 +66,8 @@ pub fn pins(before: &Plan, after: &Resolved) -> Pins {
     }
 }
 
-/// How far each wish reaches that a step should go, told by what is left in the draft. Steps come with the step of the
-/// draft before which they stood.
+/// Returns the constraints against removed steps. Each reaches as far as the remaining draft permits. A removed step
+/// comes with the index of the draft step that followed it.
 pub(super) fn unwanted(gone: &[(&Step, usize)], draft: &[Option<DraftStep>]) -> Vec<Unwanted> {
     let reach = |step: &Step| {
         let mut left = draft.iter().flatten();
@@ -90,7 +89,7 @@ pub(super) fn unwanted(gone: &[(&Step, usize)], draft: &[Option<DraftStep>]) -> 
         .collect()
 }
 
-/// Whether the drafted step can be this one.
+/// Returns true if the draft step can be an instance of this step.
 fn is_like(step: &Step, drafted: &DraftStep) -> bool {
     let mut pairs = step.arguments.iter().zip(&drafted.arguments);
     step.action == drafted.action && pairs.all(|(known, other)| other.is_none_or(|other| other == *known))

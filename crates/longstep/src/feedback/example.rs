@@ -1,4 +1,4 @@
-//! What is the same whenever a domain's model reads feedback: the task, and worked examples.
+//! The fixed messages of a feedback request: task and few-shot examples.
 
 use serde_json::json;
 
@@ -9,7 +9,7 @@ use crate::dialogue::{ConstraintKind, Message, Role};
 use crate::goal::QUESTION;
 use crate::model::{Domain, FeedbackExample};
 
-/// Whether the example's answer is one that a model could give: changes of the example's plan, in calls of this domain.
+/// Checks that a model could give the example's answer: changes of the example's plan with calls of this domain.
 pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample) -> Result<(), String> {
     let spoken = format!("{}\n{}\n{}", example.instruction, example.plan.join("\n"), example.says).to_lowercase();
     let known = |call: &str| -> Result<(), String> {
@@ -39,7 +39,7 @@ pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample)
     Ok(())
 }
 
-/// The turns that come before the plan and the words: the task, then each example as a pair of turns.
+/// Returns the fixed messages: the task, then two messages for each example.
 pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message> {
     let mut turns = vec![Message::new(Role::System, task(domain, kind))];
     for example in &domain.prompts.feedback_examples {
@@ -102,7 +102,7 @@ fn answer(answer: &str, kind: ConstraintKind) -> String {
     }
 }
 
-/// A person's turn.
+/// Returns the user message.
 pub(super) fn plan_and_words(instruction: &str, steps: &[String], said: &str) -> String {
     let mut text = format!("Instruction: {instruction}\nPlan:\n");
     for (index, step) in steps.iter().enumerate() {

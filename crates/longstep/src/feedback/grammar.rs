@@ -1,4 +1,4 @@
-//! The offered changes as a grammar, and as a JSON schema.
+//! Structured output for feedback: a grammar and a JSON schema of the offered changes.
 
 use indexmap::IndexMap;
 use serde_json::{Value, json};
@@ -9,17 +9,17 @@ use crate::environment::World;
 use crate::goal::{QUESTION, quoted};
 use crate::model::Domain;
 
-/// The word for feedback that is about what is wanted.
+/// Answer for feedback that concerns the goal.
 pub(super) const GOAL: &str = "goal";
 
-/// Changes in one answer at most.
+/// Maximum number of changes in an answer.
 pub(super) const MOST: usize = 4;
 
-/// What servers accept in one enumeration, and how long all of it may be, in bytes.
+/// Limits of enumerations that servers accept: number of values, and total length in bytes.
 const ENUM_LIMIT: usize = 500;
 const ENUM_BYTES: usize = 12_000;
 
-/// A grammar in llguidance's Lark dialect for the whole answer, in a plan of `length` steps.
+/// Returns a grammar in llguidance's Lark dialect for a whole answer about a plan of `length` steps.
 pub(super) fn grammar(domain: &Domain, world: &World, offers: &Offers, length: usize) -> String {
     let mut starts = Vec::new();
     let mut rules = String::new();
@@ -90,17 +90,17 @@ fn wishes(domain: &Domain, world: &World, offers: &Offers, length: usize) -> Vec
     rules
 }
 
-/// The ways to tell a place between steps.
+/// Returns the notations of a position between steps.
 fn told(at: usize, length: usize) -> Vec<String> {
     let after = (at > 0).then(|| format!("after {at}"));
     let before = (at < length).then(|| format!("before {}", at + 1));
     after.into_iter().chain(before).collect()
 }
 
-/// A JSON schema for a whole answer: `{"question": "", "goal": false, "edits": ["drop 5"]}`.
+/// Returns a JSON schema for a whole answer: `{"question": "", "goal": false, "edits": ["drop 5"]}`.
 ///
-/// The changes on offer are listed when servers can be expected to take the list; reading the answer finds what is no
-/// change of the plan in any case.
+/// The schema enumerates the offered changes if servers can be expected to accept the list. The parser validates the
+/// changes in any case.
 pub(super) fn schema(domain: &Domain, world: &World, offers: &Offers, length: usize) -> Value {
     let call = |(action, arguments): &Called| everyday(domain, world, *action, arguments);
     let mut texts: Vec<String> = Vec::new();

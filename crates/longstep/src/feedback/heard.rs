@@ -1,36 +1,36 @@
-//! What the words of a person name for certain: actions by their calls, steps by their numbers, things.
+//! Explicit references in an utterance: actions by call, steps by number, and entities.
 
 use crate::environment::{EntityId, World};
 use crate::goal::{Spoken, parts};
 use crate::model::{ActionId, Domain, plain_words, singular};
 use crate::plan::{Plan, Step};
 
-/// What words about a plan name.
+/// The references in an utterance about a plan.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Heard {
-    /// Actions that are written as calls are.
+    /// Actions whose calls the utterance contains.
     pub(super) actions: Vec<ActionId>,
     /// Steps that are named by number, in order.
     pub(super) steps: Vec<usize>,
-    /// Places between steps, where the words say before or after which step.
+    /// Positions between steps, from "before" and "after" with a step.
     pub(super) places: Vec<usize>,
-    /// Whether one of these places is told by a step's number.
+    /// True if a step number gives one of these positions.
     pub(super) names_place: bool,
-    /// Things.
+    /// Mentioned entities.
     pub(super) entities: Vec<EntityId>,
-    /// For each step of the plan, how many of the words its sentence has.
+    /// For each step, the number of words that its sentence shares with the utterance.
     pub(super) likeness: Vec<usize>,
-    /// Whether they set one thing against another, "the pear, not the plum": then they are about what is wanted.
+    /// True if the utterance contrasts two entities ("the pear, not the plum") and so concerns the goal.
     pub(super) corrects: bool,
-    /// Whether the words ask for more of the same.
+    /// True if the utterance asks for a repetition.
     pub(super) again: bool,
-    /// The words without their endings.
+    /// Stems of the words.
     stems: Vec<String>,
-    /// What should be done, as far as the words tell: the verbs of the language.
+    /// Verbs of the wish language that the cues suggest.
     pub(super) verbs: Vec<&'static str>,
 }
 
-/// Words that ask for a change of the steps, by the verb of the language that is meant. Stems and pairs of words.
+/// Cues for a change of the steps, by verb of the wish language: stems and word pairs.
 const CUES: [(&str, &[&str]); 4] = [
     ("insert", &["insert", "add", "another", "additional", "extra", "more"]),
     (
@@ -72,7 +72,7 @@ const CUES: [(&str, &[&str]); 4] = [
     ),
 ];
 
-/// Words that ask for more of the same.
+/// Words that ask for a repetition.
 const AGAIN: [&str; 10] = [
     "again",
     "another",
@@ -93,14 +93,14 @@ const CARDINALS: [&str; 10] = [
     "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
 ];
 
-/// Words that say nothing about which step is meant.
+/// Stop words when an utterance is compared with steps.
 const EMPTY: &str = "a an and another as be because before but can case could do does for from hand have i if in \
     instead is it just last later leave let more need no not of off on once one only out over please put rather same \
     should so step task that the their them then there these they thing this those to too up use we when which why \
     will with without would you your move_object insert add omit skip drop remove delete replace after first again";
 
 impl Heard {
-    /// Listens to what is said about a plan.
+    /// Finds the references in an utterance about a plan.
     pub(super) fn of(domain: &Domain, world: &World, plan: &Plan, words: &str) -> Self {
         let tokens = plain_words(words);
         let actions = named_actions(domain, words);
@@ -136,19 +136,20 @@ impl Heard {
         heard
     }
 
-    /// Whether the words name a step or a call: then they are about the steps, not about what is wanted.
+    /// Returns true if the utterance names a step or a call, and so concerns the steps and not the goal.
     pub(super) fn is_about_steps(&self) -> bool {
         !self.actions.is_empty() || !self.steps.is_empty() || self.names_place
     }
 
-    /// Whether the words have one of the action's call.
+    /// Returns true if the utterance contains a word of the action's call.
     pub(super) fn says_verb(&self, domain: &Domain, action: ActionId) -> bool {
         let call = plain_words(&domain.action(action).call.replace('_', " "));
         let stems: Vec<String> = call.iter().map(|word| stem(word)).collect();
         self.stems.iter().any(|said| stems.contains(said))
     }
 
-    /// "Step 3", "steps 2 and 4", "the third step", "the last two", "the second move_object()".
+    /// Finds steps by number or order: "step 3", "steps 2 and 4", "the third step", "the last two", "the second
+    /// move_object()".
     fn numbered(&mut self, plan: &Plan, tokens: &[String], domain: &Domain) {
         let length = plan.steps().len();
         let mut at = 0;
@@ -180,7 +181,7 @@ impl Heard {
                 .find(|token| *token == "before" || *token == "after");
             for number in found {
                 match side.map(String::as_str) {
-                    // Where it says where, it does not say which.
+                    // A number after "before" or "after" gives a position, not a step.
                     Some("before") => self.places.push(number - 1),
                     Some(_) => self.places.push(number),
                     None if !self.steps.contains(&(number - 1)) => self.steps.push(number - 1),
@@ -202,7 +203,8 @@ impl Heard {
         }
     }
 
-    /// Steps counted from an end: "the third step", "the last two steps", "the second move_object()".
+    /// Returns steps by ordinal or "last", numbered from 1: "the third step", "the last two steps", "the second
+    /// move_object()".
     fn counted(&self, plan: &Plan, tokens: &[String], at: usize, domain: &Domain) -> Option<Vec<usize>> {
         let ordinal = ORDINALS.iter().position(|word| *word == tokens[at]);
         let last = tokens[at] == "last";
@@ -211,7 +213,7 @@ impl Heard {
         }
         let many = tokens.get(at + 1).and_then(|token| number(token));
         let noun = tokens.get(at + 1 + usize::from(many.is_some()))?;
-        // Which steps are counted: all, or those of an action that is named behind.
+        // The ordinal counts all steps, or those of an action that follows it.
         let rest = tokens[at + 1 + usize::from(many.is_some())..].join(" ");
         let of_action = self.actions.iter().find(|action| {
             let call = plain_words(&domain.action(**action).call).join(" ");
@@ -235,7 +237,7 @@ impl Heard {
     }
 }
 
-/// The words, and in them what stands behind "before" or "after": whether it is "after", and the clause.
+/// Splits off the clause after "before" or "after". Returns the other words, and the clause with true for "after".
 fn clauses(words: &str) -> (String, Option<(bool, String)>) {
     let lower = words.to_lowercase();
     let find = |word: &str| {
@@ -271,7 +273,7 @@ fn number(token: &str) -> Option<usize> {
     token.parse().ok().or(written)
 }
 
-/// Actions whose call stands in the words as no ordinary word would: `move_object`, `open()`, `PutIn`.
+/// Returns the actions whose calls cannot be ordinary words of the utterance: `move_object`, `open()`, `PutIn`.
 fn named_actions(domain: &Domain, words: &str) -> Vec<ActionId> {
     let symbol = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
     let mut named = Vec::new();
@@ -292,7 +294,7 @@ fn named_actions(domain: &Domain, words: &str) -> Vec<ActionId> {
     named
 }
 
-/// For each step, how many of the words stand in its sentence or its call.
+/// Returns, for each step, the number of the words that occur in its sentence or its call.
 fn likeness(domain: &Domain, world: &World, steps: &[Step], tokens: &[String]) -> Vec<usize> {
     let empty: Vec<&str> = EMPTY.split_whitespace().collect();
     let stems = |words: Vec<String>| -> Vec<String> {
@@ -317,7 +319,7 @@ fn likeness(domain: &Domain, world: &World, steps: &[Step], tokens: &[String]) -
         .collect()
 }
 
-/// A word without the endings of English verbs and plurals, as far as simple rules go.
+/// Returns the stem of a word: a simple removal of verb and plural endings.
 fn stem(word: &str) -> String {
     let single = singular(word);
     let bare = ["ing", "ed"].iter().find_map(|ending| single.strip_suffix(ending));
@@ -335,7 +337,7 @@ fn stem(word: &str) -> String {
     stem
 }
 
-/// What a step is for, where the words say so: "to move the tea upward", "so that ...".
+/// Returns the purpose clause of an utterance, if any: "to move the tea upward".
 pub(super) fn what_for(world: &World, words: &str) -> Option<String> {
     let lower = words.to_lowercase();
     let mut from = 0;

@@ -1,4 +1,4 @@
-//! The few words in which a model writes what should change about a plan: `drop 5`, `insert move_object() after 4`.
+//! The language of step changes that a model writes: `drop 5`, `insert move_object() after 4`.
 
 use super::StepWish;
 use crate::call::Call;
@@ -6,31 +6,31 @@ use crate::diagnostic::nearest;
 use crate::environment::{EntityId, World};
 use crate::model::{ActionId, Domain};
 
-/// Why a text is no wish about the steps of a plan.
+/// Reason why a text is not a wish about the steps of a plan.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum WishError {
-    /// It has the form of none.
+    /// The text matches no form.
     #[error(
         "`{0}` is no change of a plan; write `insert CALL after N`, `drop N`, `replace N with CALL` or `move N after N`"
     )]
     UnknownForm(String),
-    /// A number that no step has.
+    /// No step has this number.
     #[error("`{part}`: the plan has {length} steps")]
     NoSuchStep {
-        /// The part of the text.
+        /// The invalid part of the text.
         part: String,
-        /// How many steps there are.
+        /// The number of steps.
         length: usize,
     },
-    /// A call of an action that the domain does not have, or with too few or too many arguments.
+    /// The call names no action of the domain, or has a wrong number of arguments.
     #[error("`{call}` calls no action of this domain{}", near.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
     UnknownCall {
         /// The call.
         call: String,
-        /// An action of a similar name.
+        /// An action with a similar name.
         near: Option<String>,
     },
-    /// A name that nothing of the right type has.
+    /// No entity of the right type has this name.
     #[error("`{name}` in `{call}` is nothing that can stand there")]
     UnknownName {
         /// The call.
@@ -40,10 +40,10 @@ pub enum WishError {
     },
 }
 
-/// What joins two wishes.
+/// Separator of wishes.
 pub(super) const JOINT: &str = " & ";
 
-/// A wish with its call as text, not looked up yet; steps count from 0.
+/// A parsed wish whose call is still text; steps count from 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Form<'t> {
     Insert { call: &'t str, before: usize },
@@ -52,7 +52,7 @@ pub(super) enum Form<'t> {
     Move { step: usize, before: usize },
 }
 
-/// Reads the form of one wish about a plan of `length` steps.
+/// Parses the form of one wish about a plan of `length` steps.
 pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
     let unknown = || WishError::UnknownForm(text.chars().take(80).collect());
     let number = |digits: &str| {
@@ -63,7 +63,7 @@ pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
             length,
         })
     };
-    // What comes first, and the place between two steps that is told after it.
+    // Splits off the position: returns the length of the text before it, and the step index to insert before.
     let placed = |rest: &'_ str| -> Result<(usize, usize), WishError> {
         let (at, shift, word) = match (rest.rfind(" after "), rest.rfind(" before ")) {
             (Some(at), _) => (at, 1, " after "),
@@ -100,12 +100,12 @@ pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
     })
 }
 
-/// Reads wishes about a plan of `length` steps, joined by `&`. Entities go by everyday name or identifier; what a call
-/// hides stays open.
+/// Parses wishes about a plan of `length` steps, joined by `&`. Arguments are everyday names or identifiers; arguments
+/// that a call hides stay open.
 ///
 /// # Errors
 ///
-/// The first part that cannot be read.
+/// The first part that is invalid.
 ///
 /// ```
 /// use longstep::feedback::{StepWish, parse};
@@ -143,7 +143,7 @@ pub fn parse(domain: &Domain, world: &World, text: &str, length: usize) -> Resul
             }
             Form::Move { step, before } => StepWish::Move { step, before },
         };
-        // What is said of a step first counts.
+        // The first wish about a step counts.
         let said = |earlier: &StepWish| *earlier == wish || (wish.step().is_some() && earlier.step() == wish.step());
         if !wishes.iter().any(said) {
             wishes.push(wish);
@@ -152,7 +152,7 @@ pub fn parse(domain: &Domain, world: &World, text: &str, length: usize) -> Resul
     Ok(wishes)
 }
 
-/// The action that a call names, if it has as many arguments.
+/// Finds the action of a call with the right number of arguments.
 pub(super) fn action_of(domain: &Domain, text: &str) -> Result<(ActionId, Call), WishError> {
     let unknown = |name: &str| WishError::UnknownCall {
         call: text.chars().take(80).collect(),
@@ -183,14 +183,14 @@ fn called(domain: &Domain, world: &World, text: &str) -> Result<(ActionId, Vec<O
     Ok((id, arguments))
 }
 
-/// A call as a plan writes it, with `?` for what should be shown and is not known.
+/// Returns a call in plan notation, with `?` for unknown explicit arguments.
 pub fn written(domain: &Domain, world: &World, action: ActionId, arguments: &[Option<EntityId>]) -> String {
     call(domain, action, arguments, |entity| {
         world.entity(entity).identifier.clone()
     })
 }
 
-/// The same with everyday names, as a model reads and writes it.
+/// Returns a call with everyday names, as in prompts and replies.
 pub(super) fn everyday(domain: &Domain, world: &World, action: ActionId, arguments: &[Option<EntityId>]) -> String {
     call(domain, action, arguments, |entity| world.entity(entity).name.clone())
 }

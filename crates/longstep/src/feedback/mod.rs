@@ -1,10 +1,9 @@
-//! What a person says about a plan, and what becomes of the plan then.
+//! Feedback: utterances about a plan, and the plan's amendment.
 //!
-//! The words may be about what is wanted ("not that plate, the blue one") or about the steps ("insert another
-//! move_object()", "you can omit step 5"). A [`FeedbackDialogue`] has a model tell which, and write a wish about the
-//! steps as [`StepWish`]es under a grammar. [`amend`] applies them and verifies what comes out. Where the rest of the
-//! plan has to change for it, repair sees to that, around what was asked for; what cannot be had is refused with the
-//! facts that stand in the way.
+//! An utterance concerns the goal ("not that plate, the blue one") or the steps ("insert another move_object()", "you
+//! can omit step 5"). A [`FeedbackDialogue`] lets a model decide which, and write changes of the steps as
+//! [`StepWish`]es under a grammar. [`amend`] applies the wishes and verifies the result. If other steps must change
+//! too, repair changes them and keeps the wishes. An impossible wish is refused with the violations that prevent it.
 
 mod amend;
 mod apply;
@@ -28,48 +27,48 @@ pub use language::{WishError, parse, written};
 use crate::environment::EntityId;
 use crate::model::ActionId;
 
-/// One thing that a person wants changed about the steps of a plan. All numbers are those of the plan that the person
-/// saw, from 0, whatever else is wished for beside it.
+/// A requested change of one step. All indices count from 0 and refer to the original plan, independent of other
+/// wishes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StepWish {
-    /// A step more.
+    /// Insert a step.
     Insert {
-        /// The step before which it is to stand; the number of steps for the end.
+        /// Index of the step to insert before; the number of steps for the end.
         before: usize,
-        /// What it does.
+        /// The action.
         action: ActionId,
-        /// To what, as far as it is known: one entry for each parameter.
+        /// One argument for each parameter, if known.
         arguments: Vec<Option<EntityId>>,
-        /// What it is for, in the person's words; empty for the domain's own sentence.
+        /// The purpose, in the person's words; empty for the domain's own sentence.
         explanation: String,
     },
-    /// A step less.
+    /// Remove a step.
     Drop {
-        /// Which.
+        /// Index of the step.
         step: usize,
     },
-    /// Another step in its place.
+    /// Replace a step.
     Replace {
-        /// Which.
+        /// Index of the step.
         step: usize,
-        /// What is done instead.
+        /// The new action.
         action: ActionId,
-        /// To what, as far as it is known: one entry for each parameter.
+        /// One argument for each parameter, if known.
         arguments: Vec<Option<EntityId>>,
-        /// What it is for, in the person's words; empty for the domain's own sentence.
+        /// The purpose, in the person's words; empty for the domain's own sentence.
         explanation: String,
     },
-    /// A step at another place.
+    /// Move a step.
     Move {
-        /// Which.
+        /// Index of the step.
         step: usize,
-        /// The step before which it is to stand; the number of steps for the end.
+        /// Index of the step to move before; the number of steps for the end.
         before: usize,
     },
 }
 
 impl StepWish {
-    /// The step of the plan that it takes away from its place, if it does.
+    /// Returns the index of the step that the wish removes from its position, if any.
     pub fn step(&self) -> Option<usize> {
         match self {
             Self::Insert { .. } => None,
@@ -77,7 +76,7 @@ impl StepWish {
         }
     }
 
-    /// The step before which it puts something, if it does.
+    /// Returns the index of the step before which the wish places a step, if any.
     pub fn before(&self) -> Option<usize> {
         match self {
             Self::Insert { before, .. } | Self::Move { before, .. } => Some(*before),

@@ -1,4 +1,4 @@
-//! Which changes of a plan make sense to write after what a person said.
+//! Changes of a plan that are plausible after an utterance.
 
 use super::heard::Heard;
 use crate::environment::{EntityId, State, World};
@@ -6,30 +6,31 @@ use crate::model::{ActionId, Domain};
 use crate::plan::{DraftStep, Plan};
 use crate::verify::{apply, can_apply, candidates, unmet};
 
-/// An action with what its call shows.
+/// An action with the arguments of its call.
 pub(super) type Called = (ActionId, Vec<Option<EntityId>>);
 
-/// What may be written. Steps and places between them count from 0.
+/// The changes that a model may write. Steps and positions count from 0.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Offers {
-    /// That the words are about what is wanted.
+    /// True if the answer may be that the utterance concerns the goal.
     pub(super) goal: bool,
-    /// A question back.
+    /// True if the answer may be a question.
     pub(super) question: bool,
-    /// Calls, and the places where they may stand.
+    /// Calls with the positions where they can be inserted.
     pub(super) inserts: Vec<(Called, Vec<usize>)>,
     pub(super) drops: Vec<usize>,
     pub(super) replaces: Vec<(usize, Vec<Called>)>,
     pub(super) moves: Vec<(usize, Vec<usize>)>,
-    /// Whether several changes may be written.
+    /// True if the answer may contain several changes.
     pub(super) several: bool,
 }
 
-/// More calls than this are not listed; those about things that the words name come first.
+/// Maximum number of listed calls; those about mentioned entities come first.
 const LIMIT: usize = 240;
 
-/// What the words leave open. What they name decides: a call, a step's number, a thing. An inserted step is offered
-/// where it can be done in the plan as it is, if there is such a place and the words do not name one.
+/// Returns the changes that fit the references in the utterance: calls, step numbers and entities. An insertion is
+/// offered where its action is applicable in the current plan, unless the utterance gives a position or no position
+/// fits.
 pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, several: bool) -> Offers {
     let length = plan.steps().len();
     if heard.corrects && heard.verbs.is_empty() && !heard.is_about_steps() {
@@ -47,7 +48,7 @@ pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard,
         ..Offers::default()
     };
     let calls = calls(domain, world, plan, heard);
-    // What the plan does not speak of is not had by moving or dropping its steps.
+    // Moving or removing steps cannot involve an entity that the plan does not mention.
     let in_plan = |thing: &EntityId| plan.steps().iter().any(|step| step.arguments.contains(thing));
     let brings_in = !heard.is_about_steps() && !heard.verbs.contains(&"drop") && !heard.entities.iter().all(in_plan);
     if asks("insert") {
@@ -90,7 +91,8 @@ pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard,
     offers
 }
 
-/// The steps that the words can mean: by number, else by call, and of these the ones that are most alike.
+/// Returns the steps that the utterance can mean: by number, else by call, and of these the ones with the most shared
+/// words.
 fn meant_steps(plan: &Plan, heard: &Heard) -> Vec<usize> {
     if !heard.steps.is_empty() {
         return heard.steps.clone();
@@ -106,7 +108,7 @@ fn meant_steps(plan: &Plan, heard: &Heard) -> Vec<usize> {
     meant
 }
 
-/// The calls that can be meant: those that are named, of things that the words or the plan speak of.
+/// Returns the calls that the utterance can mean: of named actions, about entities of the utterance or the plan.
 fn calls(domain: &Domain, world: &World, plan: &Plan, heard: &Heard) -> Vec<Called> {
     let mut pool = heard.entities.clone();
     for step in plan.steps() {
@@ -123,7 +125,7 @@ fn calls(domain: &Domain, world: &World, plan: &Plan, heard: &Heard) -> Vec<Call
     let mut calls: Vec<Called> = Vec::new();
     for (id, action) in domain.action_ids() {
         if !heard.actions.is_empty() && !heard.actions.contains(&id) {
-            // Who says which call goes need not say which one comes.
+            // The utterance may name only the call to replace and not the new one.
             let only_old = heard.verbs.contains(&"replace") && heard.actions.iter().all(|action| in_plan(*action));
             if !only_old {
                 continue;
@@ -153,7 +155,7 @@ fn calls(domain: &Domain, world: &World, plan: &Plan, heard: &Heard) -> Vec<Call
     if calls.iter().any(named) {
         calls.retain(|call| named(call) || shows_nothing(call));
     }
-    // What can never be is written only if it is called by its name.
+    // A call that can never be applicable is offered only if the utterance names its action.
     let possible = |(action, arguments): &Called| {
         let shown: Option<Vec<EntityId>> = arguments.iter().copied().collect();
         shown.is_none_or(|shown| can_apply(domain, world, *action, &shown))
@@ -205,9 +207,9 @@ fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[
         };
         !shown.is_empty() && plan.steps().iter().any(same)
     };
-    // What the plan does already is not put in once more unless the words ask for more of it.
+    // A call that is already in the plan is inserted again only if the utterance asks for a repetition.
     let wanted: Vec<&Called> = calls.iter().filter(|call| heard.again || !is_there(call)).collect();
-    // Of calls that the words do not name, those come first that can be done where the words put them.
+    // Without a named call, those that are applicable at the mentioned positions come first.
     let fits = |call: &&Called| {
         let possible = can_be_at(call);
         let there = possible
@@ -220,7 +222,7 @@ fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[
     wanted.map(|call| (call.clone(), place(call))).collect()
 }
 
-/// The state before each step, and after the last.
+/// Returns the state before each step and after the last.
 fn states(domain: &Domain, world: &World, plan: &Plan) -> Vec<State> {
     let mut states = vec![world.state.clone()];
     for step in plan.steps() {

@@ -1,4 +1,4 @@
-//! Words and wishes in, changed plans and reasons out.
+//! Utterances and wishes, with the amended plans or the reasons against them.
 
 use super::heard::{Heard, what_for};
 use super::*;
@@ -22,7 +22,7 @@ const STUDIO: &str = r#"{
     "object_states": {"<milk_4>": ["ON(<desk_1>)"]},
     "asset_properties": {"<fridge_2>": ["IS_OPENABLE"], "<desk_1>": ["NOT_OPENABLE"], "<sofa_3>": ["NOT_OPENABLE"]}}"#;
 
-/// A domain, a world of it, and the plan for a goal there.
+/// A domain, a world, and a plan for a goal.
 struct Scene {
     domain: Domain,
     world: World,
@@ -56,7 +56,7 @@ fn studio() -> Scene {
 }
 
 impl Scene {
-    /// The sentences of the changed plan and what was changed besides, or what stands in the way.
+    /// Returns the sentences of the amended plan and its other edits, or the reasons against it.
     fn amended(&self, wishes: &[StepWish]) -> Vec<String> {
         match amend(&self.domain, &self.world, &self.plan, wishes, &self.purpose) {
             Amended::Done(done) => {
@@ -78,7 +78,7 @@ impl Scene {
         Heard::of(&self.domain, &self.world, &self.plan, words)
     }
 
-    /// Supplies an answer to what was said.
+    /// Interprets an answer about an utterance.
     fn supplied(&self, said: &str, answer: &str, kind: ConstraintKind) -> Result<Wish, String> {
         let mut dialogue = FeedbackDialogue::new(&self.domain, &self.world, &self.plan, "Do it", said, kind);
         let request = dialogue.request(&self.domain, &self.world);
@@ -116,7 +116,7 @@ fn a_step_more_goes_the_way_of_its_neighbours_and_keeps_its_words() {
         "release the tea",
     ];
     assert_eq!(den.amended(&wishes), expected);
-    // One of the two can go again.
+    // Either of the two `move_object` steps can be removed again.
     let plan = match amend(&den.domain, &den.world, &den.plan, &wishes, &den.purpose) {
         Amended::Done(done) => done.plan.plan().clone(),
         other => panic!("{other:?}"),
@@ -174,7 +174,7 @@ fn the_rest_of_the_plan_is_mended_around_a_wish() {
             "(insert Walktowards(<fridge_2>) before step 1)",
         ],
     );
-    // The person's step stays although it changes nothing.
+    // The inserted step stays although it changes nothing.
     studio().check(
         "insert Walktowards(fridge) after 3",
         &[

@@ -1,4 +1,4 @@
-//! What people type and what things are called stays where it belongs, whatever it looks like.
+//! Prompt injection: instructions and names remain data.
 
 use serde_json::Value;
 
@@ -58,7 +58,7 @@ fn household() -> Domain {
     shipped("household").unwrap().unwrap()
 }
 
-/// A scene of four, one of which is called so.
+/// A scene of four entities, one of them with this name.
 fn kitchen(domain: &Domain, called: &str) -> World {
     let environment = serde_json::json!({
         "assets": ["<sill>", "<crate>"], "objects": ["<pear>", called],
@@ -76,7 +76,7 @@ fn direct(domain: &Domain, world: &World, instruction: &str) -> (Vec<Message>, u
     (request.messages, request.fixed)
 }
 
-/// The texts of a turn outside its fences, and the values between them.
+/// Splits a message into the text outside its fences and the JSON values inside.
 fn unfenced(text: &str) -> (Vec<&str>, Vec<Value>) {
     let (mut outside, mut values) = (Vec::new(), Vec::new());
     for (index, piece) in text.split("```").enumerate() {
@@ -188,7 +188,7 @@ fn a_name_stays_on_its_line() {
         assert_eq!(found_lines[..at], lines[..at]);
         assert_eq!(found_lines[at + 1..], lines[at + 1..]);
         let (name, said) = found_lines[at].strip_prefix("- ").unwrap().split_once(": ").unwrap();
-        // What ends with "door" is taken for one, as usual.
+        // A name that ends with "door" has the type of a door.
         assert!(["on sill", "can open, on sill"].contains(&said), "{said}");
         let plain = |c: char| c.is_alphanumeric() || c == ' ';
         assert!(!name.is_empty() && name.chars().all(plain), "{name:?}");

@@ -1,4 +1,4 @@
-//! Five thousand things, and a model with room for four thousand tokens.
+//! A world of five thousand entities, and a context length of four thousand tokens.
 
 use serde_json::{Map, Value, json};
 
@@ -16,7 +16,7 @@ use crate::verify::{Purpose, bind, check as verify};
 
 const ROOM: u64 = 4000;
 
-/// A depot of 20 halls, 1,000 places in them and 3,980 things on or in the places.
+/// A depot of 20 halls with 1,000 places and 3,980 objects.
 fn depot(domain: &Domain) -> World {
     let kinds = ["bench", "locker", "rack", "chest", "trolley"];
     let things = ["gasket", "spanner", "flange", "rivet", "gauge", "funnel", "lantern"];
@@ -56,8 +56,7 @@ fn check_fits(request: &ChatRequest) {
     assert!(tokens <= ROOM, "{tokens}");
 }
 
-/// Asks for something in the depot; a model that answers as it should gives `answer`, with which the plan for the whole
-/// depot is a good one.
+/// Checks the dialogue about the depot: the expected reply `answer` leads to a valid plan in the whole depot.
 #[track_caller]
 fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answer: &str) {
     let mut counter = EstimatedTokens::default();
@@ -105,7 +104,7 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
 fn goals_in_a_world_of_five_thousand_things() {
     let domain = shipped("virtualhome").unwrap().unwrap();
     let depot = depot(&domain);
-    // There is one teapot, and 200 places of each kind.
+    // There are one teapot and 200 places of each kind.
     let teapot = depot.entity(depot.find("<teapot_9999>").unwrap());
     assert_eq!(teapot.name, "teapot");
     check(
@@ -160,7 +159,7 @@ fn a_reply_about_a_part_leaves_the_rest_of_the_world_as_it_was() {
     let prepared = direct_request(&domain, &depot, instruction, &[], &[], Some(2 * ROOM), &mut counter).unwrap();
     let turn = &prepared.request.messages.last().unwrap().text;
     let shown: Value = serde_json::from_str(turn.split("```").nth(1).unwrap().trim_start_matches("json")).unwrap();
-    // What a model that was shown only this would claim.
+    // The claim of a model that was shown only this part.
     let mut after = shown["environment"].clone();
     after["object_states"]["<teapot_9999>"] = json!([format!("ON({bench})")]);
     let reply = json!({

@@ -12,7 +12,7 @@ fn household(file: &str, text: &str) -> Domain {
     load(&files).unwrap()
 }
 
-/// What is said of a household whose `file` of `prompt/` reads like this.
+/// Compares the findings for a household with this text in `file` of `prompt/`.
 #[track_caller]
 fn check(file: &str, text: &str, expected: &str) {
     let domain = household(file, text);

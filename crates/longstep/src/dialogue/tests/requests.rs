@@ -1,4 +1,4 @@
-//! Requests of the direct strategy, cut to size.
+//! Requests of the direct strategy, shortened to fit.
 
 use serde_json::Value;
 
@@ -37,8 +37,8 @@ fn total(request: &ChatRequest) -> u64 {
     EstimatedTokens::default().tokens(&request.messages)
 }
 
-/// What is left of 40 trunks with a hat each and of 10 earlier exchanges when there is so much less room than it takes
-/// to say it all: exchanges dropped and entities left out.
+/// Compares the dropped exchanges and omitted entities, for 40 trunks with a hat each and 10 earlier exchanges, when
+/// the budget is smaller than the whole by this many tokens.
 #[track_caller]
 fn check(less: u64, expected: Option<(usize, usize)>) {
     let domain = shipped("household").unwrap().unwrap();
@@ -116,7 +116,7 @@ fn rounds_follow_the_query_and_are_never_dropped() {
     assert_eq!(cut.request.messages[cut.request.fixed..], all.messages[all.fixed + 6..]);
 }
 
-/// What OpenAI's strict mode asks of every object: all keys required, no others.
+/// Checks the rules of OpenAI's strict mode: all keys required, no others.
 #[track_caller]
 pub(super) fn check_strict(schema: &Value) {
     match schema {

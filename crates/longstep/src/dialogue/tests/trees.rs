@@ -1,4 +1,4 @@
-//! Domains that sense or have actors: their plans are asked for as trees, and nothing changes for the others.
+//! Domains with sensing actions or actors request plans as trees; others keep lists.
 
 use serde_json::{Value, json};
 
@@ -24,7 +24,7 @@ fn all_told(domain: &Domain) -> String {
     texts.join("\n") + &direct_schema(domain, &larder(domain)).to_string()
 }
 
-/// Which of the words for trees a domain's prompt and schema have.
+/// Returns which of the tree keywords occur in a domain's prompt and schema.
 #[track_caller]
 fn check(domain: &str, expected: &[&str]) {
     let told = all_told(&shipped(domain).unwrap().unwrap());
@@ -95,7 +95,7 @@ fn an_example_branches_and_its_answer_fits_the_schema() {
     assert_eq!(branching, 1);
 }
 
-/// What is said of a household with checks whose only example has this script.
+/// Returns the findings for a household with checks whose only example has this script.
 #[track_caller]
 fn check_script(script: &str, expected: &str) {
     let text = format!(
