@@ -1,4 +1,4 @@
-//! What has been accepted.
+//! Accepted plans.
 
 use super::StepRecord;
 use crate::environment::{EntityId, World};
@@ -7,21 +7,21 @@ use crate::model::Domain;
 use crate::plan::{self, PlanFile, Step, TaskCohesion};
 use crate::verify::{Ending, VerifiedPlan};
 
-/// An instruction that was carried through.
+/// An instruction with its accepted plan.
 #[derive(Debug, Clone)]
 pub struct Accepted {
-    /// What was asked for.
+    /// The instruction.
     pub instruction: String,
-    /// The world before.
+    /// The world before the plan.
     pub before: World,
-    /// What was done.
+    /// The plan.
     pub plan: VerifiedPlan,
-    /// The goal that it was made for, if it was made for one.
+    /// Its goal, if it has one.
     pub goal: Option<Goal>,
 }
 
 impl Accepted {
-    /// The plan as it is saved, with the environments that it can lead to.
+    /// Returns the plan in its saved form, with all possible final environments.
     pub(super) fn file(&self, domain: &Domain) -> PlanFile {
         let environment = |ending: &Ending| self.before.after(domain, ending).environment;
         let (environment_after, endings) = plan::endings(domain, &self.before, self.plan.endings(), environment);
@@ -40,7 +40,7 @@ impl Accepted {
         facts.map(|fact| fact.exact(domain, &self.before)).collect()
     }
 
-    /// What the instruction was about: the subjects of its goal, or what was handled.
+    /// Returns the entities that a pronoun can refer to: the subjects of the goal, or else the handled objects.
     pub(super) fn subjects(&self, domain: &Domain) -> Vec<EntityId> {
         let mut subjects: Vec<EntityId> = match &self.goal {
             Some(goal) => goal.facts.iter().filter_map(|fact| fact.subject(domain)).collect(),

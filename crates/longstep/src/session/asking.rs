@@ -1,4 +1,4 @@
-//! A model is asked, and answers.
+//! Model requests and replies.
 
 use super::{Event, OutOfTurn, Session, Stage, Stuck, Trouble, Turn, direct, goal};
 use crate::dialogue::{DialogueError, Finish, Prepared, PromptError, Reply, TokenCounter};
@@ -7,21 +7,21 @@ use crate::feedback::{FeedbackDialogue, Wish};
 use super::Strategy;
 use goal::GoalAsking;
 
-/// What the model is asked for.
+/// A pending model request.
 #[derive(Debug, Clone)]
 pub(super) struct Asking {
     pub(super) what: What,
-    /// Whether the request is in the log.
+    /// True if the log contains the request.
     pub(super) told: bool,
 }
 
 #[derive(Debug, Clone)]
 pub(super) enum What {
-    /// A goal. The conversation begins when it is known how much fits.
+    /// A goal. The dialogue starts when the token budget is known.
     Goal(Option<Box<GoalAsking>>),
     /// A whole plan.
     Plan,
-    /// What a person's words about a plan ask for.
+    /// The interpretation of feedback on a plan.
     Wish(Box<FeedbackDialogue>, String),
 }
 
@@ -32,7 +32,7 @@ impl Asking {
 }
 
 impl Session {
-    /// Asks the way that the settings say.
+    /// Creates a request according to the strategy.
     pub(super) fn ask(&self) -> Asking {
         Asking::new(match self.settings.strategy {
             Strategy::Goal => What::Goal(None),
@@ -40,12 +40,12 @@ impl Session {
         })
     }
 
-    /// Asks about a person's words on the plan of the turn, and has the conversation go on with them.
+    /// Creates a request for feedback on the turn's plan, and adds the feedback to the rounds if needed.
     pub(super) fn ask_about(&self, turn: &mut Turn, words: &str) -> Asking {
         let Some(proposal) = &turn.proposal else {
             return self.ask();
         };
-        // Words about single steps are understood of a list of them; of a tree, what is wanted is talked about.
+        // Step wishes need a linear plan; for a tree, feedback concerns the goal or the whole plan.
         let is_sequence = proposal.plan.plan().is_sequence();
         match self.settings.strategy {
             Strategy::Goal if !is_sequence && proposal.goal.is_some() => {
@@ -67,7 +67,7 @@ impl Session {
         }
     }
 
-    /// What to send to the model now.
+    /// Returns the request to the model, and records it once.
     pub(super) fn request(
         &mut self,
         turn: Turn,
@@ -128,11 +128,11 @@ impl Session {
         });
     }
 
-    /// Takes a model's reply, which took so many milliseconds.
+    /// Processes a model's reply; `milliseconds` is its duration.
     ///
     /// # Errors
     ///
-    /// When no model was asked.
+    /// No model request is pending.
     pub fn supply(&mut self, reply: &Reply, milliseconds: f64) -> Result<(), OutOfTurn> {
         let stage = std::mem::replace(&mut self.stage, Stage::Idle);
         let Stage::Asking(mut turn, asking) = stage else {
@@ -155,12 +155,11 @@ impl Session {
         Ok(())
     }
 
-    /// The model was asked and did not answer: the plan that the words were about is there again, or the
-    /// instruction is stuck.
+    /// Records a failed model call. The plan under discussion is proposed again, or the instruction is stuck.
     ///
     /// # Errors
     ///
-    /// When no model was asked.
+    /// No model request is pending.
     pub fn failed(&mut self, error: &str) -> Result<(), OutOfTurn> {
         let stage = std::mem::replace(&mut self.stage, Stage::Idle);
         let Stage::Asking(turn, _) = stage else {
@@ -180,7 +179,7 @@ impl Session {
     }
 }
 
-/// A reply that cannot be used.
+/// Returns the failure for an unusable reply.
 pub(super) fn unusable(error: &DialogueError) -> Stuck {
     Stuck {
         why: error.to_string(),
@@ -207,7 +206,7 @@ impl Event {
         }
     }
 
-    /// The reply of an event, if it is one.
+    /// Returns the reply of an event, if it is one.
     pub(super) fn as_reply(&self) -> Option<(Reply, f64)> {
         let Self::Reply {
             text,

@@ -1,4 +1,4 @@
-//! Sessions in which a plan can end in several ways.
+//! Sessions with plans that have several endings.
 
 use super::tests::{goals, reply};
 use super::{Entry, Event, Log, ModelFacts, Need, Session, Settings};
@@ -63,7 +63,7 @@ fn the_next_instruction_begins_where_the_plan_is_told_to_have_ended() {
         when.concat(),
         ["the cheese is not past its date", "the cheese is past its date"]
     );
-    // Nothing goes on until it is told, and what is told is one of them.
+    // Only an existing ending is accepted now.
     assert!(session.instruct("Put the cheese on the worktop").is_err());
     assert!(session.cancel().is_err());
     assert!(session.ended(2).is_err());

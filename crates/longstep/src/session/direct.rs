@@ -1,4 +1,4 @@
-//! The direct strategy: the model writes the whole plan, and the environment after it.
+//! The direct strategy: the model writes the whole plan and the final environment.
 
 use super::asking::{Asking, What, unusable};
 use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn, sentence};
@@ -13,7 +13,7 @@ use crate::report::Assessment;
 use crate::report::Status;
 use crate::verify::VerifiedPlan;
 
-/// The model's last word is the plan that the person saw, repaired or not: that is what their words are about.
+/// Returns a round with feedback. Its reply is the proposed plan after repair, since the feedback refers to that plan.
 pub(super) fn round(domain: &Domain, proposal: &Proposal, words: &str) -> Round {
     Round {
         replied: answered(domain, &proposal.answer.plan),
@@ -22,7 +22,7 @@ pub(super) fn round(domain: &Domain, proposal: &Proposal, words: &str) -> Round 
 }
 
 impl Session {
-    /// The request for a plan.
+    /// Returns the request for a plan.
     pub(super) fn plan_request(&self, turn: &Turn, counter: &mut dyn TokenCounter) -> Result<Prepared, PromptError> {
         let skipped = self.accepted.len().saturating_sub(self.settings.history);
         let history: Vec<Exchange> = (skipped..self.accepted.len())
@@ -40,7 +40,7 @@ impl Session {
         )
     }
 
-    /// An earlier instruction as a model is shown it: as if it had written the plan that was accepted.
+    /// Returns an earlier instruction as an exchange whose reply is the accepted plan.
     fn exchange(&self, number: usize) -> Option<Exchange> {
         let Accepted {
             instruction, before, ..
@@ -92,10 +92,10 @@ impl Session {
         }
     }
 
-    /// Looks at a plan that the model wrote.
+    /// Assesses a plan of the model.
     fn check(&self, turn: &Turn, assessment: Assessment<'_>, mend: bool) -> Checked {
         let started = (self.now)();
-        // What a person asked for is not repaired away.
+        // Repair must keep the changes that the person requested.
         let pins = turn
             .proposal
             .as_ref()
@@ -106,7 +106,7 @@ impl Session {
         let searched = (self.now)();
         let plan: Option<VerifiedPlan> = match outcome {
             Some(Outcome::Valid(plan)) => Some(plan.clone()),
-            // Giving up what the plan was for is no way to do what the person said about it.
+            // A repair that gives up claims would undo the feedback.
             Some(Outcome::Repaired(repaired)) if turn.proposal.is_some() && !repaired.given_up.is_empty() => None,
             Some(Outcome::Repaired(repaired)) => Some(repaired.plan.clone()),
             Some(_) => None,
@@ -121,7 +121,7 @@ impl Session {
         answer.timings_ms.search = if mend { searched - started } else { 0.0 };
         answer.timings_ms.verify = (self.now)() - searched;
         match plan {
-            // The person asked for something else than they have.
+            // The person asked for a different plan.
             Some(plan) if turn.is_as_before(&plan) => Checked::AsBefore,
             Some(plan) => Checked::Plan(Box::new(Proposal {
                 plan,
@@ -137,7 +137,7 @@ impl Session {
                     false => wrong.join("; "),
                 };
                 Checked::Wrong {
-                    // Where nobody is asked again, nothing is said.
+                    // Feedback is needed only if another round follows.
                     told: match turn.corrections >= self.settings.rounds {
                         true => String::new(),
                         false => assessment.feedback(),
@@ -152,7 +152,7 @@ impl Session {
         }
     }
 
-    /// Tells the model what is wrong and asks again; when it has been told often enough, nothing came of it.
+    /// Sends a correction to the model. After the last round, the instruction fails instead.
     fn correct(&mut self, mut turn: Turn, reply: &Reply, told: String, stuck: Stuck) {
         if turn.corrections >= self.settings.rounds {
             return self.give_up(turn, stuck);
@@ -169,7 +169,7 @@ impl Session {
         self.stage = Stage::Asking(turn, Asking::new(What::Plan));
     }
 
-    /// What a conversation goes on from when nothing came of it: what the model said last.
+    /// Returns the last reply of a failed instruction, for the next round.
     pub(super) fn reply_of(&self, stuck: &Stuck) -> String {
         match &stuck.answer {
             Some(answer) if answer.status != Status::Question && !answer.goal.is_empty() => answer.goal.join(" & "),
@@ -179,18 +179,19 @@ impl Session {
     }
 }
 
-/// A plan that the model wrote, looked at.
+/// The result of the assessment of a model's plan.
 enum Checked {
-    /// It is good, or repair made it so.
+    /// A valid plan, perhaps after repair.
     Plan(Box<Proposal>),
-    /// It is the plan that the person wants changed.
+    /// The plan equals the one that the feedback rejects.
     AsBefore,
-    /// It is not valid: feedback for the model, and what is left if nobody asks it again.
+    /// An invalid plan: feedback for the model, and the failure if no round follows.
     Wrong { told: String, stuck: Stuck },
 }
 
 impl Turn {
-    /// Whether the person had words about this very plan. Other explanations of the steps may be what they asked for.
+    /// Returns true if the plan has the steps that the feedback rejects. Explanations count too, since feedback may
+    /// concern them.
     fn is_as_before(&self, plan: &VerifiedPlan) -> bool {
         let before = self.proposal.as_ref();
         before.is_some_and(|proposal| proposal.plan.steps() == plan.steps())

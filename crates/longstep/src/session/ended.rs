@@ -1,19 +1,19 @@
-//! How a plan came out that can end in several ways.
+//! Accepted plans with several possible endings.
 
 use super::{Accepted, Event, OutOfTurn, Session, Stage};
 use crate::environment::{Environment, Fact, Voice, World};
 use crate::model::Domain;
 
-/// A way in which an accepted plan may have ended.
+/// A possible ending of an accepted plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ended {
-    /// What sensing told then, as sentences: at least what tells it from the other ways.
+    /// Sensing outcomes that distinguish it from the other endings, as sentences.
     pub when: Vec<String>,
-    /// The environment that it left.
+    /// The final environment.
     pub environment: Environment,
 }
 
-/// A world that a plan may have left, and what sensing told where it did.
+/// A possible final world, with the sensing outcomes that lead to it.
 #[derive(Debug, Clone)]
 pub(super) struct Left {
     when: Vec<Fact>,
@@ -21,7 +21,7 @@ pub(super) struct Left {
 }
 
 impl Accepted {
-    /// The worlds that the next instruction may begin in, at least one. Endings that leave the same world are one.
+    /// Returns the possible final worlds, at least one. Endings with equal worlds are merged.
     pub(super) fn leaves(&self, domain: &Domain) -> Vec<Left> {
         let mut all: Vec<Left> = Vec::new();
         for ending in self.plan.endings() {
@@ -36,7 +36,7 @@ impl Accepted {
                 }),
             }
         }
-        // What sensing told on all of them tells none from another.
+        // Sensing outcomes that all endings share distinguish none of them.
         let common: Vec<Fact> = all[0]
             .when
             .iter()
@@ -51,7 +51,8 @@ impl Accepted {
 }
 
 impl Session {
-    /// Goes on from an accepted plan, as far as it is known how it ends.
+    /// Continues after an accepted plan. With one possible final world, the session enters it; with several, it waits
+    /// for the ending.
     pub(super) fn carry_on(&mut self, accepted: Accepted) {
         let mut left = accepted.leaves(&self.domain);
         self.accepted.push(accepted);
@@ -64,7 +65,7 @@ impl Session {
         };
     }
 
-    /// In which ways the plan that was accepted last may have ended, where the session cannot know which; else none.
+    /// Returns the possible endings of the last accepted plan if it has several, else an empty list.
     pub fn endings(&self) -> Vec<Ended> {
         let Stage::Ending(left) = &self.stage else {
             return Vec::new();
@@ -80,11 +81,11 @@ impl Session {
         left.iter().map(told).collect()
     }
 
-    /// Takes which of [`Session::endings`] came about, from 0: the next instruction begins there.
+    /// Selects one of [`Session::endings`], from 0. The next instruction starts there.
     ///
     /// # Errors
     ///
-    /// When it is known how the last plan ended, or when it cannot have ended so.
+    /// No ending is open, or the number is too large.
     pub fn ended(&mut self, number: usize) -> Result<(), OutOfTurn> {
         let Stage::Ending(left) = &mut self.stage else {
             return Err(self.out_of_turn("how a plan ended"));

@@ -1,7 +1,7 @@
-//! What happens in a session, as it is written down.
+//! The events of a session.
 //!
-//! One event is one line of JSON. Events are a wire format of their own: the log of today is read by the program of
-//! tomorrow, so fields are added, never renamed, and a change that older programs cannot read raises [`VERSION`].
+//! An event is one line of JSON in the log. Events are a wire format: new versions read old logs, so fields are added
+//! and never renamed. A change that older programs cannot read raises [`VERSION`].
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -11,156 +11,156 @@ use crate::dialogue::{Message, Role, Usage};
 use crate::environment::Environment;
 use crate::plan::PlanFile;
 
-/// The version of the log that this library writes, and the newest that it reads.
+/// The version of logs that this library writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
 
-/// Something that happened.
+/// An event of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum Event {
-    /// The session begins: everything that it depends on.
+    /// The session starts.
     Begin {
-        /// Of the log.
+        /// Version of the log.
         version: u32,
-        /// The domain's name, or its folder.
+        /// Name or folder of the domain.
         domain: String,
-        /// The first environment.
+        /// The initial environment.
         environment: Box<Environment>,
-        /// How the session goes about it.
+        /// The initial settings.
         settings: Settings,
     },
-    /// From now on this model is asked.
+    /// The model for the following requests.
     Model {
-        /// What it is called.
+        /// Its name.
         name: String,
-        /// Whether it takes a JSON schema; else it obeys a grammar.
+        /// True if it supports JSON schemas; false for a grammar.
         schema: bool,
-        /// How many tokens prompt and answer may have together, if that is known.
+        /// Context length in tokens, for prompt and answer together, if known.
         context: Option<u64>,
     },
-    /// From now on the session goes about it in another way.
+    /// The settings for the following inputs.
     Settings(Settings),
-    /// A person says what is wanted.
+    /// An instruction of the person.
     Instruction {
-        /// In these words.
+        /// Its text.
         text: String,
     },
-    /// The fixed part of requests to come, which is not repeated in each of them.
+    /// A fixed prompt part. Requests refer to it by number.
     Prompt {
-        /// Requests refer to it by this number.
+        /// Its number.
         number: usize,
-        /// Its turns.
+        /// Its messages.
         messages: Vec<MessageRecord>,
     },
-    /// A model is asked.
+    /// A request to the model.
     Request {
-        /// The fixed part.
+        /// Number of its fixed part.
         prompt: usize,
-        /// The turns behind it.
+        /// The messages after the fixed part.
         messages: Vec<MessageRecord>,
-        /// How the answer begins already.
+        /// Start of the answer, which the reply continues.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         answer_so_far: String,
-        /// At most so many tokens are wanted.
+        /// Token budget of the reply.
         max_tokens: u32,
-        /// Pairs of earlier instructions that did not fit.
+        /// Number of dropped exchanges of the history.
         #[serde(default, skip_serializing_if = "is_zero")]
         dropped: usize,
-        /// Things of the environment that the model was not told of.
+        /// Number of entities that the prompt omits.
         #[serde(default, skip_serializing_if = "is_zero")]
         left_out: usize,
     },
-    /// The model is told of these things only, since more do not fit.
+    /// The entities in the following prompts, since the whole world does not fit.
     Focus {
         /// Their identifiers.
         kept: Vec<String>,
     },
-    /// The model answers.
+    /// A reply of the model.
     Reply {
-        /// Its words, as they came.
+        /// Its text, unchanged.
         text: String,
-        /// Why it ended: `stop`, `length` or `refused`.
+        /// Reason why generation ended: `stop`, `length` or `refused`.
         finish: String,
-        /// What it cost, in tokens.
+        /// Token counts.
         usage: UsageRecord,
-        /// How long it took, in milliseconds.
+        /// Duration in milliseconds.
         milliseconds: f64,
     },
-    /// The model was asked and did not answer.
+    /// A model call failed.
     Failed {
-        /// Why.
+        /// The reason.
         error: String,
     },
-    /// A plan was looked at; programs know this object from `longstep plan --json`.
+    /// The verdict on a plan, as the JSON object of `longstep plan --json`.
     Verdict {
-        /// The answer, edits and violations included.
+        /// The answer with its edits and violations.
         answer: Value,
     },
-    /// What a model is told about its plan or its reply before it tries again.
+    /// Feedback to the model on its plan or reply, before its next attempt.
     Correction {
-        /// In these words.
+        /// Its text.
         text: String,
     },
-    /// The person is asked.
+    /// A question to the person.
     Question {
-        /// In these words.
+        /// Its text.
         text: String,
     },
-    /// The person answers a question.
+    /// The person's answer to a question.
     Answer {
-        /// In these words.
+        /// Its text.
         text: String,
     },
-    /// The person says what is to be different about a plan.
+    /// The person's feedback on a plan.
     Feedback {
-        /// In these words.
+        /// Its text.
         text: String,
     },
-    /// What the person asked for cannot be had.
+    /// The feedback is impossible to fulfil.
     Refused {
-        /// Why, as sentences.
+        /// The reasons, as sentences.
         why: Vec<String>,
     },
-    /// Nothing came of the instruction.
+    /// The instruction led to no plan.
     Stuck {
-        /// Why.
+        /// The reason.
         why: String,
     },
-    /// A verified plan is accepted: what comes next begins where it ends.
+    /// A verified plan is accepted. The next instruction starts in its final world.
     Accept {
-        /// From 0.
+        /// Number of the plan, from 0.
         number: usize,
-        /// What was asked for.
+        /// The instruction.
         instruction: String,
-        /// The goal that it was made for, with the environment's identifiers; empty if it was made for none.
+        /// Goal of the plan, with identifiers of the environment; empty if it has none.
         goal: Vec<String>,
-        /// Its steps with every argument.
+        /// Its steps with all arguments.
         steps: Vec<StepRecord>,
         /// The plan in the paper's JSON, with the simulated environment.
         plan: Box<PlanFile>,
     },
-    /// It is told how the plan ended that was accepted last, where it can end in several ways.
+    /// The ending of the last accepted plan, if it has several.
     Ended {
-        /// Which of its endings, from 0.
+        /// Index of the ending, from 0.
         number: usize,
-        /// The environment that it left.
+        /// The environment after it.
         environment: Box<Environment>,
     },
-    /// The last accepted plan is taken back.
+    /// The last accepted plan is reverted.
     Undo {
         /// Its number.
         number: usize,
     },
-    /// The instruction at hand is given up.
+    /// The current activity is cancelled: feedback or the instruction.
     Cancel,
 }
 
-/// A turn of a conversation.
+/// A message of a conversation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MessageRecord {
     /// `system`, `user` or `assistant`.
     pub role: String,
-    /// What is said.
+    /// Its text.
     pub text: String,
 }
 
@@ -178,14 +178,14 @@ impl From<&Message> for MessageRecord {
     }
 }
 
-/// What a call cost, in tokens.
+/// Token counts of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UsageRecord {
-    /// Of the prompt.
+    /// Prompt tokens.
     pub prompt_tokens: u64,
-    /// Of those, how many needed no computation.
+    /// Prompt tokens that came from the prefix cache.
     pub cached_tokens: u64,
-    /// Of the answer.
+    /// Generated tokens.
     pub completion_tokens: u64,
 }
 
@@ -210,14 +210,14 @@ impl From<UsageRecord> for Usage {
     }
 }
 
-/// A step with everything that the call syntax hides.
+/// A step with all arguments.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepRecord {
-    /// The action's name in the PDDL.
+    /// Name of the action in the PDDL.
     pub action: String,
-    /// One identifier for each of its parameters.
+    /// One identifier for each parameter of the action.
     pub arguments: Vec<String>,
-    /// What it does.
+    /// Description of the step.
     pub explanation: String,
 }
 

@@ -1,4 +1,4 @@
-//! The goal strategy: the model says what is wanted, and search finds the steps.
+//! The goal strategy: the model writes goals, and search finds the steps.
 
 use super::asking::{Asking, What, unusable};
 use super::{Event, Proposal, Session, Stage, Stuck, Trouble, Turn, sentence};
@@ -11,18 +11,18 @@ use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
 use crate::report;
 use crate::report::{Answer, EditAnswer};
 
-/// A conversation about goals.
+/// A goal dialogue in progress.
 #[derive(Debug, Clone)]
 pub(super) struct GoalAsking {
     dialogue: GoalDialogue,
-    /// The part of the world that the model is told of; none if it is all of it.
+    /// The part of the world in the prompt; none for the whole world.
     seen: Option<World>,
     left_out: usize,
     costs: Vec<PartCost>,
 }
 
 impl Session {
-    /// The request for goals.
+    /// Returns the request for goals.
     pub(super) fn goal_request(
         &mut self,
         turn: &Turn,
@@ -58,7 +58,7 @@ impl Session {
         })
     }
 
-    /// The instruction with what was handled last in place of a pronoun that leaves it open.
+    /// Returns the instruction with an open pronoun replaced by the entities of the last plan.
     fn spelled_out(&self, turn: &Turn) -> String {
         let spelled = self.pronoun(&turn.instruction);
         spelled.map_or_else(|| turn.instruction.clone(), |spelled| spelled.text)
@@ -69,7 +69,7 @@ impl Session {
         goal::spelled_out(&self.domain, &self.world, instruction, &last.subjects(&self.domain))
     }
 
-    /// The conversation as it begins when the model was told of these things, or of everything.
+    /// Starts the dialogue with these entities in the prompt, or with all.
     pub(super) fn goal_asking(&self, turn: &Turn, kept: Option<&[String]>) -> GoalAsking {
         let (domain, world) = (&self.domain, &self.world);
         let seen = kept.map(|kept| {
@@ -86,7 +86,7 @@ impl Session {
         }
     }
 
-    /// What the model was told of, where a log says so: the conversation begins with that.
+    /// Starts the dialogue with the entities that a log records.
     pub(super) fn focus(&mut self, kept: Option<Vec<String>>) {
         let Stage::Asking(turn, asking) = &self.stage else {
             return;
@@ -114,7 +114,7 @@ impl Session {
                     Some(Understanding::Question(question)) => {
                         self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
                     }
-                    // A part of the world has only things of the whole.
+                    // Unreachable: each entity of the part exists in the whole world.
                     None => self.give_up(turn, unusable(&DialogueError::Refused)),
                 }
             }
@@ -157,7 +157,7 @@ impl Session {
         }
     }
 
-    /// What was understood, and the words about it.
+    /// Returns a round with the goal of the proposal and the feedback on it.
     pub(super) fn goal_round(&self, turn: &Turn, words: String) -> Round {
         let facts = turn.proposal.iter().flat_map(|proposal| &proposal.goal);
         let texts = facts.flat_map(|goal| &goal.facts);
@@ -168,14 +168,14 @@ impl Session {
         }
     }
 
-    /// The words are about what is wanted: the conversation about it goes on.
+    /// Continues the goal dialogue with feedback that concerns the goal.
     pub(super) fn ask_for_another_goal(&mut self, mut turn: Turn, words: String) {
         let round = self.goal_round(&turn, words);
         turn.rounds.push(round);
         self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
     }
 
-    /// The words are about the steps: the plan is changed so, if that can be had.
+    /// Applies feedback that concerns the steps, or refuses it.
     pub(super) fn amend(&mut self, mut turn: Turn, wishes: &[StepWish]) {
         let Some(proposal) = turn.proposal.as_deref() else {
             return self.stage = Stage::Idle;
@@ -212,7 +212,7 @@ impl Session {
 }
 
 impl Turn {
-    /// Puts what the instruction has cost so far into an answer.
+    /// Adds the token counts and model time of the instruction to an answer.
     pub(super) fn price(&self, answer: &mut Answer) {
         answer.usage = self.usage.into();
         answer.usage.rounds = self.corrections;

@@ -1,4 +1,4 @@
-//! The event log as text: JSON Lines, each line an event and when it happened.
+//! The event log in JSON Lines format. Each line is an event with its time.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,62 +7,62 @@ use super::{Event, VERSION};
 /// A line of a log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
-    /// When, as whoever writes the log tells it; not looked at.
+    /// Time of the event, as the writer gives it; never parsed.
     pub at: String,
-    /// What.
+    /// The event.
     #[serde(flatten)]
     pub event: Event,
 }
 
 impl Entry {
-    /// The line, with its end.
+    /// Returns the JSON line with its line break.
     pub fn line(&self) -> String {
-        // Every part of an event can be written as JSON: keys are strings, numbers are finite.
+        // Serialization cannot fail: keys are strings and numbers are finite.
         let mut line = serde_json::to_string(self).unwrap_or_default();
         line.push('\n');
         line
     }
 }
 
-/// A log as it was read.
+/// A parsed log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Log {
-    /// The whole lines.
+    /// The complete lines.
     pub entries: Vec<Entry>,
-    /// How many bytes of the text they take; what is behind is torn.
+    /// Length of the complete lines in bytes; the rest is a torn line.
     pub whole: usize,
-    /// How many bytes were cut off at the end: a line that was being written when the program was killed.
+    /// Length of the torn line at the end in bytes, left by a program that was interrupted while writing.
     pub torn: usize,
 }
 
-/// Why a text is no log.
+/// Reason why a text is not a valid log.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LogError {
-    /// There is no whole line in it.
+    /// The text has no complete line.
     #[error("the session has not begun: its log has no whole line")]
     Empty,
-    /// The first line is something else.
+    /// The first line does not start a session.
     #[error("this is no session log: its first line does not begin a session")]
     NoBeginning,
-    /// It was written by a newer program.
+    /// A newer program wrote the log.
     #[error("the session log has version {found}, and this program reads up to {VERSION}")]
     TooNew {
-        /// Its version.
+        /// Version of the log.
         found: u32,
     },
-    /// A line in the middle cannot be read.
+    /// A line before the end is invalid.
     #[error("line {line} of the session log is damaged: {reason}")]
     Damaged {
-        /// From 1.
+        /// Line number, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
 }
 
 impl Log {
-    /// Reads a log. A last line that is not whole is left out: its event never happened, since nobody goes on before
-    /// a line is on the disk.
+    /// Parses a log. An incomplete last line is ignored: its event did not take effect, since a session continues only
+    /// after a line is on disk.
     ///
     /// ```
     /// use longstep::session::{Log, LogError};
@@ -71,7 +71,7 @@ impl Log {
     ///
     /// # Errors
     ///
-    /// When it is no log, is too new, or is damaged before its end.
+    /// The text is no log, its version is too new, or it is damaged before its end.
     pub fn read(bytes: &[u8]) -> Result<Self, LogError> {
         let mut whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
         let mut entries: Vec<Entry> = Vec::new();
@@ -79,7 +79,7 @@ impl Log {
         for (index, line) in lines.iter().enumerate() {
             match serde_json::from_slice::<Entry>(line) {
                 Ok(entry) => entries.push(entry),
-                // A disk that lost power may keep a line's end without its middle.
+                // A power failure can leave the end of a line on disk without its middle.
                 Err(_) if index + 1 == lines.len() && index > 0 => whole -= line.len(),
                 Err(error) => {
                     if let Some(found) = version(line).filter(|found| *found > VERSION) {
@@ -110,13 +110,14 @@ impl Log {
         })
     }
 
-    /// What happened, in order.
+    /// Returns the events, in order.
     pub fn events(&self) -> impl Iterator<Item = &Event> {
         self.entries.iter().map(|entry| &entry.event)
     }
 }
 
-/// What is wrong with a line; where in the line, since the line's own number is told beside it.
+/// Returns the reason why a line is invalid, with its column. The line number of the error is dropped, since the caller
+/// reports the number in the log.
 fn reason(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let (what, _) = text.rsplit_once(" at line ").unwrap_or((&text, ""));
@@ -126,7 +127,7 @@ fn reason(error: &serde_json::Error) -> String {
     }
 }
 
-/// The version that a line gives, whatever else stands in it.
+/// Returns the `version` of a line, ignoring all other fields.
 fn version(line: &[u8]) -> Option<u32> {
     #[derive(Deserialize)]
     struct Versioned {

@@ -1,12 +1,12 @@
-//! Many instructions, one world: the conversation as a state machine.
+//! Sessions: a sequence of instructions in one world, as a state machine.
 //!
-//! A [`Session`] never calls a model and never waits for anybody. It says what it needs ([`Session::need`]) and is
-//! given it: a model's reply ([`Session::supply`]), or a person's words ([`Session::instruct`], [`Session::answer`],
-//! [`Session::feedback`], [`Session::accept`]). So the program, a server, a notebook and an evaluation share one
-//! loop. Each instruction begins in the world that the last accepted plan was simulated to end in.
+//! A [`Session`] performs no I/O and never waits. [`Session::need`] returns its next input: a model's reply
+//! ([`Session::supply`]), or input from the person ([`Session::instruct`], [`Session::answer`], [`Session::feedback`],
+//! [`Session::accept`]). The program, a server, a notebook and an evaluation can therefore share one loop. Each
+//! instruction starts in the simulated final world of the last accepted plan.
 //!
-//! Everything that happens comes out as an [`Event`] ([`Session::take_events`]). Whoever keeps the events can go on
-//! later from where the session was ([`Session::resume`]): a session is a function of what it was given.
+//! Every change is recorded as an [`Event`] ([`Session::take_events`]). A session is a function of its inputs, so
+//! [`Session::resume`] can restore it from its events.
 //!
 //! ```
 //! use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
@@ -72,7 +72,7 @@ use crate::report::Stopwatch;
 
 use stage::{Stage, Turn, sentence};
 
-/// A chain of instructions over one evolving world.
+/// A sequence of instructions in a changing world.
 #[derive(Debug, Clone)]
 pub struct Session {
     domain: Arc<Domain>,
@@ -81,14 +81,14 @@ pub struct Session {
     world: World,
     accepted: Vec<Accepted>,
     stage: Stage,
-    /// The fixed parts that requests began with so far.
+    /// Distinct fixed prompt parts of the requests so far.
     prompts: Vec<Vec<Message>>,
     events: Vec<Event>,
     now: Stopwatch,
 }
 
 impl Session {
-    /// Begins a session. `domain_name` is how the domain is found again: its name or folder.
+    /// Starts a session. `domain_name` identifies the domain in the log: its name or folder.
     pub fn new(
         domain_name: &str,
         domain: impl Into<Arc<Domain>>,
@@ -118,13 +118,13 @@ impl Session {
         session
     }
 
-    /// What the session needs to go on. `counter` counts tokens as the model does; it is asked only where it is known
-    /// how many there may be.
+    /// Returns the next input that the session needs. `counter` counts tokens as the model does; it is used only if the
+    /// context length is known.
     ///
     /// # Errors
     ///
-    /// When even what must be said does not fit into the model's context, or the domain's prompt cannot be rendered.
-    /// The instruction is then stuck.
+    /// The prompt exceeds the context length even after shortening, or the domain's prompt cannot be rendered. The
+    /// instruction is then stuck.
     pub fn need(&mut self, counter: &mut dyn TokenCounter) -> Result<Need, PromptError> {
         self.stage = match std::mem::replace(&mut self.stage, Stage::Idle) {
             Stage::Asking(turn, asking) => {
@@ -145,7 +145,7 @@ impl Session {
         })
     }
 
-    /// The request that comes next, with what each part of it costs; none if no model is to be asked.
+    /// Returns the next request with its token counts by part, or none if no model reply is pending.
     ///
     /// # Errors
     ///
@@ -160,32 +160,32 @@ impl Session {
         }
     }
 
-    /// The events since the last time.
+    /// Returns the events since the last call.
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.events)
     }
 
-    /// The domain.
+    /// Returns the domain.
     pub fn domain(&self) -> &Domain {
         &self.domain
     }
 
-    /// The world as it is before the instruction at hand.
+    /// Returns the world before the current instruction.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// How the session goes about it.
+    /// Returns the settings.
     pub fn settings(&self) -> Settings {
         self.settings
     }
 
-    /// The plans accepted so far, in order.
+    /// Returns the accepted plans, in order.
     pub fn accepted(&self) -> &[Accepted] {
         &self.accepted
     }
 
-    /// The plan that waits for a decision.
+    /// Returns the plan that waits for a decision.
     pub fn proposal(&self) -> Option<&Proposal> {
         match &self.stage {
             Stage::Proposed(turn) => turn.proposal.as_deref(),
@@ -193,7 +193,7 @@ impl Session {
         }
     }
 
-    /// Why nothing came of the instruction.
+    /// Returns the reason why the instruction failed, if it did.
     pub fn stuck(&self) -> Option<&Stuck> {
         match &self.stage {
             Stage::Stuck(_, stuck) => Some(stuck),
@@ -201,7 +201,7 @@ impl Session {
         }
     }
 
-    /// The question that waits for a person's answer.
+    /// Returns the question that waits for the person's answer.
     pub fn question(&self) -> Option<&str> {
         match &self.stage {
             Stage::Question(_, _, question) => Some(question),
@@ -209,17 +209,17 @@ impl Session {
         }
     }
 
-    /// Whether a model is to be asked.
+    /// Returns true if the session waits for a model's reply.
     pub fn wants_model(&self) -> bool {
         matches!(self.stage, Stage::Asking(..))
     }
 
-    /// The model that is asked.
+    /// Returns the current model.
     pub fn model(&self) -> &ModelFacts {
         &self.model
     }
 
-    /// The instruction at hand.
+    /// Returns the current instruction.
     pub fn instruction(&self) -> Option<&str> {
         match &self.stage {
             Stage::Idle | Stage::Ending(_) => None,
@@ -229,7 +229,7 @@ impl Session {
         }
     }
 
-    /// What the instruction at hand has cost so far, and for how many milliseconds a model was at work.
+    /// Returns the token counts of the current instruction so far, and the time of its model calls in milliseconds.
     pub fn cost(&self) -> (Usage, f64) {
         match &self.stage {
             Stage::Idle | Stage::Ending(_) => (Usage::default(), 0.0),
@@ -239,7 +239,7 @@ impl Session {
         }
     }
 
-    /// From now on another model is asked.
+    /// Sets the model for the following requests.
     pub fn set_model(&mut self, model: ModelFacts) {
         self.events.push(Event::Model {
             name: model.name.clone(),
@@ -249,17 +249,17 @@ impl Session {
         self.model = model;
     }
 
-    /// From now on the session goes about it in another way.
+    /// Sets the settings for the following inputs.
     pub fn set_settings(&mut self, settings: Settings) {
         self.events.push(Event::Settings(settings));
         self.settings = settings;
     }
 
-    /// Takes an instruction. One that is stuck makes room for it.
+    /// Starts an instruction. It replaces one that is stuck.
     ///
     /// # Errors
     ///
-    /// When another instruction is at hand.
+    /// Another instruction is in progress.
     pub fn instruct(&mut self, text: &str) -> Result<(), OutOfTurn> {
         match self.stage {
             Stage::Idle | Stage::Stuck(..) => {}
@@ -278,11 +278,11 @@ impl Session {
         Ok(())
     }
 
-    /// Takes the person's answer to the question.
+    /// Answers the question.
     ///
     /// # Errors
     ///
-    /// When there is no question.
+    /// No question is open.
     pub fn answer(&mut self, text: &str) -> Result<(), OutOfTurn> {
         let Stage::Question(turn, reply, _) = &self.stage else {
             return Err(self.out_of_turn("an answer"));
@@ -297,11 +297,11 @@ impl Session {
         Ok(())
     }
 
-    /// Takes what a person wants to be different about the plan, or about what came of the instruction.
+    /// Gives feedback on the proposed plan, or on an instruction that is stuck.
     ///
     /// # Errors
     ///
-    /// When there is neither a plan nor trouble.
+    /// There is neither a proposed plan nor a stuck instruction.
     pub fn feedback(&mut self, text: &str) -> Result<(), OutOfTurn> {
         let (turn, asking) = match &self.stage {
             Stage::Proposed(turn) => {
@@ -325,12 +325,12 @@ impl Session {
         Ok(())
     }
 
-    /// Accepts the plan: the next instruction begins where it ends. Where it can end in several ways, the session has
-    /// to be told in which it did ([`Session::ended`]).
+    /// Accepts the plan. The next instruction starts in its final world. If the plan has several endings,
+    /// [`Session::ended`] must select one first.
     ///
     /// # Errors
     ///
-    /// When there is no plan to accept.
+    /// No plan is proposed.
     pub fn accept(&mut self) -> Result<(), OutOfTurn> {
         let Stage::Proposed(turn) = &mut self.stage else {
             return Err(self.out_of_turn("accepting"));
@@ -356,11 +356,11 @@ impl Session {
         Ok(())
     }
 
-    /// Gives up what is under way: words about a plan, and the plan is there again; else the instruction.
+    /// Cancels the current activity: feedback, after which the plan is proposed again, or else the instruction.
     ///
     /// # Errors
     ///
-    /// When nothing is under way.
+    /// There is nothing to cancel.
     pub fn cancel(&mut self) -> Result<(), OutOfTurn> {
         self.stage = match std::mem::replace(&mut self.stage, Stage::Idle) {
             stage @ (Stage::Idle | Stage::Ending(_)) => {
@@ -374,11 +374,11 @@ impl Session {
         Ok(())
     }
 
-    /// Takes the last accepted plan back, and returns its number.
+    /// Reverts the last accepted plan and returns its number.
     ///
     /// # Errors
     ///
-    /// When an instruction is at hand, or when there is nothing to take back.
+    /// An instruction is in progress, or there is no accepted plan.
     pub fn undo(&mut self) -> Result<usize, OutOfTurn> {
         if !matches!(self.stage, Stage::Idle | Stage::Stuck(..) | Stage::Ending(_)) {
             return Err(self.out_of_turn("undoing"));
@@ -396,7 +396,7 @@ impl Session {
         Ok(number)
     }
 
-    /// The plan with this number as it is saved.
+    /// Returns the plan with this number in its saved form.
     pub fn plan_file(&self, number: usize) -> Option<PlanFile> {
         Some(self.accepted.get(number)?.file(&self.domain))
     }
@@ -418,7 +418,7 @@ impl Session {
         turn.proposal = Some(Box::new(proposal));
         self.stage = Stage::Proposed(turn);
         if self.settings.accept {
-            // A plan was proposed in the line above.
+            // The line above proposes a plan, so this cannot fail.
             let _ = self.accept();
         }
     }
@@ -428,7 +428,7 @@ impl Session {
         self.stage = Stage::Question(turn, reply, question);
     }
 
-    /// Nothing came of the instruction, or of the words about a plan, which then stays.
+    /// Ends an instruction without a plan, or refuses feedback and keeps the proposed plan.
     fn give_up(&mut self, mut turn: Turn, stuck: Stuck) {
         if let Some(answer) = &stuck.answer {
             self.verdict(answer);
@@ -449,13 +449,13 @@ impl Session {
     }
 
     fn verdict(&mut self, answer: &Answer) {
-        // An answer is plain data with string keys; writing it as JSON does not fail.
+        // Serialization cannot fail: an answer is plain data with string keys.
         let answer = serde_json::to_value(answer).unwrap_or_default();
         self.events.push(Event::Verdict { answer });
     }
 }
 
-/// Counts nothing, where nobody asks how much there is room for.
+/// A token counter for models without a known context length. It always returns zero.
 struct Uncounted;
 
 impl TokenCounter for Uncounted {

@@ -1,4 +1,4 @@
-//! A session from its log: to go on with it, or to see whether it would go the same way again.
+//! Resumption and replay of sessions from their logs.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -16,44 +16,43 @@ use crate::plan::{Plan, PlanFile, Step, resolve};
 use crate::report::Stopwatch;
 use crate::verify::{Purpose, check};
 
-/// Why a session cannot go on.
+/// Reason why a session cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
-    /// Its first environment means something else in the domain, which has changed since.
+    /// The domain has changed and does not accept the initial environment.
     #[error("the first environment of the session cannot be read any more: {0}")]
     Environment(#[from] Diagnostics),
-    /// An accepted plan is not valid any more: the domain has changed since.
+    /// The domain has changed and an accepted plan is no longer valid.
     #[error("plan {number} of the session is not valid any more: {why}")]
     Plan {
         /// Its number.
         number: usize,
-        /// What is wrong with it.
+        /// The reason.
         why: String,
     },
-    /// The log does not begin a session, or takes back a plan that was never accepted.
+    /// The log does not start a session, or it reverts a plan that was never accepted.
     #[error("the log of the session contradicts itself: {0}")]
     Contradiction(String),
 }
 
-/// A session that goes on.
+/// A resumed session.
 #[derive(Debug)]
 pub struct Resumed {
-    /// Where it was.
+    /// The session in its last state.
     pub session: Session,
-    /// The instruction at hand that could not be taken up again, if there is one.
+    /// The current instruction, if it could not be restored.
     pub dropped: Option<String>,
 }
 
 impl Session {
-    /// Takes up a session where its log ends.
+    /// Resumes a session at the end of its log.
     ///
-    /// Accepted plans are verified again, each in the world that the one before left. What came after the last of
-    /// them is gone through again with the replies that the log holds, so a question or a proposed plan is there
-    /// again too.
+    /// Every accepted plan is verified again, in the final world of the previous one. The events after the last
+    /// accepted plan are replayed with the recorded replies, which restores an open question or a proposed plan.
     ///
     /// # Errors
     ///
-    /// When the domain has changed so that the environment or an accepted plan does not fit it any more.
+    /// The domain has changed, and the environment or an accepted plan no longer fits it.
     pub fn resume(domain: impl Into<Arc<Domain>>, log: &Log, now: Stopwatch) -> Result<Resumed, ResumeError> {
         let mut session = begin(domain.into(), log, now)?;
         let mut tail: Vec<&Event> = Vec::new();
@@ -104,7 +103,7 @@ impl Session {
         let mut dropped = None;
         let mut pending = None;
         let gone_through = tail.iter().try_for_each(|event| session.take(event, &mut pending));
-        // All that is new is that a plan is accepted which the log only proposes.
+        // The only possible new event is the acceptance of a plan that the log merely proposes.
         session.events.retain(|event| matches!(event, Event::Accept { .. }));
         if gone_through.is_err() {
             dropped = session.instruction().map(str::to_owned);
@@ -114,17 +113,17 @@ impl Session {
         Ok(Resumed { session, dropped })
     }
 
-    /// Takes what outlasts an instruction from what led to it.
+    /// Applies the events that outlast an instruction: model and settings.
     fn settle(&mut self, tail: &mut Vec<&Event>) {
         for event in tail.drain(..) {
             if let Event::Model { .. } | Event::Settings(_) = event {
-                // Neither can be out of turn.
+                // These events are valid in every state.
                 let _ = self.take(event, &mut None);
             }
         }
     }
 
-    /// An accepted plan of the log, verified again.
+    /// Verifies an accepted plan of the log and accepts it again.
     fn accept_again(
         &mut self,
         instruction: &str,
@@ -146,7 +145,7 @@ impl Session {
             .map_or_else(Purpose::default, |goal| goal.purpose(&self.domain));
         let steps: Option<Vec<Step>> = steps.iter().map(|step| self.step(step)).collect();
         let steps = steps.ok_or_else(|| invalid("it has steps that the domain does not know".to_owned()))?;
-        // The steps are told with every argument, and the file tells how they branch.
+        // The record has the steps with all arguments; the file has the plan tree.
         let plan = match file.task_cohesion.task_tree {
             None => Some(Plan::sequence(steps)),
             Some(_) => Plan::tree(steps, resolve(&self.domain, &self.world, &file.task_cohesion).body),
@@ -179,8 +178,8 @@ impl Session {
         })
     }
 
-    /// Takes from the log what came from outside; what followed from it follows again. `kept` is what the model was
-    /// told of, where that was not everything.
+    /// Applies an input event of the log; the events that follow from it are computed again. `kept` are the entities in
+    /// the prompt, unless it shows all.
     fn take(&mut self, event: &Event, kept: &mut Option<Vec<String>>) -> Result<(), OutOfTurn> {
         match event {
             Event::Instruction { text } => self.instruct(text),
@@ -239,7 +238,7 @@ fn begin(domain: Arc<Domain>, log: &Log, now: Stopwatch) -> Result<Session, Resu
     else {
         return Err(ResumeError::Contradiction("it does not begin".to_owned()));
     };
-    // The log names the model in its second line.
+    // The second line of the log names the model.
     let model = ModelFacts {
         name: String::new(),
         kind: ConstraintKind::Grammar,
@@ -260,34 +259,34 @@ fn message(record: &super::MessageRecord) -> Message {
     Message::new(role, record.text.clone())
 }
 
-/// What came of going through a log again.
+/// Result of a replay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replay {
-    /// Instructions in the log.
+    /// Number of instructions in the log.
     pub instructions: usize,
-    /// Plans that stand accepted at its end.
+    /// Number of accepted plans at its end.
     pub accepted: usize,
-    /// Where it went another way.
+    /// Differences from the log.
     pub differing: Vec<ReplayDifference>,
 }
 
-/// A line of a log that would be another one today.
+/// A difference between a log and its replay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReplayDifference {
-    /// The line, from 1.
+    /// Line of the log, from 1.
     pub line: usize,
-    /// What it says; nothing if today there is an event more.
+    /// The recorded event; none for an additional event today.
     pub recorded: Option<Value>,
-    /// What happens today; nothing if there is an event less.
+    /// The event today; none for a missing event.
     pub today: Option<Value>,
 }
 
-/// Goes through a log again without a model: the replies are those of the log, and everything else is done anew and
-/// compared. How long things took is not.
+/// Replays a log without a model: replies come from the log, and all other events are computed again and compared.
+/// Durations are ignored.
 ///
 /// # Errors
 ///
-/// When the log's beginning does not fit the domain.
+/// The first environment of the log does not fit the domain, or the log does not start a session.
 pub fn replay(domain: impl Into<Arc<Domain>>, log: &Log, now: Stopwatch) -> Result<Replay, ResumeError> {
     let mut session = begin(domain.into(), log, now)?;
     let mut replay = Replay {
@@ -336,7 +335,7 @@ pub fn replay(domain: impl Into<Arc<Domain>>, log: &Log, now: Stopwatch) -> Resu
 }
 
 impl Event {
-    /// Whether it comes from a person or a model, rather than following from what they say.
+    /// Returns true for inputs from the person or the model, false for events that follow from them.
     fn is_given(&self) -> bool {
         matches!(
             self,
@@ -359,9 +358,9 @@ fn same_kind(one: &Event, other: &Event) -> bool {
     std::mem::discriminant(one) == std::mem::discriminant(other)
 }
 
-/// An event without what differs from run to run.
+/// Returns an event without durations, as JSON.
 fn comparable(event: &Event) -> Value {
-    // Events are plain data with string keys; writing them as JSON does not fail.
+    // Serialization cannot fail: an event is plain data with string keys.
     let mut value = serde_json::to_value(event).unwrap_or_default();
     if let Some(answer) = value.get_mut("answer").and_then(Value::as_object_mut) {
         answer.remove("timings_ms");

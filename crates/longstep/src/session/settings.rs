@@ -1,53 +1,53 @@
-//! How a session goes about it.
+//! Settings of a session.
 
 use serde::{Deserialize, Serialize};
 
 use crate::dialogue::ConstraintKind;
 
-/// What a model is asked for.
+/// The planning strategy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Strategy {
-    /// Only what is wanted; search finds the steps. Few tokens, and what small models can do.
+    /// The model writes goals and search finds the steps. It needs few tokens and suits small models.
     #[default]
     Goal,
-    /// The whole plan and the environment after it, as in the paper.
+    /// The model writes the whole plan and the final environment, as in the paper.
     Direct,
 }
 
-/// What happens to a plan of a model that is not valid.
+/// Treatment of invalid plans from the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RepairPolicy {
-    /// It is repaired; only what repair cannot mend goes back to the model.
+    /// Repair first; the model gets feedback only on plans that repair cannot fix.
     #[default]
     First,
-    /// It goes back to the model, and is repaired when the rounds are used up.
+    /// Feedback first; repair after the last round.
     AfterFeedback,
-    /// It goes back to the model and is never repaired.
+    /// Feedback only.
     Never,
 }
 
-/// How a session goes about it.
+/// Settings of a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// What a model is asked for.
+    /// The planning strategy.
     pub strategy: Strategy,
-    /// What happens to a plan that is not valid.
+    /// Treatment of invalid plans.
     pub repair: RepairPolicy,
-    /// How often a model is told what is wrong with its reply, for each instruction.
+    /// Maximum number of corrections sent to the model, for each instruction.
     pub rounds: u32,
-    /// Whether verified plans are accepted without asking.
+    /// True to accept verified plans automatically.
     pub accept: bool,
-    /// How many earlier instructions a model is shown at most, with the plans that were accepted for them (direct
-    /// strategy). What does not fit is dropped, oldest first.
+    /// Maximum number of earlier instructions, with their accepted plans, in a prompt of the direct strategy. Those
+    /// that exceed the token budget are dropped, oldest first.
     pub history: usize,
 }
 
 impl Default for Settings {
-    /// The goal strategy, repair first, three rounds (the most that the paper needed), and two earlier instructions:
-    /// enough for "put it back", and the same for the hundredth instruction as for the third.
+    /// The goal strategy, repair first, three rounds (the most that the paper needed), and two earlier instructions.
+    /// Two suffice for "put it back" and keep prompts at a constant length.
     fn default() -> Self {
         Self {
             strategy: Strategy::default(),
@@ -59,13 +59,13 @@ impl Default for Settings {
     }
 }
 
-/// What a session has to know of the model that is asked.
+/// Properties of the model that a session depends on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelFacts {
-    /// What it is called, for the log.
+    /// Name for the log.
     pub name: String,
-    /// What it obeys.
+    /// Kind of constraint that it supports.
     pub kind: ConstraintKind,
-    /// How many tokens prompt and answer may have together; none if nobody knows.
+    /// Context length in tokens, for prompt and answer together, if known.
     pub context: Option<u64>,
 }

@@ -1,4 +1,4 @@
-//! Where a session is, and what it needs there.
+//! The states of a session and the inputs that they need.
 
 use super::Ended;
 use super::asking::Asking;
@@ -8,89 +8,89 @@ use crate::goal::Goal;
 use crate::report::{Answer, Status};
 use crate::verify::{Purpose, VerifiedPlan};
 
-/// What a session needs now.
+/// The next input that a session needs.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Need {
-    /// A person's instruction.
+    /// An instruction.
     Instruction,
     /// A model's reply to this request.
     Model(Box<Prepared>),
-    /// A person's answer to this question.
+    /// The person's answer to this question.
     Answer(String),
-    /// A look at [`proposal`](super::Session::proposal): accept it, or say what is to be different.
+    /// A decision on [`proposal`](super::Session::proposal): acceptance or feedback.
     Decision,
-    /// Which of these ways the plan that was accepted last ended in: [`ended`](super::Session::ended) takes its number.
+    /// The ending of the last accepted plan, one of these; [`ended`](super::Session::ended) takes its index.
     Ending(Vec<Ended>),
-    /// Other words: [`stuck`](super::Session::stuck) tells why nothing came of the instruction.
+    /// Another instruction or feedback; [`stuck`](super::Session::stuck) returns the reason.
     Help,
 }
 
-/// A verified plan that waits for a person's word.
+/// A verified plan that waits for the person's decision.
 #[derive(Debug, Clone)]
 pub struct Proposal {
     /// The plan.
     pub plan: VerifiedPlan,
-    /// What it is for.
+    /// Its purpose.
     pub purpose: Purpose,
-    /// The goal that it was made for, if it was made for one.
+    /// Its goal, if it has one.
     pub goal: Option<Goal>,
-    /// The same as everybody is answered.
+    /// The answer for people and programs.
     pub answer: Answer,
-    /// What the person asked for last and cannot have, and why; empty if they have it.
+    /// Reasons why the last feedback was refused; empty if it was fulfilled.
     pub refused: Vec<String>,
 }
 
-/// Why nothing came of an instruction.
+/// Reason why an instruction led to no plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stuck {
-    /// In one sentence.
+    /// The reason, in one sentence.
     pub why: String,
-    /// The plan that is not valid, or that there is none; missing where a reply could not be read at all.
+    /// The answer with the invalid plan or without a plan; none if the reply could not be parsed.
     pub answer: Option<Box<Answer>>,
-    /// What kind of trouble it is.
+    /// The category of the reason.
     pub trouble: Trouble,
 }
 
-/// A kind of trouble, which decides the exit code of a program.
+/// A category of failure, which decides the exit code of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trouble {
-    /// No plan, or none that is valid: the answer tells.
+    /// No valid plan; see the answer.
     Plan,
-    /// A limit of tokens or rounds.
+    /// A limit on tokens or rounds.
     Limit,
-    /// The model did not answer, or its reply cannot be used.
+    /// The model call failed, or its reply is unusable.
     Model,
 }
 
-/// One instruction, from its words to an accepted plan.
+/// One instruction until its plan is accepted.
 #[derive(Debug, Clone)]
 pub(super) struct Turn {
     pub(super) instruction: String,
-    /// What the model replied and what was said to it then.
+    /// The model's replies and the feedback on them.
     pub(super) rounds: Vec<Round>,
-    /// How often it was told what is wrong.
+    /// Number of corrections sent to the model.
     pub(super) corrections: u32,
     pub(super) usage: Usage,
     pub(super) model_milliseconds: f64,
-    /// The plan that the person has words about.
+    /// The plan that feedback refers to.
     pub(super) proposal: Option<Box<Proposal>>,
 }
 
-/// Where a session is.
+/// The state of a session.
 #[derive(Debug, Clone)]
 pub(super) enum Stage {
     Idle,
     Asking(Turn, Asking),
-    /// The reply that asked, and the question in it.
+    /// The model's reply, and its question.
     Question(Turn, String, String),
-    /// A plan: the one of the turn.
+    /// The turn has a proposed plan.
     Proposed(Turn),
     Stuck(Turn, Stuck),
-    /// A plan was accepted that can end in several worlds.
+    /// The accepted plan has several endings.
     Ending(Vec<Left>),
 }
 
-/// Something that does not fit where the session is.
+/// An input that the session cannot accept in its current state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("{what} does not fit here: the session {state}")]
 pub struct OutOfTurn {
@@ -98,7 +98,7 @@ pub struct OutOfTurn {
     pub(super) state: &'static str,
 }
 
-/// Why an answer is not a verified plan, in one sentence.
+/// Describes a status as a sentence.
 pub(super) fn sentence(status: Status) -> &'static str {
     match status {
         Status::Verified => "there is a plan",

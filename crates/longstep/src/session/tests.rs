@@ -1,4 +1,4 @@
-//! Sessions with replies that are written here, as a server would send them.
+//! Sessions with fixed replies in the form of a server.
 
 use std::sync::{Arc, LazyLock};
 
@@ -12,7 +12,7 @@ const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects"
     "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "inside_something(<cupboard>)",
         "<cupboard_handle>": "closed()"}}"#;
 
-/// The household, loaded once: hundreds of sessions are about it.
+/// The household domain, loaded once for hundreds of sessions.
 pub(super) fn household() -> Arc<Domain> {
     static HOUSEHOLD: LazyLock<Arc<Domain>> =
         LazyLock::new(|| Arc::new(domain::shipped("household").unwrap().unwrap()));
@@ -59,7 +59,7 @@ pub(super) fn edits(edits: &[&str]) -> String {
     serde_json::json!({"question": "", "goal": false, "edits": edits}).to_string()
 }
 
-/// A plan for the pen, in the paper's format.
+/// A plan for the pen in the paper's format.
 pub(super) fn pen_plan(calls: &[&str], place: &str) -> String {
     let explanations: Vec<&str> = calls.iter().map(|_| "with the pen").collect();
     serde_json::json!({
@@ -80,7 +80,7 @@ pub(super) const MOVE_PEN: [&str; 6] = [
     "release_object()",
 ];
 
-/// What is done to a session: a word for who, and what they say.
+/// Feeds a session with inputs: the source and the text of each.
 fn play(session: &mut Session, script: &[(&str, &str)]) {
     for (who, text) in script {
         let done = match *who {
@@ -444,7 +444,7 @@ fn plans_are_accepted_without_asking_where_that_is_wanted() {
         ],
     );
     assert_eq!(session.accepted().len(), 1);
-    // What cannot be done is not accepted either.
+    // An unsolvable instruction adds no accepted plan.
     play(
         &mut session,
         &[
@@ -475,7 +475,7 @@ fn a_prompt_that_cannot_fit_is_a_limit_and_says_by_how_much() {
     assert!(session.instruct("again").is_ok());
 }
 
-/// A session with a bit of everything.
+/// A session with most kinds of events.
 fn eventful() -> (Session, String) {
     let mut session = session(Settings::default());
     let question = r#"{"question": "Which one?", "goals": []}"#;
@@ -512,7 +512,7 @@ fn a_session_cut_off_at_any_byte_goes_on_with_every_accepted_plan() {
     let (_, text) = eventful();
     let ends: Vec<usize> = text.match_indices('\n').map(|(index, _)| index + 1).collect();
     for cut in 0..=text.len() {
-        // Within a line, every place is like every other.
+        // Positions inside a line are equivalent, so a sample suffices.
         let near = ends.iter().any(|end| cut.abs_diff(*end) < 3) || cut % 97 == 0;
         if !near {
             continue;
@@ -566,7 +566,7 @@ fn a_log_goes_the_same_way_again_or_tells_where_it_does_not() {
     let same = replay(household(), &log, || 0.0).unwrap();
     assert_eq!((same.instructions, same.accepted, same.differing), (5, 2, Vec::new()));
 
-    // The reply asks for something else than the plan that is recorded.
+    // The reply differs from the recorded plan.
     let forged = text.replacen("put(pen, shelf)", "put(pen, desk)", 1);
     let log = Log::read(forged.as_bytes()).unwrap();
     let other = replay(household(), &log, || 0.0).unwrap();
@@ -576,7 +576,7 @@ fn a_log_goes_the_same_way_again_or_tells_where_it_does_not() {
 #[test]
 fn a_forged_plan_is_not_taken_up_again() {
     let (_, text) = eventful();
-    // A step more, which was never verified.
+    // Replaces a recorded step by one that was never verified.
     let forged = text.replacen(
         r#""steps":[{"action":"move-hand""#,
         r#""steps":[{"action":"release""#,

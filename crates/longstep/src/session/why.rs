@@ -1,4 +1,4 @@
-//! Why is a step there?
+//! Explanations of single steps.
 
 use rustc_hash::FxHashSet;
 
@@ -8,9 +8,9 @@ use crate::model::Domain;
 use crate::plan::{Plan, StepId};
 use crate::verify::{Purpose, check};
 
-/// What a step of a plan brings about, and what would be wrong without it, as sentences.
+/// Explains a step of a plan: its effects, and the violations without it, as sentences.
 ///
-/// The second part is found by taking the step out and verifying what is left.
+/// The violations are found by verification of the plan without the step.
 ///
 /// ```
 /// use longstep::plan::StepId;
@@ -50,7 +50,7 @@ pub fn why(domain: &Domain, world: &World, plan: &Plan, purpose: &Purpose, goal:
     };
     let mut told: Vec<String> = Vec::new();
     for mut violation in check(domain, world, left, purpose).violations {
-        // Steps are told by their numbers in the whole plan.
+        // Messages number the steps as in the whole plan.
         violation.renumber(|number| if number >= step.index() { number + 1 } else { number });
         told.push(violation.message(domain, world, plan.steps(), goal));
     }
@@ -60,11 +60,11 @@ pub fn why(domain: &Domain, world: &World, plan: &Plan, purpose: &Purpose, goal:
     }
 }
 
-/// Why a step is there.
+/// The explanation of a step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Why {
-    /// What it makes true or false.
+    /// Facts that the step makes true or false.
     pub brings_about: Vec<String>,
-    /// What would be wrong without it; empty if nothing would.
+    /// Violations of the plan without the step; empty if it remains valid.
     pub without_it: Vec<String>,
 }
