@@ -1,18 +1,18 @@
-//! States as bits.
+//! States as bit sets.
 
 use super::formula::Literal;
 
-/// A state, or a set of facts: one bit for each fact of the task.
+/// A state or a set of facts: one bit for each fact of the task.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Bits(Box<[u64]>);
 
 impl Bits {
-    /// The state in which none of so many facts holds.
+    /// Returns the state in which none of the facts hold.
     pub(super) fn none(facts: usize) -> Self {
         Self(vec![0; facts.div_ceil(64)].into())
     }
 
-    /// The units for a state that is kept: three copies of its bits, and what is known about it.
+    /// Work units for storing a state: three copies of its bits and the search data.
     pub(super) fn units(facts: usize) -> usize {
         32 + facts / 16
     }
@@ -35,7 +35,7 @@ impl Bits {
         }
     }
 
-    /// The facts that hold, without those of `others`.
+    /// Returns the facts that hold in `self` and not in `others`.
     pub(super) fn without(&self, others: &Bits) -> Bits {
         Bits(
             self.0
@@ -46,7 +46,7 @@ impl Bits {
         )
     }
 
-    /// Whether wherever the two differ, `self` is as `better` has it.
+    /// Returns true if `self` equals `better` in all facts where it differs from `other`.
     pub(super) fn no_worse_than(&self, other: &Bits, better: &Bits) -> bool {
         let mut words = self.0.iter().zip(&other.0).zip(&better.0);
         words.all(|((word, other), better)| (word ^ other) & (word ^ better) == 0)

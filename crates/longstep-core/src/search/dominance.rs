@@ -1,13 +1,13 @@
-//! States that are at least as good as others, whatever is done next.
+//! Dominance pruning: skips states that are no better than a known one.
 //!
-//! Some facts can only help when they hold, others only when they do not: nothing that is asked for, by the
-//! goal, a precondition or the condition of an effect that matters, is ever hurt by them. Of two states that
-//! differ only in such facts, one may be no worse in any of them; whatever can be done from the other can then
-//! be done from it, step by step, and ends no worse. Who walks to a table reaches all that is on it, so walking
-//! to the cup on it instead need not be tried as well.
+//! Some facts can only help when they hold, others only when they do not hold: the goal, the preconditions and the
+//! conditions of relevant effects contain only one polarity of them. Let two states differ only in such facts, and let
+//! one be no worse in any of them. Then every plan from the other state also works from this one and ends no worse. For
+//! example, after a walk to a table everything on it is in reach, so a walk to a cup on the table need not be tried as
+//! well.
 //!
-//! This keeps the length of the shortest plan, but not which of the shortest plans is found first; searches
-//! whose plan is to look natural do without.
+//! Pruning preserves the length of the shortest plan, but can change which shortest plan is found first. Searches whose
+//! plan should look natural do not use it.
 
 use rustc_hash::FxHashMap;
 
@@ -16,14 +16,14 @@ use super::formula::Literal;
 use super::task::Task;
 use crate::effort;
 
-/// Which way a fact helps.
+/// Polarity in which a fact helps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Helps {
-    /// Nobody asks for it.
+    /// Neither: no condition contains the fact.
     Anyhow,
-    /// When it holds (`true`), or when it does not.
+    /// Only when the fact holds (`true`), or only when it does not (`false`).
     When(bool),
-    /// Sometimes this way and sometimes that.
+    /// Both polarities.
     Both,
 }
 
@@ -37,14 +37,14 @@ impl Helps {
     }
 }
 
-/// The facts that only help one way, and the states that were seen.
+/// The facts that help in one polarity only, and the states seen so far.
 #[derive(Debug)]
 pub(super) struct Dominance {
-    /// The facts that only help one way.
+    /// The facts that help in at most one polarity.
     one_way: Bits,
-    /// Those of them that help when they hold.
+    /// The facts of `one_way` that help when they hold.
     better: Bits,
-    /// By what holds of the other facts: the states that were admitted, with their steps from the start.
+    /// Admitted states with their costs from the start, grouped by the values of the remaining facts.
     seen: FxHashMap<Bits, Vec<(u32, Bits)>>,
 }
 
@@ -68,8 +68,7 @@ impl Dominance {
         }
     }
 
-    /// Whether the state, that many steps from the start, is worth pursuing: nothing seen so far, in as few
-    /// steps, is no worse. A state that is worth it is remembered.
+    /// Returns true if no admitted state of at most this cost is at least as good, and then stores the state.
     pub(super) fn admits(&mut self, state: &Bits, depth: u32) -> bool {
         let seen = self.seen.entry(state.without(&self.one_way)).or_default();
         effort::spend(seen.len() / 2 + 1);
@@ -89,7 +88,7 @@ fn helps(task: &Task) -> Vec<Helps> {
         *helps = helps.and(literal.holds);
     };
     task.goal.for_each(&mut asked);
-    // A rule that is broken in one state and holds in the other forbids the other one more, so neither value helps.
+    // A state that breaks a rule permits successors that break it, so neither polarity of the rule's facts dominates.
     for rule in task.always.iter() {
         rule.for_each(&mut |literal| {
             asked(literal);
@@ -102,7 +101,8 @@ fn helps(task: &Task) -> Vec<Helps> {
     for operator in &task.operators {
         operator.precondition.for_each(&mut asked);
     }
-    // An effect's condition helps the way that the effect does; where the effect helps both ways, so does it.
+    // A literal in an effect's condition helps as the effect does; if the effect has both polarities, so does the
+    // literal.
     let units = task.units();
     loop {
         if !effort::spend(units) {

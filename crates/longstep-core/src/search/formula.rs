@@ -1,6 +1,6 @@
 //! Ground conditions.
 
-/// A literal: a fact's number in the task, and whether it holds.
+/// A literal: the number of a fact in the task, and its truth value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Literal {
     pub(crate) fact: u32,
@@ -10,9 +10,9 @@ pub(crate) struct Literal {
 /// A ground condition in negation normal form.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Formula {
-    /// All of them; an empty one is true.
+    /// Conjunction; true if empty.
     And(Vec<Formula>),
-    /// At least one of them; an empty one is false.
+    /// Disjunction; false if empty.
     Or(Vec<Formula>),
     Literal(Literal),
 }
@@ -29,7 +29,7 @@ impl Formula {
         *self == Self::FALSE
     }
 
-    /// The conjunction, flattened.
+    /// Returns the flattened conjunction.
     pub(crate) fn and(parts: impl IntoIterator<Item = Formula>) -> Self {
         let mut all = Vec::new();
         for part in parts {
@@ -42,7 +42,7 @@ impl Formula {
         if all.len() == 1 { all.remove(0) } else { Self::And(all) }
     }
 
-    /// The disjunction, flattened.
+    /// Returns the flattened disjunction.
     pub(crate) fn or(parts: impl IntoIterator<Item = Formula>) -> Self {
         let mut any = Vec::new();
         for part in parts {
@@ -55,7 +55,7 @@ impl Formula {
         if any.len() == 1 { any.remove(0) } else { Self::Or(any) }
     }
 
-    /// The number of its parts, itself included.
+    /// Returns the number of nodes in the formula.
     pub(crate) fn size(&self) -> usize {
         match self {
             Self::And(parts) | Self::Or(parts) => 1 + parts.iter().map(Self::size).sum::<usize>(),
@@ -63,7 +63,7 @@ impl Formula {
         }
     }
 
-    /// The formula with every literal looked at again.
+    /// Replaces every literal and simplifies the result.
     pub(crate) fn map(self, literal: &impl Fn(Literal) -> Formula) -> Self {
         match self {
             Self::And(all) => Self::and(all.into_iter().map(|part| part.map(literal))),

@@ -1,4 +1,4 @@
-//! Forward search: A* to a shortest plan, and greedily on when that takes too long.
+//! Forward search: A* for a shortest plan, then greedy search if A* reaches its limit.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -16,17 +16,16 @@ use crate::effort;
 use crate::model::{Domain, World};
 use crate::plan::Step;
 
-/// How far a search goes before it gives up, in states looked at, so that the answer never depends on the
-/// speed of the machine.
+/// Limits of a search as numbers of evaluated states, so that the result does not depend on the speed of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// States looked at among the most direct plans.
+    /// States for a plan in the focused task, which has only the most direct operators.
     pub direct: usize,
-    /// States looked at to prove that no plan is shorter than the direct one.
+    /// States for the proof that no plan is shorter than the direct one.
     pub proof: usize,
-    /// States looked at for a shortest plan when there is no direct one.
+    /// States for a shortest plan if there is no direct one.
     pub shortest: usize,
-    /// States looked at for any plan, after that.
+    /// States for the final greedy search.
     pub any: usize,
 }
 
@@ -41,22 +40,22 @@ impl Default for Limits {
     }
 }
 
-/// How much the greedy search prefers states that look close to the goal.
+/// Weight of the heuristic in the greedy search.
 const GREED: u32 = 5;
 
-/// The units of work of one run: the limits of a search count states, and a state of a task with 20,000 operators takes
-/// a thousand times the work of one with 20.
+/// Work units of one run. Limits count states, and a state of a task with 20,000 operators takes a thousand times the
+/// work of one with 20 operators.
 const EFFORT: u64 = 8_000_000;
 
-/// The units of work of a run that takes any plan, which comes last.
+/// Work units of the final greedy run.
 const GREEDY_EFFORT: u64 = 36_000_000;
 
-/// Result of a search that senses nothing.
+/// Result of a search without sensing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Straight {
     /// A plan.
     Solved {
-        /// Its steps; none if everything wanted holds already.
+        /// The steps; empty if the goal already holds.
         steps: Vec<GroundAction>,
         /// True if it is proven that no plan has fewer steps.
         shortest: bool,
@@ -68,9 +67,9 @@ pub(super) enum Straight {
         /// States expanded.
         expanded: usize,
     },
-    /// There may be a plan, and it was not found within the limits.
+    /// No plan was found within the limits; one may exist.
     GaveUp {
-        /// Which limit.
+        /// The limit that was reached.
         why: String,
         /// States expanded.
         expanded: usize,
@@ -78,7 +77,7 @@ pub(super) enum Straight {
 }
 
 impl Straight {
-    /// The result with the sentences that the domain has for the steps.
+    /// Converts the result; the steps get the domain's explanations.
     pub(super) fn explained(self, domain: &Domain, world: &World) -> Outcome {
         match self {
             Self::Solved {
@@ -99,7 +98,7 @@ impl Straight {
         }
     }
 
-    /// Returns how many states were expanded.
+    /// Returns the number of expanded states.
     pub(super) fn expanded(&self) -> usize {
         match self {
             Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded } | Self::GaveUp { expanded, .. } => {
@@ -138,7 +137,7 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Straight {
             }
         }
         Found::Path(direct) => {
-            // Now everything is allowed, but only plans with fewer steps count.
+            // The proof search uses all operators but accepts only plans with fewer steps.
             let mut proof = Search::new(task, &mut heuristic, 1, limits.proof);
             proof.below = Some(direct.len() as u32);
             proof.dominance = Some(Dominance::new(task));
@@ -183,8 +182,8 @@ pub(super) fn search(task: &Task, limits: &Limits) -> Straight {
     }
 }
 
-/// The cheapest way to the goal, by the numbers of operators, with the number of states expanded; only ways that cost
-/// less than `below` count, if it is given.
+/// Finds the cheapest path to the goal, as operator numbers, and returns it with the number of expanded states. Accepts
+/// only costs less than `below`, if given.
 pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<Vec<u32>>, usize) {
     let mut heuristic = LandmarkCut::new(task);
     let mut search = Search::new(task, &mut heuristic, 1, limit);
@@ -196,7 +195,7 @@ pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<
     effort::within(EFFORT, || search.run()).result
 }
 
-/// Some way to the goal, rather soon than cheaply.
+/// Finds a path to the goal quickly, not necessarily a cheap one.
 pub(crate) fn greedy(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
     let mut heuristic = LandmarkCut::new(task);
     let mut search = Search::new(task, &mut heuristic, GREED, limit);
@@ -204,12 +203,12 @@ pub(crate) fn greedy(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
     effort::within(EFFORT, || search.run()).result
 }
 
-/// What one search came to.
+/// Result of one search run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Found<P> {
     /// The operators to apply.
     Path(P),
-    /// There is no way to the goal (or none that is cheap enough).
+    /// There is no path to the goal within the cost bound.
     Nothing,
     /// The limit was reached first.
     Limit,
@@ -218,15 +217,15 @@ pub(crate) enum Found<P> {
 struct Node {
     state: Bits,
     parent: Option<(u32, u32)>,
-    /// What it cost to come here from the start.
+    /// Cost from the start state.
     depth: u32,
-    /// What it costs to the goal at least; of the parent until the node's turn comes.
+    /// Lower bound on the cost to the goal; inherited from the parent until the node is evaluated.
     estimate: u32,
     estimated: bool,
     expanded: bool,
 }
 
-/// Sorted by promise, then by closeness, then preferred first, then in the order of discovery.
+/// Ordered by f-value, then heuristic value, then preferred operators, then order of discovery.
 type Entry = Reverse<(u32, u32, bool, u32)>;
 
 struct Search<'a> {
@@ -234,18 +233,18 @@ struct Search<'a> {
     heuristic: &'a mut LandmarkCut,
     weight: u32,
     limit: usize,
-    /// Only plans that cost less than this are looked for.
+    /// Upper bound: only plans of lower cost are accepted.
     below: Option<u32>,
-    /// Leaves out states that are no better than others.
+    /// Prunes dominated states.
     dominance: Option<Dominance>,
-    /// Whether operators cost different amounts, some nothing.
+    /// True if operators have different costs, which may be zero.
     free_first: bool,
     nodes: Vec<Node>,
     known: FxHashMap<Bits, u32>,
     open: BinaryHeap<Entry>,
-    /// For each node, the preferred operators; empty until it is estimated.
+    /// Preferred operators of each evaluated node until its expansion.
     preferred: FxHashMap<u32, Vec<u32>>,
-    /// The units for expanding a node, without what it leads to.
+    /// Work units to expand a node, without its successors.
     expanding: usize,
 }
 
@@ -267,7 +266,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Searches until there is a plan, nothing is left, or the limit or the budget is reached.
+    /// Searches until a plan is found, no node is left, or the limit or the budget is reached.
     fn run(mut self) -> (Found<Vec<u32>>, usize) {
         let mut start = Bits::none(self.task.initial.len());
         for (fact, holds) in self.task.initial.iter().enumerate() {
@@ -287,7 +286,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             if self.below.is_some_and(|below| promise >= below) {
-                // Everything else that is open promises no better.
+                // No open node has a lower f-value.
                 return (Found::Nothing, expanded);
             }
             if self.task.goal.holds(&|literal| node.state.is(literal)) {
@@ -300,7 +299,7 @@ impl<'a> Search<'a> {
                 estimated += 1;
                 let estimate = self.heuristic.estimate(|fact| node.state.holds(fact));
                 let Some(cost) = estimate.cost else {
-                    // A dead end: nothing leads from here to the goal.
+                    // A dead end: the goal is unreachable from here.
                     self.nodes[number as usize].expanded = true;
                     continue;
                 };
@@ -330,7 +329,7 @@ impl<'a> Search<'a> {
     fn entry(&self, number: u32, preferred: bool) -> Entry {
         let node = &self.nodes[number as usize];
         let closeness = match node.parent {
-            // What costs nothing is looked at before what costs something and promises as much.
+            // Zero-cost operators come before others with equal f-value.
             Some((_, operator)) if self.free_first && !node.estimated => {
                 node.estimate + self.task.operators[operator as usize].cost
             }
@@ -358,7 +357,7 @@ impl<'a> Search<'a> {
                     effect.literal.holds == holds && effect.condition.holds(&|literal| node.state.is(literal))
                 })
             };
-            // What is both taken away and given stays, as PDDL has it.
+            // As in PDDL, a fact that is both deleted and added holds afterwards.
             for effect in fires(false).chain(fires(true)) {
                 next.set(effect.literal);
             }
@@ -381,7 +380,7 @@ impl<'a> Search<'a> {
             if depth < node.depth {
                 node.depth = depth;
                 node.parent = parent;
-                // An estimate that is not consistent may have expanded it too early.
+                // With an inconsistent heuristic, the node may have been expanded too early.
                 node.expanded = false;
                 self.open.push(self.entry(number, preferred));
             }
@@ -406,7 +405,7 @@ impl<'a> Search<'a> {
         self.open.push(self.entry(number, preferred));
     }
 
-    /// The operators that lead to a node.
+    /// Returns the operators on the path to a node.
     fn path(&self, number: u32) -> Vec<u32> {
         let mut path = Vec::new();
         let mut at = number;

@@ -1,55 +1,55 @@
 //! The landmark-cut heuristic: a lower bound on the cost of reaching the goal.
 //!
-//! Helmert and Domshlak, *Landmarks, Critical Paths and Abstractions: What's the Difference Anyway?* (2009),
-//! with conditional effects as in Röger, Pommerening and Helmert (2014): the cost that a cut takes is taken
-//! from the whole action, whichever of its effects are in the cut, so the bound stays a lower bound.
+//! Helmert and Domshlak, *Landmarks, Critical Paths and Abstractions: What's the Difference Anyway?* (2009), with
+//! conditional effects as in Röger, Pommerening and Helmert (2014): the cost of a cut is deducted from the whole
+//! action, whichever of its effects are in the cut, so the bound stays admissible.
 
 use super::relaxed::{NONE, Relaxed};
 use super::task::Task;
 use crate::effort;
 
-/// The propositions and rules that are looked at for one unit of the budget.
+/// Number of propositions and rules that are processed for one work unit.
 const LOOKS: usize = 8;
 
-/// The value of what cannot be reached.
+/// Value of an unreachable proposition.
 const UNREACHED: u32 = u32::MAX;
 
-/// What the bound is computed from, made once for a task, and room to compute in.
+/// The relaxed task, built once, and scratch space for the computation.
 #[derive(Debug)]
 pub(super) struct LandmarkCut {
     relaxed: Relaxed,
-    /// By rule: how many propositions it needs.
+    /// By rule: number of its conditions.
     needs: Vec<u32>,
-    // What follows is scratch space, kept so that it is allocated once.
-    /// By rule: what is left of its operator's cost.
+    // The remaining fields are scratch space, allocated once.
+    /// By rule: remaining cost of its operator.
     price: Vec<u32>,
-    /// By proposition: the cheapest way to it when a rule costs as much as the dearest of its needs.
+    /// By proposition: its h-max value.
     value: Vec<u32>,
-    /// By rule: needs that are not reached yet.
+    /// By rule: number of conditions not yet reached.
     missing: Vec<u32>,
-    /// By rule: the dearest of its needs, [`NONE`] while one of them is not reached.
+    /// By rule: the condition with the highest value; [`NONE`] while a condition is not reached.
     supporter: Vec<u32>,
-    /// By rule: the value of its supporter.
+    /// By rule: value of its supporter.
     reached_at: Vec<u32>,
-    /// Costs are small whole numbers: a bucket of propositions to look at for each sum of them.
+    /// Priority queue: a bucket of propositions for each cost, which is a small integer.
     buckets: Vec<Vec<u32>>,
-    /// By proposition: the round in which it was last found near the goal, or reached without going there.
+    /// By proposition: the last round in which it was in the goal zone, or reached outside of it.
     near_goal: Vec<u32>,
     reached: Vec<u32>,
     round: u32,
     start: Vec<u32>,
     queue: Vec<u32>,
     cut: Vec<u32>,
-    /// Propositions and rules that were looked at and are not charged to the budget yet.
+    /// Processed propositions and rules that are not yet charged to the budget.
     looked_at: usize,
 }
 
-/// What is known of a state.
+/// Heuristic estimate for a state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Estimate {
-    /// No plan costs less; `None` if there is no plan.
+    /// Lower bound on the cost of a plan; `None` if there is no plan.
     pub(super) cost: Option<u32>,
-    /// Operators in the cuts, of which some must be applied, sorted.
+    /// The operators in the cuts, sorted; every plan contains some of them.
     pub(super) preferred: Vec<u32>,
 }
 
@@ -78,7 +78,7 @@ impl LandmarkCut {
         }
     }
 
-    /// The bound for a state.
+    /// Computes the bound for a state.
     pub(super) fn estimate(&mut self, holds: impl Fn(u32) -> bool) -> Estimate {
         self.start.clear();
         self.start.push(self.relaxed.truth);
@@ -115,7 +115,7 @@ impl LandmarkCut {
                     .map(|rule| self.price[*rule as usize])
             };
             let Some(least) = self.cut.iter().filter_map(left).min().filter(|least| *least > 0) else {
-                // Unreachable by construction; a bound that is too low is still a bound.
+                // Cannot happen; a bound that is too low is still admissible.
                 debug_assert!(false, "an empty cut");
                 break;
             };
@@ -131,7 +131,7 @@ impl LandmarkCut {
         }
     }
 
-    /// The values of a state in which nothing has been paid for yet.
+    /// Computes the h-max values of a state.
     fn values(&mut self) {
         self.value.fill(UNREACHED);
         self.missing.copy_from_slice(&self.needs);
@@ -147,7 +147,7 @@ impl LandmarkCut {
                 let missing = &mut self.missing[rule as usize];
                 *missing -= 1;
                 if *missing == 0 {
-                    // The last need to be reached is the dearest.
+                    // The last condition to be reached has the highest value.
                     self.supporter[rule as usize] = proposition;
                     self.reached_at[rule as usize] = distance as u32;
                     self.fire(rule);
@@ -156,7 +156,7 @@ impl LandmarkCut {
         }
     }
 
-    /// Takes the cut's cost from its operators, and lowers the values that depend on it.
+    /// Deducts the cost of the cut from its operators, and lowers the values that depend on it.
     fn lower(&mut self, least: u32) {
         for at in 0..self.cut.len() {
             let operator = self.cut[at];
@@ -174,7 +174,7 @@ impl LandmarkCut {
             for at in 0..self.relaxed.needed_by.of(proposition).len() {
                 let rule = self.relaxed.needed_by.of(proposition)[at];
                 let known = self.reached_at[rule as usize];
-                // Only a rule's dearest need decides when it fires.
+                // Only a rule's supporter determines when it fires.
                 if self.supporter[rule as usize] != proposition || known <= distance as u32 {
                     continue;
                 }
@@ -194,12 +194,12 @@ impl LandmarkCut {
         }
     }
 
-    /// Takes the next proposition to look at from the buckets, going on from the distance.
+    /// Takes the next proposition from the buckets, at or above the distance.
     fn next(&mut self, distance: &mut usize) -> Option<u32> {
         while let Some(bucket) = self.buckets.get_mut(*distance) {
             match bucket.pop() {
                 Some(proposition) if self.value[proposition as usize] == *distance as u32 => return Some(proposition),
-                // A cheaper way to it was found since.
+                // A cheaper path to it was found later.
                 Some(_) => {}
                 None => *distance += 1,
             }
@@ -207,7 +207,7 @@ impl LandmarkCut {
         None
     }
 
-    /// Lowers the values of what a rule gives.
+    /// Lowers the values of a rule's results.
     fn fire(&mut self, rule: u32) {
         let value = self.reached_at[rule as usize] + self.price[rule as usize];
         self.looked_at += self.relaxed.gives.of(rule).len();
@@ -226,7 +226,8 @@ impl LandmarkCut {
         }
     }
 
-    /// The operators that lead from what is reached without them into what leads on to the goal for nothing.
+    /// Finds the operators that lead from outside the goal zone into it. The goal zone is the set of propositions from
+    /// which the goal is reachable at no cost.
     fn find_cut(&mut self) {
         let Self {
             relaxed,
@@ -270,7 +271,7 @@ impl LandmarkCut {
                 *looked_at += relaxed.gives.of(*rule).len();
                 for given in relaxed.gives.of(*rule) {
                     if near_goal[*given as usize] == round {
-                        // What costs nothing and leads there is near the goal itself.
+                        // Zero-cost rules into the goal zone are inside it.
                         cut.push(relaxed.payer[*rule as usize]);
                     } else if reached[*given as usize] != round {
                         reached[*given as usize] = round;

@@ -1,8 +1,8 @@
-//! From a goal to a plan.
+//! Search for plans.
 //!
-//! [`solve`] grounds the domain in the world (`task`), keeps only what the goal can need (`relevance`),
-//! and searches forward with an admissible heuristic (`landmark_cut`), so that the plan it finds first is a
-//! shortest one. When that takes too long it goes on greedily and says so.
+//! [`solve`] grounds the domain in the world (`task`), removes what the goal cannot need (`relevance`), and runs A*
+//! with an admissible heuristic (`landmark_cut`), so that the first plan it finds is a shortest one. If that reaches a
+//! limit, greedy search follows, and the result is marked as not proven shortest.
 
 mod bits;
 mod contingent;
@@ -30,7 +30,7 @@ use crate::model::{ActionId, Domain, EntityId, Moment, World, apply, holds};
 
 pub use crate::model::Wanted;
 
-/// An action with all its arguments, implicit ones included.
+/// An action with all its arguments, including implicit ones.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct GroundAction {
     /// The action.
@@ -39,20 +39,20 @@ pub struct GroundAction {
     pub arguments: Vec<EntityId>,
 }
 
-/// The units of work of one search: grounding, leaving out what cannot matter, and all its runs.
+/// Work units of one search: grounding, relevance analysis and all runs.
 pub const EFFORT: u64 = 50_000_000;
 
-/// The answer when they are spent.
+/// Reason given when the budget is exhausted.
 const TOO_MUCH: &str =
     "the conditions have too many instances in this world: the search took all the work that it may take";
 
-/// Finds a shortest plan from the world's state to one in which everything wanted holds: one that looks before it decides
-/// where what is wanted depends on what sensing tells, or where there is no other.
+/// Finds a shortest plan from the world's state to a state in which all wanted conditions hold. The plan contains
+/// sensing if the conditions depend on sensing outcomes, or if there is no plan without it.
 ///
-/// In a world that is too large to look at as a whole, only what surrounds the goal is; then no plan is called
-/// shortest, and nothing is proven unsolvable.
+/// In a world that is too large to ground completely, only entities related to the goal are considered. Then no plan is
+/// marked as shortest, and unsolvability is not proven.
 ///
-/// The domain's rules for every state hold on the way. The answer is a function of the arguments: limits count
+/// Plans keep the domain's `always` rules. The result is a deterministic function of the arguments: limits count
 /// states, not seconds.
 ///
 /// ```
@@ -84,7 +84,7 @@ pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits)
     }
 }
 
-/// Finds a shortest plan that senses nothing.
+/// Finds a shortest plan without sensing.
 fn straight(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
     let spent = effort::within(EFFORT, || straight_within(domain, world, wanted, limits));
     match spent.exhausted {
@@ -139,7 +139,7 @@ fn straight_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &L
     }
 }
 
-/// Whether the steps can be done in the whole world, and lead to what is wanted.
+/// Returns true if the steps are applicable in the whole world and achieve all wanted conditions.
 fn reaches(domain: &Domain, world: &World, steps: &[GroundAction], wanted: &[Wanted]) -> bool {
     let mut state = world.state.clone();
     let possible = steps.iter().all(|step| {

@@ -6,28 +6,27 @@ use crate::plan::Plan;
 /// Result of a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
-    /// A plan.
+    /// A plan was found.
     Solved {
-        /// Steps and branches; a plain list where nothing has to be sensed.
+        /// The plan; sequential if nothing has to be sensed.
         plan: Plan,
-        /// Steps in the worst case, loops gone through once.
+        /// Number of steps in the worst case, with one iteration of each loop.
         worst: u32,
         /// True if it is proven that no plan has a better worst case.
         shortest: bool,
         /// States expanded.
         expanded: usize,
     },
-    /// There is no plan that does whatever sensing tells.
+    /// No plan works for all sensing outcomes.
     ProvenUnsolvable {
-        /// Outcome of sensing with which there is no plan, if one is to blame; none if there is no plan whatever the
-        /// outcomes.
+        /// The sensing outcome after which there is no plan; none if there is no plan for any outcomes.
         when: Option<Fact>,
         /// States expanded.
         expanded: usize,
     },
-    /// There may be a plan, and it was not found.
+    /// No plan was found; one may exist.
     GaveUp {
-        /// Why.
+        /// The limit that was reached.
         why: String,
         /// States expanded.
         expanded: usize,
@@ -35,7 +34,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Returns how many states were expanded.
+    /// Returns the number of expanded states.
     pub fn expanded(&self) -> usize {
         match self {
             Self::Solved { expanded, .. } | Self::ProvenUnsolvable { expanded, .. } | Self::GaveUp { expanded, .. } => {

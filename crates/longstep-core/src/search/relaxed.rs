@@ -1,7 +1,7 @@
-//! The relaxed task: nothing that was reached is ever lost.
+//! The delete relaxation of a task: a literal stays reached once it is reached.
 //!
-//! Conditions need not be conjunctions: every inner node of a formula becomes a proposition of its own that
-//! costs nothing to derive from its parts. A literal that nothing asks for is no proposition at all.
+//! Conditions need not be conjunctions: each inner node of a formula becomes a proposition that is derived from its
+//! parts at no cost. A literal that occurs in no condition is not a proposition.
 
 use rustc_hash::FxHashMap;
 
@@ -9,10 +9,10 @@ use super::formula::{Formula, Literal};
 use super::task::Task;
 use crate::effort;
 
-/// A number that stands for none: no proposition, no rule's payer.
+/// Marker for "no proposition" or "no operator".
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A list of numbers for each of many things, one after the other in memory.
+/// A list of numbers for each index, stored contiguously.
 #[derive(Debug)]
 pub(super) struct Lists {
     starts: Vec<u32>,
@@ -32,7 +32,7 @@ impl Lists {
         self.starts.push(self.items.len() as u32);
     }
 
-    /// The lists the other way round: for each of `count` items, whose list it is in.
+    /// Inverts the lists: for each of `count` items, the indices whose lists contain it.
     fn inverted(&self, count: usize) -> Self {
         let mut starts = vec![0; count + 1];
         for item in &self.items {
@@ -63,27 +63,27 @@ impl Lists {
     }
 }
 
-/// Propositions, and rules by which they follow from each other: from all that a rule needs, at the cost of the
-/// operator that pays for it, follows all that it gives. Every rule needs something.
+/// Propositions and rules. Each rule derives its results from its conditions at the cost of the operator that pays for
+/// it. Every rule has at least one condition.
 #[derive(Debug)]
 pub(super) struct Relaxed {
-    /// By rule: the propositions it needs.
+    /// By rule: its conditions.
     pub(super) needs: Lists,
-    /// By rule: the propositions it gives.
+    /// By rule: its results.
     pub(super) gives: Lists,
-    /// By proposition: the rules that need it.
+    /// By proposition: the rules with it as a condition.
     pub(super) needed_by: Lists,
-    /// By proposition: the rules that give it.
+    /// By proposition: the rules with it as a result.
     pub(super) given_by: Lists,
-    /// By rule: the operator that pays, [`NONE`] for the inner nodes of formulas.
+    /// By rule: the operator that pays; [`NONE`] for inner nodes of formulas.
     pub(super) payer: Vec<u32>,
-    /// By operator: what it costs.
+    /// By operator: its cost.
     pub(super) costs: Vec<u32>,
     /// By operator: the rules that it pays for.
     pub(super) paid_by: Lists,
-    /// By fact: the propositions for "holds not" and "holds"; [`NONE`] if nothing asks for it.
+    /// By fact: the propositions for its negative and positive literal; [`NONE`] if no condition contains the literal.
     pub(super) literals: Vec<[u32; 2]>,
-    /// What always holds.
+    /// The proposition that always holds.
     pub(super) truth: u32,
     pub(super) goal: u32,
 }
@@ -101,7 +101,7 @@ impl Relaxed {
         let (truth, goal) = (TRUTH, 1);
         let needs = builder.propositions_of(&task.goal);
         builder.rule(needs, &[goal], NONE);
-        // Conditions first, so that every literal that is asked for is known when effects are looked at.
+        // Conditions first, so that all literals in conditions are numbered before the effects.
         let groups: Vec<Vec<EffectGroup>> = task.operators.iter().map(|o| builder.groups(o)).collect();
         for (number, groups) in groups.into_iter().enumerate() {
             for (needs, gives) in groups {
@@ -134,7 +134,7 @@ impl Relaxed {
         }
     }
 
-    /// How many propositions there are.
+    /// Returns the number of propositions.
     pub(super) fn propositions(&self) -> usize {
         self.needed_by.len()
     }
@@ -142,7 +142,7 @@ impl Relaxed {
 
 const TRUTH: u32 = 0;
 
-/// What a part of an operator needs, and the literals that it brings about.
+/// Conditions of a group of effects, and the literals that they produce.
 type EffectGroup = (Vec<u32>, Vec<Literal>);
 
 struct Builder {
@@ -170,7 +170,7 @@ impl Builder {
         self.payer.push(payer);
     }
 
-    /// Propositions that together mean the formula.
+    /// Returns propositions whose conjunction is equivalent to the formula.
     fn propositions_of(&mut self, formula: &Formula) -> Vec<u32> {
         match formula {
             Formula::And(all) => all.iter().flat_map(|part| self.propositions_of(part)).collect(),
@@ -191,7 +191,7 @@ impl Builder {
         }
     }
 
-    /// An operator's effects by condition.
+    /// Groups the effects of an operator by condition.
     fn groups(&mut self, operator: &super::task::Operator) -> Vec<EffectGroup> {
         let mut conditions: Vec<(&Formula, Vec<Literal>)> = Vec::new();
         let mut numbers: FxHashMap<&Formula, usize> = FxHashMap::default();
@@ -204,7 +204,7 @@ impl Builder {
         }
         let mut precondition = self.propositions_of(&operator.precondition);
         if conditions.len() > 1 && precondition.len() > 1 {
-            // Said once for all of them.
+            // One proposition for the precondition, shared by all groups.
             let applicable = self.proposition();
             self.rule(precondition, &[applicable], NONE);
             precondition = vec![applicable];

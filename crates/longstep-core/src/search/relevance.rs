@@ -1,13 +1,13 @@
-//! Leaves out of a task what no plan for its goal can need.
+//! Relevance analysis: removes operators and facts that no plan for the goal needs.
 //!
-//! An operator is kept when it can be applied at all and has an effect that something kept asks for. A fact
-//! that holds from the start and that no kept operator takes away needs nobody to bring it about: that is
-//! what keeps a robot from considering every cup in the kitchen because putting one down frees its hand.
+//! An operator is kept if it is reachable and has an effect that a kept condition requires. A fact that holds in the
+//! initial state and that no kept operator deletes needs no achiever. This prevents a robot from considering every cup
+//! in the kitchen because putting one down frees its hand.
 //!
-//! Why this loses nothing: take any plan and strike the operators that are not kept. By induction over its
-//! steps, every literal that is asked for and held in the plan still holds: struck operators bring about
-//! nothing that is asked for (other than what held throughout), and an effect that takes such a literal away
-//! fires no more often than before, since the opposite of its condition is asked for too.
+//! Completeness: take any plan and remove the operators that are not kept. By induction over its steps, every required
+//! literal that held in the plan still holds. The removed operators achieve no required literal (except those that held
+//! throughout). An effect that deletes a required literal fires no more often than before, since the negation of its
+//! condition is required too.
 
 use std::collections::VecDeque;
 
@@ -18,7 +18,7 @@ use super::formula::{Formula, Literal};
 use super::task::{Operator, Task};
 use crate::effort;
 
-/// The task without what no plan can need.
+/// Removes everything that no plan needs; the task keeps its shortest plans.
 pub(crate) fn reduce(mut task: Task) -> Task {
     keep_reachable(&mut task);
     simplify(&mut task);
@@ -27,12 +27,12 @@ pub(crate) fn reduce(mut task: Task) -> Task {
     renumber(task)
 }
 
-/// The task with only the most direct ways to what is asked for. It may have no plan although the task has
-/// one, and its shortest plan may not be the task's; but it is small, and a plan for it is a plan.
+/// Reduces the task to the most direct operators. The result may be unsolvable although the task is not, and its
+/// shortest plan may be longer; but it is small, and each of its plans is a plan for the task.
 ///
-/// Whatever is asked for is left to operators that are kept already, if one of them brings it about; else to
-/// those that can bring it about as things are, if there are any. So a plate need not be put on every
-/// shelf only because whoever walks to that shelf would then reach the plate.
+/// A required literal is left to operators that are already kept if one of them achieves it. Otherwise the operators
+/// whose effect fires in the initial state are kept, if there are any. So a plate need not be put on every shelf only
+/// because a robot at that shelf would then reach the plate.
 pub(super) fn focus(task: &Task) -> Task {
     let mut task = task.clone();
     keep_relevant(&mut task, true);
@@ -45,7 +45,7 @@ fn index(literal: Literal) -> usize {
     literal.fact as usize * 2 + usize::from(literal.holds)
 }
 
-/// Keeps the operators that can be applied when nothing is ever lost.
+/// Keeps the operators that are reachable in the delete relaxation.
 fn keep_reachable(task: &mut Task) {
     let mut reached: Vec<bool> = task.initial.iter().flat_map(|holds| [!holds, *holds]).collect();
     let mut applied = vec![false; task.operators.len()];
@@ -73,13 +73,13 @@ fn keep_reachable(task: &mut Task) {
     keep(&mut task.operators, &applied);
 }
 
-/// Keeps the operators that are marked.
+/// Keeps the marked operators.
 fn keep(operators: &mut Vec<Operator>, marked: &[bool]) {
     let mut marks = marked.iter();
     operators.retain(|_| marks.next().is_some_and(|mark| *mark));
 }
 
-/// Replaces facts that never change by what they are, and drops effects that do nothing.
+/// Replaces static facts by their values, and drops effects without an effect on the state.
 fn simplify(task: &mut Task) {
     effort::spend(2 * task.units());
     let mut changes = vec![false; task.initial.len()];
@@ -148,7 +148,7 @@ fn keep_relevant(task: &mut Task, focused: bool) {
     }
     keep(&mut task.operators, &kept);
     for operator in &mut task.operators {
-        // Facts that nobody asks about need no bookkeeping.
+        // Facts that no condition requires need not be tracked.
         operator.effects.retain(|effect| tracked[effect.literal.fact as usize]);
     }
 }
@@ -156,21 +156,21 @@ fn keep_relevant(task: &mut Task, focused: bool) {
 struct Relevance<'a> {
     task: &'a Task,
     focused: bool,
-    /// By literal: the operators and effects that bring it about.
+    /// By literal: the operators and effects that achieve it.
     achievers: Vec<Vec<(u32, u32)>>,
     kept: Vec<bool>,
-    /// By literal: the effects of kept operators that bring it about, and how many of them were looked at as what takes
-    /// the opposite away.
+    /// By literal: the effects of kept operators that achieve it, and how many of them were processed as deleters of
+    /// the opposite literal.
     brought_about: Vec<(Vec<(u32, u32)>, usize)>,
-    /// By step of sensing: the operators for its outcomes, which stay or go together.
+    /// By sensing step: the operators of its outcomes, which are kept or removed together.
     siblings: FxHashMap<&'a GroundAction, Vec<u32>>,
     asked: Vec<bool>,
-    /// Literals for which somebody who brings them about has been looked for.
+    /// Literals whose achievers have been processed.
     expanded: Vec<bool>,
-    /// Literals to look at, or to look at again.
+    /// Literals to process, possibly again.
     queue: VecDeque<Literal>,
-    /// By literal that holds from the start and that no kept operator takes away: alternatives that hold because of it,
-    /// so that nobody asks for the others.
+    /// By literal that holds in the initial state and that no kept operator deletes: disjunctions that rely on it, so
+    /// that their other parts are not required.
     relied_on: FxHashMap<usize, Vec<&'a Formula>>,
 }
 
@@ -201,7 +201,7 @@ impl<'a> Relevance<'a> {
         }
     }
 
-    /// Asks for what a condition needs.
+    /// Requires the literals of a condition.
     fn ask_for(&mut self, condition: &'a Formula) {
         match condition {
             Formula::And(parts) => parts.iter().for_each(|part| self.ask_for(part)),
@@ -219,7 +219,7 @@ impl<'a> Relevance<'a> {
         }
     }
 
-    /// Whether the literal holds from the start and no kept operator takes it away.
+    /// Returns true if the literal holds in the initial state and no kept operator deletes it.
     fn is_safe(&self, literal: Literal) -> bool {
         let (takers, _) = &self.brought_about[index(opposite(literal))];
         self.task.initial[literal.fact as usize] == literal.holds && takers.is_empty()
@@ -235,7 +235,7 @@ impl<'a> Relevance<'a> {
         &self.task.operators[operator as usize].effects[effect as usize].condition
     }
 
-    /// Whether an effect fires as things are at the start.
+    /// Returns true if the effect fires in the initial state.
     fn fires(&self, achiever: (u32, u32)) -> bool {
         let initially = |literal: Literal| self.task.initial[literal.fact as usize] == literal.holds;
         self.condition(achiever).holds(&initially)
@@ -247,7 +247,7 @@ impl<'a> Relevance<'a> {
         let mut new = takers[std::mem::replace(looked_at, takers.len())..].to_vec();
         effort::spend(1 + new.len());
         if !self.focused {
-            // Whether a kept operator takes the literal away must not change.
+            // The conditions under which kept operators delete the literal must be preserved.
             new.sort_unstable();
             for taker in new {
                 let mut literals = 0;
@@ -320,7 +320,7 @@ fn opposite(literal: Literal) -> Literal {
     }
 }
 
-/// Numbers the facts that are left without gaps.
+/// Renumbers the remaining facts without gaps.
 fn renumber(mut task: Task) -> Task {
     let mut numbers: Vec<Option<u32>> = vec![None; task.initial.len()];
     let mut initial = Vec::new();

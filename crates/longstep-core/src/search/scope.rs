@@ -1,10 +1,10 @@
-//! Which actions and which things a search looks at.
+//! Scope of a search: the actions and entities that it considers.
 //!
-//! Grounding takes time and memory for every action with every choice of things, which a flat bears and a warehouse
-//! does not. Two things keep it small. Actions that change nothing that anything asks for are left out; that loses
-//! nothing (see `relevance`, which does the same once more with the arguments known). And in a large world only what
-//! surrounds the goal is looked at first: the things that it speaks of, what they are in or on, what belongs to them,
-//! and what its conditions name by kind. A plan that is found there is then simulated in the whole world.
+//! Grounding takes time and memory for every action with every combination of arguments, which is too much in a large
+//! world such as a warehouse. Two measures limit it. First, actions without an effect on any required predicate are
+//! left out; this loses no plan (see `relevance`, which repeats it for ground actions). Second, in a large world only
+//! entities related to the goal are considered first: those that it mentions, their places, their parts, and those that
+//! its conditions name by type. A plan that is found there is then simulated in the whole world.
 
 use rustc_hash::FxHashSet;
 
@@ -14,25 +14,25 @@ use crate::model::{
     Action, Atom, Bindings, Condition, Domain, EntityId, Moment, PredicateId, RuleTime, TypeId, World, ever_candidates,
 };
 
-/// Grounding that makes more effects than this is not done for a whole world.
+/// Maximum number of ground effects for which the whole world is grounded.
 const BEARABLE: u64 = 300_000;
 
-/// Of a kind that a condition names, more things than this are not taken in.
+/// Maximum number of entities that an existential condition adds to the scope.
 const MANY: usize = 50;
 
-/// The actions and things that a search looks at.
+/// The actions and entities that a search considers.
 #[derive(Debug, Clone)]
 pub(crate) struct Scope {
-    /// By action: whether it can matter.
+    /// By action: true if it may be relevant.
     pub(super) actions: Vec<bool>,
-    /// By type: the things, in order.
+    /// By type: the entities in scope, sorted.
     by_kind: Vec<Vec<EntityId>>,
-    /// Whether these are all the things there are.
+    /// True if the scope has all entities of the world.
     pub(crate) whole: bool,
 }
 
 impl Scope {
-    /// Every thing, and the actions that can matter to the conditions and facts that are asked for.
+    /// Returns the scope with all entities, and the actions that may be relevant to the required conditions and facts.
     pub(crate) fn whole(domain: &Domain, world: &World, asked: &Asked) -> Self {
         let kinds = 0..domain.types.len();
         Self {
@@ -42,7 +42,7 @@ impl Scope {
         }
     }
 
-    /// What surrounds the things that are asked about; with those that share their places if it is `far`.
+    /// Returns the scope around the entities of the goal; if `far`, with the entities that share their places.
     pub(crate) fn around(&self, domain: &Domain, world: &World, asked: &Asked, about: &[EntityId], far: bool) -> Self {
         let mut things = asked.by_kind(domain, world, &self.actions);
         things.extend(about);
@@ -54,12 +54,12 @@ impl Scope {
         }
     }
 
-    /// Whether grounding what is in scope takes a bearable time.
+    /// Returns true if grounding this scope stays within the limit.
     pub(crate) fn is_bearable(&self, domain: &Domain) -> bool {
         self.effort(domain) <= BEARABLE
     }
 
-    /// How many things there are.
+    /// Returns the number of entities.
     pub(crate) fn len(&self) -> usize {
         self.of_kind(TypeId::OBJECT).len()
     }
@@ -74,17 +74,17 @@ impl Scope {
         }
     }
 
-    /// The things of a type, in order.
+    /// Returns the entities of a type, sorted.
     pub(super) fn of_kind(&self, kind: TypeId) -> &[EntityId] {
         &self.by_kind[kind.index()]
     }
 
-    /// Whether the thing is looked at.
+    /// Returns true if the entity is in scope.
     pub(crate) fn contains(&self, thing: EntityId) -> bool {
         self.whole || self.of_kind(TypeId::OBJECT).binary_search(&thing).is_ok()
     }
 
-    /// How many effects grounding looks at, at most.
+    /// Returns an upper bound on the number of ground effects.
     fn effort(&self, domain: &Domain) -> u64 {
         let count = |kind: TypeId| self.of_kind(kind).len() as u64;
         let product =
@@ -92,7 +92,7 @@ impl Scope {
         let effort = |action: &Action| {
             let choices = product(&mut action.parameters.iter().map(|parameter| parameter.kind));
             let effects = action.effects.iter().map(|effect| {
-                // A variable that has to be one certain thing costs nothing.
+                // A variable that must equal another term adds no instances.
                 product(
                     &mut effect
                         .forall
@@ -112,7 +112,7 @@ impl Scope {
     }
 }
 
-/// Whether the condition makes the slot equal to something.
+/// Returns true if the condition requires the slot to equal some term.
 fn fixed(condition: &Condition, slot: usize) -> bool {
     use crate::model::Term::Variable;
     match condition {
@@ -126,7 +126,7 @@ fn fixed(condition: &Condition, slot: usize) -> bool {
     }
 }
 
-/// What is asked for: literals on the level of predicates, and the conditions themselves.
+/// The requirements of a goal: literals by predicate, and the conditions themselves.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Asked {
     literals: FxHashSet<(PredicateId, bool)>,
@@ -134,7 +134,7 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    /// Asks for everything that is wanted, and for the rules that hold in every state.
+    /// Collects the requirements of the wanted conditions and of the `always` rules.
     pub(crate) fn of(domain: &Domain, wanted: &[Wanted]) -> Self {
         let mut asked = Self::default();
         for wanted in wanted {
@@ -146,7 +146,7 @@ impl Asked {
         asked
     }
 
-    /// Asks for a condition, with its first slots bound.
+    /// Adds a condition whose first slots are bound.
     fn condition(&mut self, condition: &Condition, bindings: &[EntityId]) {
         condition.for_each_atom(&mut |atom, holds| {
             self.literals.insert((atom.predicate, holds));
@@ -154,12 +154,12 @@ impl Asked {
         self.conditions.push((condition.clone(), bindings.to_vec()));
     }
 
-    /// Asks for whatever a fact or its opposite can say.
+    /// Adds a literal of a predicate.
     pub(crate) fn literal(&mut self, predicate: PredicateId, holds: bool) {
         self.literals.insert((predicate, holds));
     }
 
-    /// By action: whether it changes or tells anything that is asked for, by the goal or by another one that does.
+    /// By action: true if it changes or senses a required literal, directly or for another relevant action.
     fn actions(&self, domain: &Domain) -> Vec<bool> {
         let mut asked = self.literals.clone();
         let mut matters = vec![false; domain.actions.len()];
@@ -184,10 +184,10 @@ impl Asked {
                     action.precondition.for_each_atom(&mut |atom, holds| {
                         asked.insert((atom.predicate, holds));
                     });
-                    // It tells something only while nothing is known.
+                    // Sensing is applicable only while none of its outcomes is known.
                     asked.extend(action.senses.iter().map(|atom| (atom.predicate, false)));
                 }
-                // Whether an effect that does harm happens matters as well.
+                // The conditions under which an effect deletes a required literal are relevant too.
                 for effect in action.effects.iter().filter(|_| *matters) {
                     if asked.contains(&(effect.atom.predicate, !effect.adds)) {
                         effect.condition.for_each_atom(&mut |atom, holds| {
@@ -202,13 +202,13 @@ impl Asked {
         }
     }
 
-    /// The few things that the conditions name by what never changes about them: some tap, some bin.
+    /// Returns the few entities that conditions describe by static facts, such as some tap or some bin.
     fn by_kind(&self, domain: &Domain, world: &World, actions: &[bool]) -> FxHashSet<EntityId> {
         let mut found = FxHashSet::default();
         for (condition, bindings) in &self.conditions {
             named(domain, world, condition, &mut bindings.clone(), &mut found);
         }
-        // Of a parameter nothing is known yet, so only conditions without any are looked at.
+        // Parameters are still unbound, so only conditions without parameters are evaluated.
         for (action, _) in domain.actions.iter().zip(actions).filter(|(_, matters)| **matters) {
             let first = world.of_kind(TypeId::OBJECT).first().copied();
             let mut bindings: Bindings = first.iter().copied().cycle().take(action.parameters.len()).collect();
@@ -220,7 +220,7 @@ impl Asked {
     }
 }
 
-/// Adds the things that an existential condition can be about, if they are few.
+/// Adds the entities that an existential condition may be about, up to [`MANY`].
 fn named(
     domain: &Domain,
     world: &World,
@@ -255,8 +255,8 @@ fn named(
     }
 }
 
-/// The things with what they are related to: what they are on or in, what belongs to them, what is in hand. Far
-/// scopes also take in what shares their places.
+/// Extends the entities with those they are related to: their places, their parts, and held objects. If `far`, also
+/// entities that share their places.
 fn around(domain: &Domain, world: &World, things: FxHashSet<EntityId>, far: bool) -> FxHashSet<EntityId> {
     let mut found = things;
     for index in 0..domain.predicates.len() {
@@ -292,7 +292,7 @@ fn around(domain: &Domain, world: &World, things: FxHashSet<EntityId>, far: bool
                     .filter(|fact| fact.argument(1) == thing);
                 let others: Vec<EntityId> = of.map(|fact| fact.argument(0)).take(MANY + 1).collect();
                 if others.len() <= MANY {
-                    // What shares a place is taken in; what shares a place with that is not.
+                    // Includes entities that share a place, but not those that share a place with them.
                     for other in others {
                         if found.insert(other) && !domain.words(id).fluent {
                             queue.push(other);

@@ -1,4 +1,4 @@
-//! Grounding: a domain, a world and a goal as numbered facts and operators.
+//! Grounding: converts a domain, a world and a goal to numbered facts and operators.
 
 use std::borrow::Cow;
 
@@ -13,45 +13,46 @@ use crate::model::{
     ground as ground_atom, grounded_term,
 };
 
-/// The units for one part of a condition: it is kept, and copied into smaller tasks.
+/// Work units for one node of a condition, which is stored and copied into smaller tasks.
 const PART: usize = 16;
 
-/// One fact that an operator makes true or false when `condition` held before.
+/// A conditional effect on one fact; `condition` refers to the state before.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct GroundEffect {
     pub(crate) condition: Formula,
     pub(crate) literal: Literal,
 }
 
-/// An action with arguments.
+/// A ground action.
 #[derive(Debug, Clone)]
 pub(crate) struct Operator {
     pub(crate) step: GroundAction,
-    /// What it costs; a step of a plan that is searched for costs 1.
+    /// Cost; 1 for an ordinary step.
     pub(crate) cost: u32,
-    /// For whoever made the task: what applying the operator means.
+    /// Meaning of the operator for the creator of the task.
     pub(crate) tag: u32,
-    /// Of sensing: the outcome that comes about. Nobody chooses it: the step's other operators are its other outcomes.
+    /// Outcome of a sensing step. The search cannot choose it: the operators of the step's other outcomes are
+    /// alternatives.
     pub(crate) told: Option<Fact>,
     pub(crate) precondition: Formula,
     pub(crate) effects: Vec<GroundEffect>,
 }
 
-/// What is searched.
+/// A planning task.
 #[derive(Debug, Clone)]
 pub(crate) struct Task {
-    /// Whether each fact holds at the start.
+    /// By fact: true if it holds in the initial state.
     pub(crate) initial: Vec<bool>,
     pub(crate) operators: Vec<Operator>,
     pub(crate) goal: Formula,
-    /// The rules for every state.
+    /// The ground `always` rules.
     pub(crate) always: Always,
 }
 
-/// The rules for every state, one formula for each choice of entities.
+/// The ground `always` rules: one formula for each binding.
 ///
-/// A step may not break a rule that holds before it. One that is broken already, since the world begins so or sensing
-/// revealed it, binds again from where it holds.
+/// A step must not break a rule that holds before it. A rule that is broken in the initial state or by a sensing
+/// outcome becomes binding once it holds.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Always {
     rules: Vec<Formula>,
@@ -59,14 +60,14 @@ pub(crate) struct Always {
 
 impl Always {
     fn of(rules: Vec<Formula>) -> Self {
-        // What can never hold is never broken by a step.
+        // No step can break a rule that never holds.
         let binding = |rule: &Formula| !rule.is_true() && !rule.is_false();
         Self {
             rules: rules.into_iter().filter(binding).collect(),
         }
     }
 
-    /// Returns whether a step may lead from one state to another.
+    /// Returns true if a step may lead from one state to the other.
     pub(crate) fn allows(&self, before: &impl Fn(Literal) -> bool, after: &impl Fn(Literal) -> bool) -> bool {
         self.rules.iter().all(|rule| rule.holds(after) || !rule.holds(before))
     }
@@ -81,7 +82,7 @@ impl Always {
 }
 
 impl Task {
-    /// The units for looking once at every condition and effect.
+    /// Returns the work units for visiting every condition and effect once.
     pub(super) fn units(&self) -> usize {
         let effect = |effect: &GroundEffect| effect.condition.size();
         let operator = |operator: &Operator| {
@@ -93,16 +94,16 @@ impl Task {
     }
 }
 
-/// A condition about the things of one world.
+/// A ground condition.
 #[derive(Debug, Clone)]
 pub(crate) struct GroundCondition {
-    /// Without whatever is known from the start.
+    /// The condition; static facts are replaced by their values.
     pub(crate) formula: Formula,
-    /// The facts that its literals number.
+    /// The facts, by their numbers in the literals.
     pub(crate) facts: Vec<Fact>,
 }
 
-/// The condition under `bindings`, with whatever never changes or is asked of the start left out.
+/// Grounds a condition under `bindings`; static facts and `initially` atoms are replaced by their values.
 pub(crate) fn ground_condition(
     domain: &Domain,
     world: &World,
@@ -118,7 +119,7 @@ pub(crate) fn ground_condition(
     }
 }
 
-/// One step with the facts that its literals number.
+/// Grounds one step; returns the operator and the facts by number.
 pub(crate) fn ground_step(domain: &Domain, world: &World, step: GroundAction) -> (Operator, Vec<Fact>) {
     let scope = Scope::whole(domain, world, &Asked::default());
     let mut grounder = Grounder::new(domain, world, &scope);
@@ -126,12 +127,12 @@ pub(crate) fn ground_step(domain: &Domain, world: &World, step: GroundAction) ->
     (operator, grounder.facts())
 }
 
-/// Grounds everything that the precondition's unchanging parts allow, without sensing.
+/// Grounds all actions whose static preconditions hold, without sensing.
 pub(super) fn ground(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
     ground_with(domain, world, scope, wanted, false)
 }
 
-/// The same with sensing: an operator for each outcome that a step can have.
+/// Grounds like [`ground`], with an operator for each outcome of a sensing step.
 pub(super) fn ground_sensing(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
     ground_with(domain, world, scope, wanted, true)
 }
@@ -140,8 +141,7 @@ fn ground_with(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted],
     let mut grounder = Grounder::new(domain, world, scope);
     let goal = grounder.goal(wanted);
     let always = grounder.always();
-    // Of equally short plans, the one that deals with the things of the goal is the one to expect: walk to the
-    // sink rather than to its tap.
+    // Among equally short plans, prefer those with entities of the goal: walk to the sink rather than to its tap.
     let spoken_of: FxHashSet<EntityId> = wanted
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
@@ -158,7 +158,7 @@ fn ground_with(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted],
     }
 }
 
-/// The parts of a conjunction, each with the number of parameters that must be bound before it can be asked.
+/// Returns the parts of a conjunction, each with the number of parameters that must be bound to evaluate it.
 fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
     match condition {
         Condition::And(all) => all.iter().flat_map(conjuncts).collect(),
@@ -178,7 +178,7 @@ fn parameters_needed(condition: &Condition, bound: usize) -> usize {
             .map(|part| parameters_needed(part, bound))
             .max()
             .unwrap_or(0),
-        // The quantified slot follows all parameters, so none of them may be missing.
+        // The quantified slot follows all parameters, so all of them must be bound.
         Condition::Forall(slot, _, inner) | Condition::Exists(slot, _, inner) => {
             (*slot).max(parameters_needed(inner, bound.min(*slot)))
         }
@@ -187,13 +187,13 @@ fn parameters_needed(condition: &Condition, bound: usize) -> usize {
     }
 }
 
-/// Numbers facts and writes conditions over them.
+/// Numbers facts and grounds conditions.
 pub(crate) struct Grounder<'a> {
     domain: &'a Domain,
     world: &'a World,
     scope: &'a Scope,
     numbers: FxHashMap<Fact, u32>,
-    /// Whether each numbered fact holds at the start.
+    /// By numbered fact: true if it holds in the initial state.
     pub(crate) initial: Vec<bool>,
 }
 
@@ -208,7 +208,7 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    /// Everything that is wanted, as one condition.
+    /// Grounds the conjunction of all wanted conditions.
     pub(crate) fn goal(&mut self, wanted: &[Wanted]) -> Formula {
         let parts: Vec<Formula> = wanted
             .iter()
@@ -217,7 +217,7 @@ impl<'a> Grounder<'a> {
         Formula::and(parts)
     }
 
-    /// The rules for every state.
+    /// Grounds the `always` rules.
     pub(crate) fn always(&mut self) -> Always {
         let mut parts = Vec::new();
         for rule in self.domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
@@ -226,7 +226,7 @@ impl<'a> Grounder<'a> {
         Always::of(parts)
     }
 
-    /// A formula for each choice of entities for the outermost quantifiers, as many as the rule has variables.
+    /// Adds a formula for each binding of the rule's variables, which are the outermost quantifiers.
     fn instances_of_rule(
         &mut self,
         condition: &Condition,
@@ -250,8 +250,8 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    /// Every action in scope with all arguments that its precondition's unchanging parts allow. Those whose arguments are
-    /// `spoken_of` come first: operators that come first are tried first.
+    /// Grounds every action in scope with all arguments that satisfy its static preconditions. Operators with the
+    /// fewest arguments outside of `spoken_of` come first, and the search tries them first.
     pub(crate) fn operators(&mut self, spoken_of: &FxHashSet<EntityId>) -> Vec<Operator> {
         let mut operators: Vec<Operator> = Vec::new();
         let matters = self.domain.action_ids().zip(&self.scope.actions);
@@ -285,8 +285,8 @@ impl<'a> Grounder<'a> {
         operators
     }
 
-    /// Every sensing action in scope with all arguments that make sense, once for each of its outcomes: while none of
-    /// them is known, one of them comes about.
+    /// Grounds every sensing action in scope: one operator for each outcome, applicable while none of the outcomes is
+    /// known.
     fn sensing(&mut self) -> Vec<Operator> {
         let mut operators: Vec<Operator> = Vec::new();
         let matters = self.domain.action_ids().zip(&self.scope.actions);
@@ -332,7 +332,7 @@ impl<'a> Grounder<'a> {
         operators
     }
 
-    /// One action with its arguments, whether or not it can ever be applicable.
+    /// Grounds one action, whether or not it can ever be applicable.
     pub(crate) fn operator(&mut self, step: GroundAction) -> Operator {
         let action = self.domain.action(step.action);
         let precondition = self.formula(&action.precondition, &mut step.arguments.clone());
@@ -346,14 +346,14 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    /// The facts by their numbers, if none of them is the task's own.
+    /// Returns the facts by number; requires a task without extra facts.
     fn facts(self) -> Vec<Fact> {
         let mut facts: Vec<(u32, Fact)> = self.numbers.into_iter().map(|(fact, number)| (number, fact)).collect();
         facts.sort_unstable();
         facts.into_iter().map(|(_, fact)| fact).collect()
     }
 
-    /// A fact of the task's own, which nothing in the world means.
+    /// Adds an auxiliary fact that does not exist in the world.
     pub(crate) fn extra(&mut self, holds: bool) -> u32 {
         self.initial.push(holds);
         (self.initial.len() - 1) as u32
@@ -366,7 +366,7 @@ impl<'a> Grounder<'a> {
         })
     }
 
-    /// Binds the parameters from the next one on, leaving a branch as soon as an unchanging part fails.
+    /// Binds the parameters from the next one on; backtracks as soon as a static precondition fails.
     fn bind(
         &mut self,
         action: &Action,
@@ -399,7 +399,7 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    /// Whether a simple condition can never hold.
+    /// Returns true if a static atom or equality is false.
     fn refutes(&self, condition: &Condition, bindings: &[EntityId]) -> bool {
         match condition {
             Condition::Atom { atom, holds, initially } => {
@@ -413,8 +413,8 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    /// The condition without quantifiers. Spends [`PART`] units for each part; what comes of it when the budget is spent
-    /// means nothing.
+    /// Grounds a condition and eliminates its quantifiers. Spends [`PART`] units for each node; the result is
+    /// meaningless once the budget is exhausted.
     pub(crate) fn formula(&mut self, condition: &Condition, bindings: &mut Bindings) -> Formula {
         if !effort::spend(PART) {
             return Formula::FALSE;
@@ -466,7 +466,7 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    /// The condition for each thing for which it may ever have the value; what is left out never decides.
+    /// Grounds the condition for each entity with which it may have the value; other entities do not affect the result.
     fn instances(
         &mut self,
         (slot, kind): (Slot, TypeId),
@@ -486,7 +486,7 @@ impl<'a> Grounder<'a> {
         parts
     }
 
-    /// The things of a type for which a condition may ever have the value.
+    /// Returns the entities of a type with which a condition may have the value.
     fn things(
         &self,
         (slot, kind): (Slot, TypeId),
@@ -515,7 +515,7 @@ impl<'a> Grounder<'a> {
             let mut bindings = arguments.to_vec();
             self.effect(effect, 0, &mut bindings, &mut effects);
         }
-        // What is both made false and made true under the same condition ends up true.
+        // A fact that is both deleted and added under one condition holds afterwards.
         let adds = effects.iter().filter(|e| e.literal.holds);
         let always = Formula::TRUE;
         let added: FxHashSet<(u32, &Formula)> = adds.map(|e| (e.literal.fact, &e.condition)).collect();

@@ -1,9 +1,8 @@
-//! A* in which sensing branches.
+//! A* search with AND nodes for sensing.
 //!
-//! From each state, the search goes forward over what changes the world, as for a plan without sensing. Wherever
-//! something can be sensed that is not known, one more choice is open: to sense here, which costs one step and then
-//! whatever the worst outcome costs, each solved in the same way. Choices are taken up in the order of what they cost at
-//! least, so that the first one whose cost is known is the best.
+//! From each state, the search expands actions as in a search without sensing. Wherever an unknown fact can be sensed,
+//! there is one more choice: sensing, which costs one step plus the cost of the worst outcome; each outcome is solved
+//! recursively. Choices are processed in the order of their lower bounds, so the first solved choice is the best.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -21,30 +20,30 @@ use crate::search::dominance::Dominance;
 use crate::search::formula::Literal;
 use crate::search::task::Task;
 
-/// How deep sensing may follow on sensing.
+/// Maximum nesting depth of sensing.
 const DEEPEST: usize = 48;
 
 /// The limit was reached.
 #[derive(Debug)]
 pub(super) struct TooFar;
 
-/// What is known of solving from a state.
+/// Cached result for a state.
 struct Known {
-    /// No course has a worst case of fewer steps.
+    /// Lower bound on the worst case of any policy.
     at_least: u32,
     course: Option<Rc<Course>>,
 }
 
-/// How a search goes about it.
+/// Parameters of a search.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Manner {
-    /// States looked at before it gives up.
+    /// Maximum number of evaluated states.
     pub(super) limit: usize,
-    /// States looked at for fewer steps in all, once the worst case is known.
+    /// States for fewer total steps once the worst case is known.
     pub(super) ties: usize,
-    /// How much it prefers states that look close to the goal; 1 finds the best course.
+    /// Weight of the heuristic; 1 finds the best policy.
     pub(super) weight: u32,
-    /// Whether sensing may be done again and again until it tells what is hoped for.
+    /// True if sensing may be repeated until it has the desired outcome.
     pub(super) looping: bool,
 }
 
@@ -52,14 +51,14 @@ pub(super) struct Search<'a> {
     task: &'a Task,
     bounds: Bounds,
     manner: Manner,
-    /// By sensing step: the operators for its outcomes.
+    /// By sensing step: the operators of its outcomes.
     looks: Vec<Vec<u32>>,
-    /// The units for expanding a node, without what it leads to.
+    /// Work units to expand a node, without its successors.
     expanding: usize,
     known: FxHashMap<Bits, Known>,
-    /// The states at which sensing is being solved for.
+    /// The states at which sensing is currently being solved.
     heads: Vec<Bits>,
-    /// Searches begun, which count against the limit like states.
+    /// Number of started searches; they count against the limit like states.
     begun: usize,
 }
 
@@ -72,20 +71,20 @@ struct Node {
     expanded: bool,
 }
 
-/// Something to take up.
+/// An entry of the open list.
 #[derive(Clone)]
 enum Choice {
-    /// A node, by number.
+    /// A node number.
     Node(u32),
-    /// Sensing at a node, by their numbers: nothing is known of its outcomes yet.
+    /// Sensing at a node: node number and index of the sensing step; its outcomes are not estimated yet.
     Look(u32, u32),
-    /// The same, with the least number of steps in all.
+    /// Sensing at a node with estimated outcomes; the third number is a lower bound on the total steps.
     Outcomes(u32, u32, u32),
-    /// A course that is solved.
+    /// A solved policy.
     Solved(Rc<Course>),
 }
 
-/// The choices of one search, cheapest first; then closest to the goal, preferred, in the order of discovery.
+/// The open list: ordered by cost, then heuristic value, then preferred operators, then order of discovery.
 #[derive(Default)]
 struct Open {
     heap: BinaryHeap<Reverse<(u32, u32, bool, u32)>>,
@@ -130,12 +129,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// How many states were looked at.
+    /// Returns the number of evaluated states.
     pub(super) fn looked_at(&self) -> usize {
         self.bounds.looked_at
     }
 
-    /// The best course from the task's first state, if there is one with a worst case of fewer steps than `below`.
+    /// Returns the best policy from the initial state with a worst case of fewer steps than `below`, if there is one.
     pub(super) fn run(&mut self, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
         let mut start = Bits::none(self.task.initial.len());
         for (fact, holds) in self.task.initial.iter().enumerate() {
@@ -158,7 +157,7 @@ impl<'a> Search<'a> {
             return Err(TooFar);
         }
         let course = self.search(start, below)?;
-        // What leads back to a sensing that is being solved for is a course there only.
+        // In looping mode, a policy may return to the current sensing and is valid only there.
         if !self.manner.looping {
             let known = Known {
                 at_least: course.as_ref().map_or(below, |course| course.worst),
@@ -238,7 +237,7 @@ impl<'a> Search<'a> {
         node.depth + self.manner.weight * node.estimate
     }
 
-    /// What a course that has come to the node ends with, if it may end there.
+    /// Returns the continuation if a policy may end at the node.
     fn is_end(&self, node: &Node) -> Option<Then> {
         if self.task.goal.holds(&|literal| node.state.is(literal)) {
             return Some(Then::Done);
@@ -247,7 +246,7 @@ impl<'a> Search<'a> {
         back.then_some(Then::Again)
     }
 
-    /// Estimates a node; if it is still worth it, expands it.
+    /// Evaluates a node, and expands it unless its estimate has increased.
     fn take_up(&mut self, nodes: &mut Nodes, open: &mut Open, number: u32, tie: bool) -> Result<(), TooFar> {
         let node = &nodes.all[number as usize];
         let state = node.state.clone();
@@ -255,7 +254,7 @@ impl<'a> Search<'a> {
         let estimate = self.estimate(&state, tie)?;
         let node = &mut nodes.all[number as usize];
         let Some(cost) = estimate.cost else {
-            // A dead end, whatever sensing tells or for one thing that it can tell.
+            // A dead end for every sensing outcome, or for one of them.
             node.expanded = true;
             return Ok(());
         };
@@ -344,7 +343,7 @@ impl<'a> Search<'a> {
                 }
                 node.depth = depth;
                 node.parent = parent;
-                // An estimate that is not consistent may have expanded it too early.
+                // With an inconsistent heuristic, the node may have been expanded too early.
                 node.expanded = false;
                 number
             }
@@ -371,7 +370,8 @@ impl<'a> Search<'a> {
         open.push(self.promise(node), node.estimate, preferred, Choice::Node(number));
     }
 
-    /// What the outcomes of sensing cost at least: the worst of them, and all together. None if one of them is hopeless.
+    /// Returns lower bounds on the cost of the outcomes of sensing: the worst one and the sum. None if one of them is
+    /// unsolvable.
     fn outcomes_at_least(&mut self, state: &Bits, look: u32) -> Result<Option<(u32, u32)>, TooFar> {
         let (mut worst, mut sum) = (0, 0);
         for operator in self.looks[look as usize].clone() {
@@ -385,7 +385,7 @@ impl<'a> Search<'a> {
         Ok(Some((worst, sum)))
     }
 
-    /// The best course that senses at a node.
+    /// Returns the best policy that senses at a node.
     fn solved(&mut self, nodes: &Nodes, number: u32, look: u32, below: u32) -> Result<Option<Course>, TooFar> {
         let node = &nodes.all[number as usize];
         let Some(left) = below.checked_sub(node.depth + 1) else {
@@ -402,7 +402,7 @@ impl<'a> Search<'a> {
         }
         self.heads.pop();
         let all = outcomes.len() == self.looks[look as usize].len();
-        // A loop that nothing ends is no course.
+        // A loop that no outcome ends is not a policy.
         let ends = outcomes.iter().any(|(_, course)| course.then != Then::Again);
         if !all || !ends {
             return Ok(None);
@@ -419,7 +419,7 @@ impl<'a> Search<'a> {
 }
 
 impl Nodes {
-    /// The operators that lead to a node.
+    /// Returns the operators on the path to a node.
     fn path(&self, number: u32) -> Vec<u32> {
         let mut path = Vec::new();
         let mut at = number;
@@ -431,7 +431,7 @@ impl Nodes {
         path
     }
 
-    /// The course that only leads to a node.
+    /// Returns the policy that consists of the path to a node.
     fn straight(&self, number: u32, then: Then) -> Course {
         let depth = self.all[number as usize].depth;
         Course {
@@ -443,7 +443,7 @@ impl Nodes {
     }
 }
 
-/// The state after an operator.
+/// Returns the state after an operator.
 fn after(task: &Task, state: &Bits, operator: u32) -> Bits {
     let operator = &task.operators[operator as usize];
     debug_assert!(operator.told.is_none() || outcome(operator).is_some());
@@ -454,7 +454,7 @@ fn after(task: &Task, state: &Bits, operator: u32) -> Bits {
             .iter()
             .filter(move |effect| effect.literal.holds == holds && effect.condition.holds(&|literal| state.is(literal)))
     };
-    // What is both taken away and given stays, as PDDL has it.
+    // As in PDDL, a fact that is both deleted and added holds afterwards.
     for effect in fires(false).chain(fires(true)) {
         next.set(effect.literal);
     }

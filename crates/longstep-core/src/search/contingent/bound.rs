@@ -1,9 +1,9 @@
-//! What a plan that looks before it decides costs at least.
+//! Lower bound on the worst-case cost of a contingent plan.
 //!
-//! A plan has to do whatever sensing tells. So it has to do in particular where one thing that is not known always turns
-//! out the same way, and there it can do no better than a plan that knew it: for each outcome of each such thing, the
-//! lower bound of the task in which sensing has that outcome alone. The largest of them is a lower bound on the worst
-//! case. Where one of them finds no way, no plan can do with that outcome.
+//! A plan must work for all sensing outcomes. So it must also work if one unknown fact always has the same outcome, and
+//! there it costs at least as much as a plan that knows the outcome in advance. For each outcome of each unknown fact,
+//! the bound of the task restricted to that outcome is therefore a lower bound. The largest of them bounds the worst
+//! case. If one of them is infinite, no plan works for that outcome.
 
 use rustc_hash::FxHashMap;
 
@@ -12,31 +12,32 @@ use crate::search::bits::Bits;
 use crate::search::landmark_cut::LandmarkCut;
 use crate::search::task::{Operator, Task};
 
-/// Things that sensing tells: the outcomes of which one holds, by the numbers of their facts, sorted.
+/// Alternative outcomes of sensing, exactly one of which holds: their fact numbers, sorted.
 type Group = Vec<u32>;
 
 /// Lower bounds for the states of one task.
 #[derive(Debug)]
 pub(super) struct Bounds {
-    /// Sensing has whichever outcome is wished for.
+    /// Optimistic bound: sensing has the best outcome.
     wishful: LandmarkCut,
     groups: Vec<(Group, Vec<LandmarkCut>)>,
     known: FxHashMap<Bits, Estimate>,
-    /// How many states were looked at.
+    /// Number of evaluated states.
     pub(super) looked_at: usize,
 }
 
-/// What is known of a state.
+/// Heuristic estimate for a state.
 #[derive(Debug, Clone)]
 pub(super) struct Estimate {
-    /// No plan costs less in the worst case; none if there is no plan.
+    /// Lower bound on the worst-case cost; none if there is no plan.
     pub(super) cost: Option<u32>,
-    /// Operators of which some must be applied, sorted.
+    /// Operators of which every plan contains some, sorted.
     pub(super) preferred: Vec<u32>,
 }
 
 impl Bounds {
-    /// If it is `looping`, what is told may be another thing the next time, and only the wishful bound counts.
+    /// Prepares the bounds. If `looping`, repeated sensing may have different outcomes, so only the optimistic bound is
+    /// valid.
     pub(super) fn new(task: &Task, looping: bool) -> Self {
         let groups = match looping {
             true => Vec::new(),
@@ -56,7 +57,7 @@ impl Bounds {
         }
     }
 
-    /// The bound for a state.
+    /// Returns the bound for a state.
     pub(super) fn estimate(&mut self, state: &Bits) -> Estimate {
         if let Some(known) = self.known.get(state) {
             return known.clone();
@@ -87,7 +88,7 @@ impl Bounds {
     }
 }
 
-/// The things that sensing tells in a task.
+/// Returns the groups of alternative sensing outcomes in a task.
 pub(super) fn groups(task: &Task) -> Vec<Group> {
     let mut by_step: FxHashMap<_, Group> = FxHashMap::default();
     for operator in task.operators.iter().filter(|operator| operator.told.is_some()) {
@@ -100,13 +101,13 @@ pub(super) fn groups(task: &Task) -> Vec<Group> {
     groups
 }
 
-/// The fact that an operator of sensing tells.
+/// Returns the fact that a sensing operator reveals.
 pub(super) fn outcome(operator: &Operator) -> Option<u32> {
     operator.told?;
     operator.effects.first().map(|effect| effect.literal.fact)
 }
 
-/// The task in which sensing the group has this outcome alone.
+/// Restricts sensing of the group to this outcome.
 pub(super) fn only(task: &Task, group: &Group, alone: u32) -> Task {
     effort::spend(32 * task.units());
     let mut task = task.clone();

@@ -1,4 +1,4 @@
-//! What the search finds against what going through every state finds.
+//! Comparison of the contingent search with an exhaustive search of the state space.
 
 use std::collections::HashMap;
 
@@ -13,16 +13,16 @@ use crate::model::{ActionId, Environment, Moment, State, ground, holds};
 use crate::plan::Node;
 use crate::verify::{apply, check as verify};
 
-/// Worlds with more states are not looked at.
+/// Maximum number of states; larger worlds are skipped.
 const STATES: usize = 6_000;
 
-/// What can be done in each state: the numbers of the states it can lead to, one of which nobody chooses.
+/// The state space: for each state and action, the numbers of the possible successor states.
 struct Space {
     ways: Vec<Vec<Vec<usize>>>,
     is_goal: Vec<bool>,
 }
 
-/// Every state that can be reached, with the actions that `matters` allows.
+/// Returns all reachable states, with the actions that `matters` allows.
 fn space(
     domain: &Domain,
     world: &World,
@@ -97,10 +97,10 @@ fn space(
     Some(space)
 }
 
-/// The fewest steps to the goal in the worst case, if there is a way that is sure to come there.
+/// Returns the fewest steps to the goal in the worst case; none if no policy reaches it surely.
 fn worst_case(space: &Space) -> Option<u32> {
     let mut cost: Vec<Option<u32>> = space.is_goal.iter().map(|goal| goal.then_some(0)).collect();
-    // In each round, states that are one step further get what they cost.
+    // Each round assigns costs to the states that are one step further away.
     for round in 1..=space.ways.len() as u32 {
         let known = |way: &Vec<usize>| way.iter().all(|next| cost[*next].is_some_and(|cost| cost < round));
         let reached: Vec<usize> = (0..cost.len())
@@ -114,7 +114,7 @@ fn worst_case(space: &Space) -> Option<u32> {
     cost[0]
 }
 
-/// The worst case of a plan.
+/// Returns the worst-case number of steps of a plan.
 fn longest(nodes: &[Node]) -> u32 {
     let of = |node: &Node| match node {
         Node::Step(_) => 1,
@@ -186,7 +186,7 @@ proptest! {
         let world = environment::read(&domain, &environment, "", &text, &Path::default()).unwrap();
         let goal: Goal = goal::parse(&domain, &world, &parts.join(" & ")).unwrap();
         let wanted = goal.wanted(&domain);
-        // Sensing that the goal does not speak of is left out here, since every outcome doubles the states.
+        // Sensing that the goal does not mention is skipped, since every outcome doubles the number of states.
         let spoken_of: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&domain, &world)).collect();
         let spoken_of = spoken_of.join(" & ");
         let matters = |id: ActionId, bound: &[EntityId]| {

@@ -1,10 +1,9 @@
-//! Plans that look before they decide.
+//! Contingent planning: plans with sensing.
 //!
-//! Where a goal depends on what nobody knows yet, [`solve`] finds a tree of steps: sensing splits the way, and each
-//! outcome has a way of its own to the goal (AND-OR search, `and_or`, with lower bounds of its own, `bound`). Of all such
-//! trees it finds one whose worst case takes the fewest steps. Where no tree will do because what is sensed can turn out
-//! the same way again and again, it looks for a loop that goes on until it does not. What it finds (`course`) is written
-//! as a [`Plan`].
+//! If a goal depends on unknown facts, [`solve`] finds a tree of steps: sensing splits the path, and each outcome has
+//! its own path to the goal (AND-OR search in `and_or`, with lower bounds from `bound`). It finds a tree with the
+//! shortest worst case. If no tree works because an outcome can recur, it looks for a loop that ends with another
+//! outcome. The resulting policy (`policy`) is converted to a [`Plan`].
 
 mod and_or;
 mod bound;
@@ -22,22 +21,22 @@ use crate::effort;
 use crate::model::Domain;
 use crate::model::{EntityId, Fact, World};
 
-/// States looked at for fewer steps in all, once the worst case is known.
+/// States for fewer total steps once the worst case is known.
 const TIES: usize = 150;
-/// How much the greedy search prefers states that look close to the goal.
+/// Weight of the heuristic in the greedy search.
 const GREED: u32 = 5;
-/// No plan is longer.
+/// Maximum length of a plan.
 const LONGEST: u32 = 1_000;
 
-/// The units of work of one run.
+/// Work units of one run.
 const EFFORT: u64 = 12_000_000;
 
-/// Finds the plan with the shortest worst case from the world's state to everything that is wanted, whatever sensing
-/// tells on the way. What the goal does not need to know is not sensed, and neither is what is known already.
+/// Finds a plan with the shortest worst case that achieves all wanted conditions for every sensing outcome. It does not
+/// sense facts that are known or that the goal does not need.
 ///
-/// Among plans with the same worst case, one with fewer steps in all is preferred, and then one that senses earlier; a
-/// branch is chosen for its own worst case first, so a plan with still fewer steps may exist where branches stand in
-/// branches. The answer is a function of the arguments: limits count states.
+/// Among plans with equal worst case, prefers fewer total steps, then earlier sensing. Each branch minimizes its own
+/// worst case first, so with nested branches a plan with fewer total steps may exist. The result is a deterministic
+/// function of the arguments: limits count states.
 pub(super) fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
     let spent = effort::within(super::EFFORT, || solve_within(domain, world, wanted, limits));
     match (spent.exhausted, spent.result) {
@@ -58,7 +57,7 @@ fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limi
     let whole = Scope::whole(domain, world, &asked);
     let scope = match whole.is_bearable(domain) {
         true => Some(whole),
-        // In a large world, what surrounds the goal; verification then looks at the plan in the whole of it.
+        // In a large world, only entities related to the goal; verification then checks the plan in the whole world.
         false => [false, true]
             .iter()
             .map(|far| whole.around(domain, world, &asked, &about, *far))
@@ -88,16 +87,16 @@ fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limi
     }
 }
 
-/// The work of several runs.
+/// Totals of several runs.
 #[derive(Default)]
 struct Tally {
-    /// States looked at.
+    /// Evaluated states.
     states: usize,
-    /// True if a run took all the work that it may take.
+    /// True if a run exhausted its budget.
     exhausted: bool,
 }
 
-/// A search, and all that the answer needs of it.
+/// Runs a search within the work budget, and adds to the tally.
 fn run(task: &Task, manner: Manner, below: u32, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
     let spent = effort::within(EFFORT, || {
         let mut search = Search::new(task, manner);
@@ -137,7 +136,7 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
     };
     let focused = relevance::focus(task);
     if let Ok(Some(direct)) = run(&focused, manner(limits.direct), LONGEST, &mut tally) {
-        // Now everything is allowed, but only better worst cases count.
+        // The proof search uses all operators but accepts only a better worst case.
         let found = run(task, manner(limits.proof), direct.worst, &mut tally);
         return match found {
             Ok(Some(better)) => solved(task, &better, true, tally.states),
@@ -170,7 +169,7 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
         return solved(task, &course, false, tally.states);
     }
     match proven {
-        // Where what is known can be lost again, a loop of another kind may do.
+        // If known facts can be lost again, another kind of loop may work.
         true if forgets(task) && is_solvable_by_luck(task, limits) => Outcome::GaveUp {
             why: "no plan is sure to come to an end, and no simple loop was found that does".to_owned(),
             expanded: tally.states,
@@ -195,19 +194,19 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
     }
 }
 
-/// Whether something takes away what sensing told.
+/// Returns true if some operator deletes a sensed fact.
 fn forgets(task: &Task) -> bool {
     let told: Vec<u32> = bound::groups(task).concat();
     let mut effects = task.operators.iter().flat_map(|operator| &operator.effects);
     effects.any(|effect| !effect.literal.holds && told.contains(&effect.literal.fact))
 }
 
-/// Whether there is a way if sensing tells what is hoped for.
+/// Returns false if there is no plan even with the best sensing outcomes.
 fn is_solvable_by_luck(task: &Task, limits: &Limits) -> bool {
     !matches!(cheapest(task, limits.shortest, None).0, Found::Nothing)
 }
 
-/// An outcome of sensing with which there is no way, though there is one with others.
+/// Returns a sensing outcome after which there is no plan, if there are plans with other outcomes.
 fn hopeless(task: &Task, limits: &Limits) -> Option<Fact> {
     if !is_solvable_by_luck(task, limits) {
         return None;

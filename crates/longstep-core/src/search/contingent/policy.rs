@@ -1,4 +1,4 @@
-//! What a contingent search finds, and the plan that it is.
+//! Policies: results of the contingent search, and their conversion to plans.
 
 use std::rc::Rc;
 
@@ -8,58 +8,58 @@ use crate::plan::{Node, Plan, Step, StepId, Test};
 use crate::search::GroundAction;
 use crate::search::task::Task;
 
-/// What to do from a state on: steps, by the numbers of their operators, and what comes after them.
+/// A policy from a state on: a sequence of operator numbers, and the continuation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Course {
     pub(super) path: Vec<u32>,
     pub(super) then: Then,
-    /// Steps in the worst case, loops gone through once.
+    /// Number of steps in the worst case, with one iteration of each loop.
     pub(super) worst: u32,
-    /// Steps in all, those of every branch.
+    /// Total number of steps in all branches.
     pub(super) total: u32,
 }
 
-/// What comes after the steps of a [`Course`].
+/// Continuation of a [`Course`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Then {
-    /// Nothing: the goal holds.
+    /// The goal holds.
     Done,
-    /// The sensing that led here, again.
+    /// Repeats the sensing that led here.
     Again,
-    /// Sensing, with an operator and a course for each outcome, in the order of the action.
+    /// Sensing, with an operator and a policy for each outcome, in the order of the action's outcomes.
     Look(Vec<(u32, Rc<Course>)>),
 }
 
 impl Course {
-    /// Whether `self` is to be preferred: fewer steps in the worst case, fewer in all, sensing earlier.
+    /// Returns true if `self` is preferable: fewer steps in the worst case, fewer in total, earlier sensing.
     pub(super) fn is_better(&self, other: &Self) -> bool {
         let rank = |course: &Self| (course.worst, course.total, course.path.len());
         rank(self) < rank(other)
     }
 }
 
-/// A piece of a plan, its steps not numbered yet.
+/// A part of a plan before its steps are numbered.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Piece {
     Do(GroundAction),
-    /// Sensing, and what to do for each outcome.
+    /// Sensing, and a branch for each outcome.
     Look(GroundAction, Vec<Way>),
-    /// Sensing, and what to do each time before sensing again; the other outcomes end it.
+    /// A sensing loop: a body for each outcome that repeats it, and the outcomes that end it.
     Loop(GroundAction, Vec<Way>, Vec<Fact>),
-    /// What to do for each outcome that is known by now.
+    /// A branch for each outcome that is already known.
     Known(Vec<Way>),
 }
 
-/// The units for a step that is written: it is explained, and compared with those of other branches.
+/// Work units for a step of the plan, which is explained and compared with other branches.
 const PIECE: usize = 64;
 
-/// An outcome, and what to do then.
+/// An outcome with its branch.
 type Way = (Fact, Vec<Piece>);
 
-/// The plan of a course.
+/// Converts a policy to a plan.
 ///
-/// What both sides of a branch end with stands behind the branch, and outcomes with which the same is to be done share
-/// a side. None if the branches stand too deep in each other.
+/// Steps at the end of all branches are moved after the branch, and outcomes with equal branches share one. Returns
+/// none if the branches are nested too deeply.
 pub(super) fn plan(domain: &Domain, world: &World, task: &Task, course: &Course) -> Option<Plan> {
     let mut writer = Writer {
         domain,
@@ -71,7 +71,7 @@ pub(super) fn plan(domain: &Domain, world: &World, task: &Task, course: &Course)
 }
 
 fn pieces(task: &Task, course: &Course) -> Vec<Piece> {
-    // Courses share what follows; a plan does not, so one can be exponentially larger.
+    // Policies share subtrees, plans do not, so a plan can be exponentially larger.
     if !effort::spend(PIECE * (1 + course.path.len())) {
         return Vec::new();
     }
@@ -104,7 +104,7 @@ fn pieces_of(task: &Task, course: &Rc<Course>) -> Vec<Piece> {
     pieces(task, course)
 }
 
-/// Takes from all ways what they all end with.
+/// Removes the common suffix of all branches and returns it.
 fn common_tail(ways: &mut [Way]) -> Vec<Piece> {
     let mut tail = Vec::new();
     while let Some(last) = ways.first().and_then(|(_, pieces)| pieces.last()).cloned()
@@ -147,7 +147,7 @@ impl Writer<'_> {
         let sides = shared(ways);
         let id = self.step(step);
         match <[Side; 2]>::try_from(sides) {
-            // What the step is true for stands alone on the first side.
+            // The sensing test holds for the first outcome, which is alone on the first side.
             Ok([(first, yes), (_, no)]) if first.len() == 1 => nodes.push(match yes.is_empty() {
                 true => Node::If {
                     condition: Test::Not(Box::new(Test::Sense(id))),
@@ -171,7 +171,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Branches on what is known by now. The side of the most outcomes comes last, as what is done otherwise.
+    /// Branches on known outcomes. The side with the most outcomes comes last, as the final `else`.
     fn known(&mut self, mut sides: Vec<Side>) -> Vec<Node> {
         sides.sort_by_key(|(facts, pieces)| (pieces.is_empty(), facts.len()));
         let mut sides = sides.into_iter();
@@ -218,10 +218,10 @@ impl Writer<'_> {
     }
 }
 
-/// Outcomes, and what to do with any of them.
+/// Outcomes with a common branch.
 type Side = (Vec<Fact>, Vec<Piece>);
 
-/// The ways, those with the same to do as one.
+/// Merges outcomes with equal branches.
 fn shared(ways: Vec<Way>) -> Vec<Side> {
     let mut sides: Vec<Side> = Vec::new();
     for (fact, pieces) in ways {

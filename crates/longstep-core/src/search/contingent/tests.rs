@@ -35,7 +35,7 @@ fn scene(states: &str) -> (crate::model::Domain, World) {
     (checks, world)
 }
 
-/// The plan in short: calls with what they are about.
+/// Formats a plan briefly: calls with the entities they are about.
 fn shown(domain: &crate::model::Domain, world: &World, plan: &Plan, nodes: &[Node]) -> String {
     let step = |id: &crate::plan::StepId| {
         let step = plan.step(*id);
@@ -112,7 +112,7 @@ fn it_looks_before_it_decides() {
         "move-hand spam, grasp spam, detach spam table, [check-best-by-date spam ? move-object spam shelf, \
          attach spam shelf : move-object spam trash bin], release spam",
     );
-    // What was lifted for a look has to be put down again.
+    // An object that was lifted for sensing has to be put down again.
     check(
         "",
         "if expired(spam) then put(spam, trash bin)",
@@ -144,7 +144,7 @@ fn what_is_known_is_not_looked_for() {
         "move-hand spam, grasp spam, detach spam table, move-object spam trash bin, release spam",
     );
     check("<spam>:fresh()", "if expired(spam) then put(spam, trash bin)", "");
-    // What does not matter is not looked for either.
+    // Irrelevant facts are not sensed either.
     check(
         "",
         "if expired(spam) then put(spam, trash bin) else put(spam, trash bin)",
@@ -208,7 +208,7 @@ fn what_was_only_looked_at_is_back_where_it_was() {
         "if broken(spam) then put(milk, shelf)",
         "move-hand spam, grasp spam, detach spam table, move-object spam table, [check-damage spam ? attach spam table, release spam : attach spam table, release spam, move-hand milk, grasp milk, detach milk table, move-object milk shelf, attach milk shelf, release milk]",
     );
-    // Another wish says where it goes in any case.
+    // The second goal puts it on the shelf in any case.
     check(
         "",
         "if expired(spam) then put(milk, trash bin) & put(spam, shelf)",
