@@ -1,4 +1,4 @@
-//! What can be typed.
+//! The command line's arguments.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -99,7 +99,7 @@ fn temperature(text: &str) -> Result<f64, String> {
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
-    /// More than anybody waits for one reply.
+    /// Upper limit of a timeout.
     const WEEK: f64 = 604_800.0;
     let value: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
     let duration = (value > 0.0 && value <= WEEK).then(|| Duration::try_from_secs_f64(value));

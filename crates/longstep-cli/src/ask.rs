@@ -1,4 +1,4 @@
-//! What `longstep plan` and `longstep chat` share: a model, opened, and watched while a person waits.
+//! Opening and watching a model, for the commands that need one.
 
 use std::sync::OnceLock;
 
@@ -11,13 +11,13 @@ use longstep_llm::{
 use crate::arguments::ModelArguments;
 use crate::progress::Spinner;
 
-/// Opens the model that is meant.
+/// Opens a model, with a spinner on stderr.
 pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn ChatModel>> {
     let spinner = Spinner::new();
     Ok(opened(name, arguments, &mut |progress| spinner.show(&progress))?)
 }
 
-/// The same where something else shows what goes on.
+/// Opens a model without a spinner.
 pub(crate) fn open_quietly(arguments: &ModelArguments) -> Result<Box<dyn ChatModel>, ModelError> {
     opened(&arguments.model, arguments, &mut |_| {})
 }
@@ -43,7 +43,7 @@ fn opened(
     open(&reference, &options, progress)
 }
 
-/// What a session has to know of it. The address of a server may hold a password and stays out of the log.
+/// The properties of a model for a session. The address of a server may contain a password and stays out of the log.
 pub(crate) fn facts(model: &dyn ChatModel) -> ModelFacts {
     ModelFacts {
         name: model.name().to_owned(),
@@ -52,7 +52,7 @@ pub(crate) fn facts(model: &dyn ChatModel) -> ModelFacts {
     }
 }
 
-/// Shows what the model does. Where Ctrl-C is watched for, it calls the model off.
+/// Shows the progress of a model. Ctrl-C cancels the call once [`watch_for_interrupts`] has run.
 pub(crate) struct Waiting {
     spinner: Spinner,
 }
@@ -75,13 +75,13 @@ impl Watch for Waiting {
     }
 }
 
-/// From now on Ctrl-C calls off the call at hand and not the program.
+/// From now on Ctrl-C cancels the current call instead of ending the program.
 pub(crate) fn watch_for_interrupts() {
-    // Where no handler can be set, Ctrl-C ends the program as it does elsewhere; the session is on the disk.
+    // If no handler can be set, Ctrl-C ends the program; the session is on the disk.
     let _ = ctrlc::set_handler(|| interrupted().set(true));
 }
 
-/// Returns whether Ctrl-C was pressed since this was last asked.
+/// Returns true if Ctrl-C was pressed since the last call.
 pub(crate) fn take_interrupt() -> bool {
     let pressed = interrupted().is_set();
     interrupted().set(false);

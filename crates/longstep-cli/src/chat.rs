@@ -1,4 +1,4 @@
-//! `longstep chat`: one instruction after the other, each in the world that the last plan left.
+//! `longstep chat`: instructions one after the other, each in the world after the last plan.
 
 mod commands;
 mod input;
@@ -18,22 +18,22 @@ use crate::failure::{self, Failure};
 use crate::{inputs, output, plan, show};
 use input::{Input, Lines};
 
-/// The exit code after Ctrl-C on a pipe: 128 and the number of the signal, as shells have it.
+/// The exit code after Ctrl-C on a pipe: 128 plus the signal's number, as in shells.
 const INTERRUPTED: u8 = 130;
 
 /// A conversation with a person.
 struct Chat<'a> {
     session: Session,
     folder: SessionFolder,
-    /// Opened when it is needed first: `/undo` and `/env` need none.
+    /// Opened at the first use: `/undo` and `/env` need no model.
     model: Option<Box<dyn ChatModel>>,
     model_name: String,
     arguments: &'a ModelArguments,
-    /// Accepted plans that the person has been told of.
+    /// Number of accepted plans that have been shown.
     told: usize,
 }
 
-/// Whether the conversation goes on.
+/// Continues or ends the conversation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Next {
     GoOn,
@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
     let mut chat = match (&arguments.resume, &arguments.env) {
         (Some(named), _) => resume(arguments, &crate::session::folder(named)?, interactive)?,
         (None, Some(env)) => begin(arguments, env)?,
-        // The arguments are declared so that it is one or the other.
+        // clap requires exactly one of `--env` and `--resume`.
         (None, None) => return Err(Failure::unreadable("neither --env nor --resume is given").into()),
     };
     ask::watch_for_interrupts();
@@ -84,7 +84,7 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
         None => SessionFolder::create(&free_folder(env)?)?,
     };
     let facts = ask::facts(model.as_ref());
-    // The log is read from anywhere: a domain's folder is named whole.
+    // The log can be read from any working directory, so the domain's folder is saved as an absolute path.
     let whole = Path::new(named)
         .is_dir()
         .then(|| std::path::absolute(named).ok())
@@ -115,7 +115,7 @@ fn free_folder(env: &Path) -> Result<PathBuf> {
 fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> Result<Chat<'a>> {
     let (folder, log) = SessionFolder::open(path)?;
     let Some(Event::Begin { domain, .. }) = log.events().next() else {
-        // A log that was read begins.
+        // A log always begins with this event.
         return Err(Failure::unreadable("the session has not begun").into());
     };
     let domain = inputs::domain_with_prompt(domain, arguments.strategy.prompt.as_deref())?;
@@ -152,11 +152,11 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
 }
 
 impl Chat<'_> {
-    /// Goes on until nothing more comes; returns the exit code.
+    /// Runs the conversation to its end; returns the exit code.
     fn converse(&mut self, lines: &mut Lines, interactive: bool) -> Result<u8> {
         self.go_on(interactive)?;
         loop {
-            // What nobody can see must not be accepted.
+            // A plan that the user cannot see must not be accepted.
             if output::failed() {
                 return Ok(output::NOT_WRITTEN);
             }
@@ -173,7 +173,7 @@ impl Chat<'_> {
             match self.hear(line.trim()) {
                 Ok(Next::GoOn) => {}
                 Ok(Next::Quit) => return Ok(0),
-                // What cannot be written down has to be told at once, and nothing may be said after it.
+                // If the session cannot be saved, the conversation ends at once.
                 Err(error) if error.is::<longstep_llm::FolderError>() => return Err(error),
                 Err(error) => {
                     failure::tell(&error);
@@ -191,7 +191,7 @@ impl Chat<'_> {
         }
     }
 
-    /// What a person's line means depends on where the session is.
+    /// Handles a line of the user, by the state of the session.
     fn hear(&mut self, line: &str) -> Result<Next> {
         if let Some(command) = line.strip_prefix('/') {
             return self.command(command);
@@ -218,7 +218,7 @@ impl Chat<'_> {
         Ok(Next::GoOn)
     }
 
-    /// Takes the number of the way in which the last plan ended.
+    /// Takes the number of the outcome with which the last plan ended.
     fn ended(&mut self, line: &str) -> Result<()> {
         let count = self.session.endings().len();
         let number: Option<usize> = line.parse().ok().filter(|number| (1..=count).contains(number));
@@ -237,10 +237,10 @@ impl Chat<'_> {
         Ok(())
     }
 
-    /// Has the session go on until it needs the person, and shows what came of it.
+    /// Advances the session until it needs the user, and shows the result.
     fn go_on(&mut self, interactive: bool) -> Result<()> {
         if self.session.wants_model() {
-            // Ctrl-C from now on is about this call; one from before was about something else.
+            // An earlier Ctrl-C does not cancel this call.
             ask::interrupted().set(false);
             self.open_model()?;
             if ask::interrupted().is_set() {
@@ -282,7 +282,7 @@ impl Chat<'_> {
         if self.model.is_none() {
             let model = ask::model(&self.model_name, self.arguments)?;
             let facts: ModelFacts = ask::facts(model.as_ref());
-            // The question about the context was called off: nothing is known of the model.
+            // The request for the size of the context was cancelled, so the model is unknown.
             if ask::interrupted().is_set() {
                 return Ok(());
             }

@@ -1,4 +1,4 @@
-//! `longstep compose`: stored plans put together as one plan.
+//! `longstep compose`: combines stored plans into one plan.
 
 use std::path::{Path, PathBuf};
 
@@ -69,13 +69,13 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
 }
 
-/// What was written, and what was read in it.
+/// The text of a composition, and its parsed form.
 struct Composition {
     text: String,
     said: Said,
 }
 
-/// A composition that a person wrote.
+/// Reads a composition from a file.
 fn written(path: &Path) -> Result<Composition> {
     let text = inputs::text(path)?;
     let said = compose::read(&text)
@@ -83,7 +83,7 @@ fn written(path: &Path) -> Result<Composition> {
     Ok(Composition { text, said })
 }
 
-/// A composition that a model writes.
+/// Requests a composition from a model.
 fn asked(
     arguments: &ComposeArguments,
     domain: &Domain,
@@ -109,7 +109,7 @@ fn asked(
     Ok(Composition { text: reply.text, said })
 }
 
-/// What a composition without an instruction is for: what its plans are for.
+/// The summary of a composition without an instruction: the summaries of its plans.
 fn summary(composition: &Composition, stored: &[Stored]) -> String {
     let Said::Composition(written) = &composition.said else {
         return String::new();
@@ -127,7 +127,7 @@ fn summary(composition: &Composition, stored: &[Stored]) -> String {
     summaries.join("; ")
 }
 
-/// The plans of files, and of the plan files in folders, sorted by name.
+/// The plans of files, and of the plan files in folders, sorted by path.
 fn stored(paths: &[PathBuf]) -> Result<Vec<Stored>> {
     let mut files = Vec::new();
     for path in paths {
@@ -136,7 +136,7 @@ fn stored(paths: &[PathBuf]) -> Result<Vec<Stored>> {
             false => files.push(path.clone()),
         }
     }
-    // A file that is named twice, or beside its folder, is one plan.
+    // A file that is named twice, or together with its folder, counts once.
     files.sort();
     files.dedup();
     let mut stored = Vec::with_capacity(files.len());
@@ -152,7 +152,7 @@ fn stored(paths: &[PathBuf]) -> Result<Vec<Stored>> {
     Ok(stored)
 }
 
-/// The plan files of a folder; a session's log, which lies beside them, has another ending.
+/// The plan files of a folder. A session's log in the folder has another extension.
 fn plan_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let failed = |error: std::io::Error| {
         Failure::unreadable(format!("cannot read {}: {}", folder.display(), output::plain(&error)))

@@ -1,4 +1,4 @@
-//! `longstep domain`: what robots can do.
+//! `longstep domain`: shows, checks and creates domains.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
     Ok(0)
 }
 
-/// Warnings are what the command is for, so they go to stdout; what keeps a domain from loading is an error.
+/// Warnings are the result of the command and go to stdout; a fault that keeps a domain from loading is an error.
 fn check(name: &str, strict: bool, json: bool) -> Result<u8> {
     let files = inputs::domain_files(name)?;
     let domain = domain::load(&files)?;
@@ -128,7 +128,7 @@ fn create(folder: &Path) -> Result<()> {
     let name = folder
         .file_name()
         .map_or_else(|| "robot".to_owned(), |name| name.to_string_lossy().into_owned());
-    // Written beside its place and moved there whole.
+    // Created in a temporary folder beside the target, then renamed.
     let parent = folder
         .parent()
         .filter(|p| !p.as_os_str().is_empty())

@@ -1,4 +1,4 @@
-//! What `longstep verify` and `longstep repair` share: a plan's file and the world that it is for.
+//! The input of `longstep verify`, `longstep repair` and `longstep export`: a plan file and its world.
 
 use anyhow::Result;
 use longstep::domain::Domain;

@@ -42,7 +42,7 @@ fn list() -> Result<u8> {
     Ok(Status::Verified.exit_code())
 }
 
-/// What is run, and how.
+/// A run and its settings.
 struct Task {
     suite: Suite,
     domain: Arc<Domain>,
@@ -50,7 +50,7 @@ struct Task {
     /// The address of the model's server, if it has one.
     server: Option<String>,
     choice: Choice,
-    /// Where the run is kept.
+    /// The folder of the run.
     out: PathBuf,
 }
 
@@ -82,7 +82,7 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
     tell(&results, &task.out)
 }
 
-/// A model that is opened for each trial with the next seed.
+/// A model that is opened for each trial, with a new seed.
 fn opened(arguments: &ModelArguments) -> Opened {
     let mut arguments = arguments.clone();
     let first = arguments.seed.unwrap_or_default();
@@ -92,14 +92,14 @@ fn opened(arguments: &ModelArguments) -> Opened {
     }))
 }
 
-/// The two tables of the paper, from the replies that were recorded for them.
+/// Runs the two tables of the paper with the paper's recorded replies.
 fn paper_tables(arguments: &EvalArguments, name: &str, out: &Path) -> Result<u8> {
     if name != "paper" {
         return Err(Failure::unreadable("--recorded is for the suite `paper`")
             .hint("for recorded replies of your own there is --replies FILE")
             .into());
     }
-    // The paper's plans are judged as they were written, and its model was told what was wrong at most three times.
+    // The paper's plans are judged without repair, and its model had at most three rounds of feedback.
     for (table, file, rounds) in [
         ("trials", "recorded_trials.json", 0),
         ("feedback", "recorded_feedback.json", 3),
@@ -193,7 +193,7 @@ fn task(
     })
 }
 
-/// Runs what has not been run yet.
+/// Runs the units that are not in the folder yet.
 fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> + Sync)) -> Result<Results> {
     let all = units(&task.suite, &task.choice);
     if all.is_empty() {
@@ -251,7 +251,7 @@ fn print_json(results: &Results) -> Result<u8> {
     Ok(Status::Verified.exit_code())
 }
 
-/// Writes the report of a run beside its results, and prints what it comes to.
+/// Writes the reports of a run into its folder, and prints the summary.
 fn tell(results: &Results, folder: &Path) -> Result<u8> {
     let page = folder.join("report.html");
     inputs::write(&page, &report::html(results))?;

@@ -1,4 +1,4 @@
-//! Exit codes that are no verdict on a plan.
+//! Exit codes that are not the status of an answer.
 
 /// A plan, domain or recording that was checked is not valid.
 pub(crate) const NOT_VALID: u8 = 10;

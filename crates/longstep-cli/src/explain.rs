@@ -1,13 +1,12 @@
-//! `--explain-prompt`: what would be sent to a model, and what each part of it costs.
+//! `--explain-prompt`: the request to a model, and the tokens of its parts.
 
 use longstep::dialogue::{Explanation, Message, Role};
 
 use crate::output::{self, Style, print_line};
 use crate::show;
 
-/// Prints a table of the parts, the total, and the messages under their roles.
-///
-/// `dropped` pairs of the history and `left_out` entities are told when there are any.
+/// Prints a table of the parts, the total, and the messages under their roles. `dropped` exchanges of the history and
+/// `left_out` entities are mentioned if there are any.
 pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usize, left_out: usize) {
     show::heading("Parts of the prompt");
     let names = explanation.parts.iter().map(|part| part.name.chars().count());

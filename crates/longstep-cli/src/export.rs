@@ -8,7 +8,7 @@ use crate::arguments::{ExportArguments, PlanFormat};
 use crate::draft::Draft;
 use crate::output::{self, remark};
 
-/// Writes the plan to stdout if it is valid; else its verdict to stderr, and nothing to stdout.
+/// Prints the plan to stdout if it is valid; otherwise its verdict to stderr, and nothing to stdout.
 pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
     let draft = Draft::read(&arguments.draft)?;
     let assessment = draft.assessment();

@@ -1,4 +1,4 @@
-//! Errors as a person sees them: one line that says what and where, a hint, and the exit code.
+//! Errors for the user: one line with the problem and its place, a hint, and the exit code.
 
 use longstep::diagnostic::Diagnostics;
 use longstep::dialogue::PromptError;
@@ -10,7 +10,7 @@ use crate::output::{Style, remark};
 
 pub(crate) use crate::exit_code::{LIMIT, MODEL, NOT_VALID, UNREADABLE};
 
-/// An error of the program's own.
+/// An error of the program itself.
 #[derive(Debug)]
 pub(crate) struct Failure {
     message: String,

@@ -1,4 +1,4 @@
-//! Reading domains, environments and plans, and writing files whole or not at all.
+//! Reads domains, environments and plans; writes files atomically.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -15,10 +15,10 @@ use longstep_llm::{read_bounded, write_whole};
 use crate::failure::Failure;
 use crate::output;
 
-/// Files larger than this are not environments or plans; no more of them is read.
+/// Larger files are not environments or plans; the read stops here.
 const SIZE_LIMIT: u64 = 64 << 20;
 
-/// Reads a text file; errors say which and why.
+/// Reads a text file; errors contain its path and the reason.
 pub(crate) fn text(path: &Path) -> Result<String> {
     let shown = path.display();
     let metadata = std::fs::metadata(path).map_err(|error| {
@@ -39,12 +39,12 @@ pub(crate) fn text(path: &Path) -> Result<String> {
     })
 }
 
-/// Loads a shipped domain by name, or any domain by folder.
+/// Loads a shipped domain by its name, or any domain by its folder.
 pub(crate) fn domain(name: &str) -> Result<Domain> {
     Ok(domain::load(&domain_files(name)?)?)
 }
 
-/// The same with prompt files of somebody's own in place of the domain's.
+/// Loads a domain; files in the folder `prompt` replace its prompt files.
 pub(crate) fn domain_with_prompt(name: &str, prompt: Option<&Path>) -> Result<Domain> {
     let mut files = domain_files(name)?;
     if let Some(folder) = prompt {
@@ -53,13 +53,13 @@ pub(crate) fn domain_with_prompt(name: &str, prompt: Option<&Path>) -> Result<Do
     Ok(domain::load(&files)?)
 }
 
-/// Lays a folder of prompt files of somebody's own over a domain's.
+/// Replaces a domain's prompt files by those of a folder.
 pub(crate) fn overlay(files: &mut Files, folder: &Path) -> Result<()> {
     let shown = format!("{}/", folder.display().to_string().trim_end_matches('/'));
     Ok(files.overlay(&shown, prompt_files(folder)?)?)
 }
 
-/// The files of a shipped domain by name, or of any domain by folder.
+/// The files of a shipped domain by its name, or of any domain by its folder.
 pub(crate) fn domain_files(name: &str) -> Result<Files> {
     if let Some(shipped) = domain::shipped_files(name) {
         return Ok(shipped);
@@ -94,8 +94,8 @@ pub(crate) fn domain_files(name: &str) -> Result<Files> {
     })
 }
 
-/// The texts of a folder of prompt files, by file name: a domain's own `prompt/`, or one that is laid over it with
-/// [`Files::overlay`]. What editors leave behind is none of them.
+/// The prompt files of a folder, by file name: a domain's `prompt/`, or a folder for [`Files::overlay`]. Hidden and
+/// backup files of editors are skipped.
 pub(crate) fn prompt_files(folder: &Path) -> Result<BTreeMap<String, String>> {
     let failed = |error: std::io::Error| {
         Failure::unreadable(format!("cannot read {}: {}", folder.display(), output::plain(&error)))
@@ -135,7 +135,7 @@ fn text_has_key(text: &str, key: &str) -> bool {
     serde_json::from_str::<serde_json::Value>(text).is_ok_and(|value| value.get(key).is_some())
 }
 
-/// Reads an environment that stands at `inside` of `text`. When it fits another shipped domain, says so.
+/// Reads an environment at the path `inside` of `text`. If it fits another shipped domain, the hint names that domain.
 pub(crate) fn read_world(
     domain: &Domain,
     environment: &Environment,
@@ -164,7 +164,7 @@ pub(crate) fn read_world(
     })
 }
 
-/// Reads a plan, a script, or the reply of a model that holds one; also returns the text, for places in errors.
+/// Reads a plan, a script, or a model's reply that contains a plan; also returns the text, for positions in errors.
 pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
     let text = text(path)?;
     if path.extension().is_some_and(|extension| extension == "py") {
@@ -181,7 +181,7 @@ pub(crate) fn plan(path: &Path) -> Result<(plan::Draft, String)> {
     Ok((draft, text))
 }
 
-/// Writes a plan's file whole or not at all.
+/// Writes a plan's file atomically.
 pub(crate) fn save(path: &Path, plan: &PlanFile) -> Result<()> {
     let mut json = serde_json::to_string_pretty(plan)?;
     json.push('\n');

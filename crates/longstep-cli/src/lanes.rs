@@ -1,4 +1,4 @@
-//! Plans whose actors work side by side: a column for each, a line for each unit of time.
+//! Parallel plans: a column for each actor, a line for each unit of time.
 
 use longstep::domain::Domain;
 use longstep::environment::World;
@@ -10,14 +10,14 @@ use longstep::visible;
 
 use crate::output::{Line, Style, composed};
 
-/// What a terminal shows in a line, if nobody says otherwise.
+/// Width of a line in characters.
 const WIDTH: usize = 80;
 
-/// Room for the numbers of units and what stands between columns.
+/// Characters for the numbers of units and the space after them.
 const MARGIN: usize = 6;
 
-/// Shares the work of a plan between its actors, and puts what comes out into the answer; returns the lines that show
-/// it, none if nothing can be done side by side.
+/// Distributes the steps of a plan over its actors and replaces the plan in the answer. Returns the lines to print;
+/// empty if no parallel plan was found.
 pub(crate) fn side_by_side(
     domain: &Domain,
     world: &World,
@@ -41,7 +41,7 @@ pub(crate) fn side_by_side(
     }
 }
 
-/// The plan in lines.
+/// The lines of a parallel plan.
 fn shown(world: &World, plan: &Plan) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut unit = 0;
@@ -53,14 +53,14 @@ fn shown(world: &World, plan: &Plan) -> Vec<Line> {
                 lines.extend(line(unit, &[texts], WIDTH - MARGIN));
             }
             Node::Parallel { lanes } => lines.extend(beside(world, plan, lanes, &mut unit)),
-            // Nothing else comes of a list.
+            // A compacted list has no other nodes.
             _ => {}
         }
     }
     lines
 }
 
-/// A step by its number and what it does.
+/// The explanation of a step.
 fn told(plan: &Plan, id: StepId) -> String {
     visible::line(&plan.step(id).explanation).into_owned()
 }
@@ -105,7 +105,7 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<L
     lines
 }
 
-/// One unit of time: its cells, each of some lines, beside each other.
+/// The lines for one unit of time: its cells side by side, each with its own wrapped lines.
 fn line(unit: usize, cells: &[Vec<String>], column: usize) -> Vec<Line> {
     let height = cells.iter().map(Vec::len).max().unwrap_or(0);
     let of = |row: usize| {
@@ -120,7 +120,7 @@ fn line(unit: usize, cells: &[Vec<String>], column: usize) -> Vec<Line> {
     (0..height).map(of).collect()
 }
 
-/// A text in lines of at most so many characters, broken between words where that can be.
+/// Wraps a text at `width` characters, between words where possible.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

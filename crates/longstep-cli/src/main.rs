@@ -1,8 +1,7 @@
 //! The `longstep` program.
 //!
-//! Results go to stdout, progress and errors to stderr. Exit codes: 0 verified, 10 not valid, 11 proven
-//! unsolvable, 12 search gave up, 13 a question back, 20 a limit, 30 unreadable input, 40 model or network, 50 stdout
-//! could not be written.
+//! Results go to stdout, progress and errors to stderr. Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12
+//! search gave up, 13 clarifying question, 20 limit, 30 unreadable input, 40 model or network, 50 stdout not writable.
 
 mod arguments;
 mod ask;

@@ -1,8 +1,8 @@
-//! The one place through which the program prints.
+//! The only module that prints.
 //!
-//! [`print_line!`] and [`remark!`] take what `format!` takes. All text in them is foreign until it is printed: control
-//! characters, bidirectional controls and characters without width become escapes, line breaks too. Styles do not travel
-//! in the text, so that no text can bring its own. `clippy.toml` forbids every other way to print.
+//! [`print_line!`] and [`remark!`] take the arguments of `format!`. All text is untrusted: when it is printed, line
+//! breaks, control characters, bidirectional controls and zero-width characters become escapes. Styles are kept apart
+//! from the text, so that text cannot contain styles. `clippy.toml` forbids every other way to print.
 
 mod clap_error;
 mod styled;
@@ -31,7 +31,7 @@ macro_rules! remark {
     ($($arguments:tt)*) => { $crate::output::line_to_stderr(::std::format_args!($($arguments)*)) };
 }
 
-/// A line with styles, to be printed later.
+/// A styled line, to be printed later.
 macro_rules! composed {
     ($($arguments:tt)*) => { $crate::output::Line::new(::std::format_args!($($arguments)*)) };
 }
@@ -56,7 +56,7 @@ pub(crate) fn blank() {
     to_stdout("\n");
 }
 
-/// Prints foreign text of several lines to stdout. A margin shows where it begins and ends.
+/// Prints untrusted text of several lines to stdout, with a margin at its left.
 pub(crate) fn quotation(text: &str) {
     for one in visible::block(text).lines() {
         to_stdout(format!("  | {one}").trim_end());
@@ -64,12 +64,12 @@ pub(crate) fn quotation(text: &str) {
     }
 }
 
-/// Prints text of several lines that is all of what a command prints, as a script is.
+/// Prints text of several lines that is the whole output of a command, such as a script.
 pub(crate) fn document(text: &str) {
     to_stdout(&visible::block(text));
 }
 
-/// Prints a value as JSON over several lines.
+/// Prints a value as indented JSON.
 pub(crate) fn json(value: &impl Serialize) -> Result<()> {
     document(&(visible::json(&serde_json::to_string_pretty(value)?).into_owned() + "\n"));
     Ok(())
@@ -87,13 +87,13 @@ pub(crate) fn progress(bar: &indicatif::ProgressBar, message: &str) {
     bar.set_message(visible::line(message).into_owned());
 }
 
-/// Returns whether stdout failed: whoever goes on would do it unseen.
+/// Returns true if stdout has failed, so that the user no longer sees any output.
 pub(crate) fn failed() -> bool {
     FAILED.get().is_some()
 }
 
-/// Returns the exit code of the program: `code`, or [`NOT_WRITTEN`] when something could not be printed. A reader that
-/// has gone away, such as `head`, is no reason for a message.
+/// Returns the exit code of the program: `code`, or [`NOT_WRITTEN`] if stdout has failed. A closed pipe, for example to
+/// `head`, is not reported.
 pub(crate) fn finished(code: u8) -> u8 {
     let Some(error) = FAILED.get() else { return code };
     if error.kind() != ErrorKind::BrokenPipe {
@@ -120,11 +120,11 @@ fn to_stdout(shown: &str) {
 fn to_stderr(shown: &str) {
     #[expect(clippy::disallowed_methods, reason = "this is the one place")]
     let mut stderr = anstream::stderr().lock();
-    // There is no place left to report it.
+    // There is no other place to report an error.
     let _ = stderr.write_all(shown.as_bytes()).and_then(|()| stderr.flush());
 }
 
-/// An I/O error without the operating system's number.
+/// The text of an I/O error without the number of the operating system, and without a capital letter.
 pub(crate) fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
     let text = text.split(" (os error").next().unwrap_or_default();

@@ -13,7 +13,7 @@ use crate::failure::{Failure, LIMIT, MODEL};
 use crate::solve;
 use crate::{explain, inputs, lanes};
 
-/// More than anybody says to a robot in one go.
+/// Limit for the length of an instruction, in characters.
 const INSTRUCTION_LIMIT: usize = 2000;
 
 pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let opened = stopwatch() - asked;
     let facts = ask::facts(model.as_ref());
     let mut session = Session::new(named, domain, world, arguments.strategy.settings(), facts, stopwatch);
-    // A session that has just begun waits for an instruction.
+    // A new session waits for an instruction.
     session.instruct(instruction)?;
     if arguments.explain_prompt {
         if let Some(prepared) = session.explain(model.as_mut())? {
@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
             answer.timings_ms.model = milliseconds;
             (answer, Vec::new())
         }
-        // Nothing else is needed after an instruction.
+        // After an instruction no other need is possible.
         _ => return Err(Failure::new("the session ended early", MODEL).into()),
     };
     answer.timings_ms.model += opened;
@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     solve::finish(&answer, &goal, &shown, arguments.save.as_deref(), arguments.json)
 }
 
-/// An instruction, if it is one.
+/// Returns the trimmed instruction, if it is neither empty nor too long.
 pub(crate) fn said(text: &str) -> Result<&str> {
     let instruction = text.trim();
     if instruction.is_empty() {
@@ -90,7 +90,7 @@ pub(crate) fn said(text: &str) -> Result<&str> {
     Ok(instruction)
 }
 
-/// The answer that comes instead of a plan.
+/// The answer in place of a plan.
 fn unhappy(stuck: &Stuck) -> Result<Answer> {
     if let Some(answer) = &stuck.answer {
         return Ok(answer.as_ref().clone());

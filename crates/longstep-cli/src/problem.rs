@@ -1,4 +1,4 @@
-//! `longstep solve --problem`: a planning task that somebody else wrote, and its plan as planners write it.
+//! `longstep solve --problem`: a PDDL task, and its plan in the format of planners.
 
 use std::path::Path;
 use std::time::Instant;
@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
     Ok(answer.status.exit_code())
 }
 
-/// The plan, one step to a line; everything else is a comment, so that other programs read it as a plan.
+/// Prints the plan, one step a line. All other lines are comments, so that other programs can read the plan.
 fn print(answer: &Answer) {
     for step in &answer.steps {
         let words: Vec<&str> = std::iter::once(step.action.as_str())

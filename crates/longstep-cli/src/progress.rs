@@ -1,4 +1,4 @@
-//! What is going on, on stderr, while a person waits.
+//! Progress on stderr.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use longstep_llm::store::PullProgress;
 
 use crate::output::{self, Style, remark};
 
-/// A line that says what the model is doing; not there when stderr is no terminal.
+/// A line with the model's progress; hidden if stderr is not a terminal.
 pub(crate) struct Spinner {
     bar: ProgressBar,
 }
@@ -46,7 +46,7 @@ impl Drop for Spinner {
     }
 }
 
-/// A bar for a file that is fetched. Without a terminal, notes are printed and nothing else.
+/// A progress bar for a download. Without a terminal only notes are printed.
 pub(crate) struct Download {
     bar: ProgressBar,
 }

@@ -1,4 +1,4 @@
-//! `longstep repair`: the least change that makes a plan valid.
+//! `longstep repair`: the cheapest change that makes a plan valid.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! `longstep session`: what is kept of sessions.
+//! `longstep session`: lists, shows and replays saved sessions.
 
 use std::path::{Path, PathBuf};
 
@@ -12,10 +12,10 @@ use crate::clock::stopwatch;
 use crate::output::{Style, print_line};
 use crate::{inputs, output};
 
-/// Characters of an instruction that a table shows.
+/// Limit for an instruction in a table, in characters.
 const SHOWN: usize = 60;
 
-/// Characters of a value that a comparison shows.
+/// Limit for a value in a comparison, in characters.
 const COMPARED: usize = 100;
 
 pub(crate) fn run(command: &SessionCommand) -> Result<u8> {
@@ -34,7 +34,7 @@ pub(crate) fn run(command: &SessionCommand) -> Result<u8> {
     }
 }
 
-/// The folder that is meant: a path, or a name among the sessions that are kept.
+/// The folder of a session, given by its path or its name.
 pub(crate) fn folder(named: &str) -> Result<PathBuf> {
     let path = Path::new(named);
     if path.exists() || named.contains(std::path::MAIN_SEPARATOR) {
@@ -74,7 +74,7 @@ fn list() -> Result<u8> {
     Ok(0)
 }
 
-/// Plans that are accepted and not taken back.
+/// The number of accepted plans that were not undone.
 fn standing(log: &Log) -> usize {
     log.events().fold(0, |plans, event| match event {
         Event::Accept { number, .. } => number + 1,
@@ -90,7 +90,7 @@ pub(crate) fn plural(number: usize, what: &str) -> String {
     }
 }
 
-/// One row for each instruction.
+/// A row of the table: one instruction.
 #[derive(Default)]
 struct Row {
     instruction: String,
@@ -191,7 +191,7 @@ fn replayed(folder: &Path) -> Result<u8> {
     let log = SessionFolder::read(folder)?;
     let domain = match log.events().next() {
         Some(Event::Begin { domain, .. }) => inputs::domain(domain)?,
-        // A log that was read begins.
+        // A log always begins with this event.
         _ => return Ok(crate::failure::UNREADABLE),
     };
     let outcome = replay(domain, &log, stopwatch)?;
@@ -221,15 +221,15 @@ fn replayed(folder: &Path) -> Result<u8> {
     }
 }
 
-/// A part of an event that is another one today.
+/// A part of an event that differs in the replay.
 struct Part {
-    /// The keys to it, as `plan.environment_after`.
+    /// Its path of keys, such as `plan.environment_after`.
     name: String,
     recorded: String,
     today: String,
 }
 
-/// What differs between two events, part by part: an event may hold whole environments, most of them the same.
+/// The differences between two events, part by part: an event may contain whole environments, mostly equal.
 fn parts(recorded: Option<&Value>, today: Option<&Value>) -> Vec<Part> {
     let mut parts = Vec::new();
     let kind = |event: &Value| event["event"].clone();

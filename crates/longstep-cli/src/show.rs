@@ -1,4 +1,4 @@
-//! Answers for a person.
+//! Answers as text for the terminal.
 
 use longstep::environment::Environment;
 use longstep::plan::OutlineLine;
@@ -12,19 +12,19 @@ pub(crate) fn heading(text: &str) {
     print_line!("{}", text.bold());
 }
 
-/// Whether an answer shows what the plan changes in the world.
+/// Selects whether an answer includes the changes of the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Changes {
     Shown,
     Hidden,
 }
 
-/// Prints an answer: the steps, what changed, what was assumed, and the verdict.
+/// Prints an answer: the steps, the changes, the assumptions and the verdict.
 pub(crate) fn answer(answer: &Answer, shown: Changes) {
     answer_in_lanes(answer, shown, &[]);
 }
 
-/// The same for a plan that is shown in lanes, if there are lines that do so.
+/// Prints an answer; `lanes` replaces the list of steps, if it is not empty.
 pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
     if answer.status == Status::Question {
         print_line!("{} {}", "Question:".yellow().bold(), answer.plan.question);
@@ -36,7 +36,7 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
         lanes => lanes.iter().for_each(|line| print_line!("{line}")),
     }
     edits(answer);
-    // Of a plan that cannot be carried out nobody knows what it would change.
+    // The changes of a plan that is not executable are unknown.
     let possible = answer.status == Status::Verified && shown == Changes::Shown;
     if let (true, Some(before)) = (possible, &answer.plan.environment_before) {
         if let Some(after) = answer.plan.environment_after.as_ref().filter(|after| *after != before) {
@@ -76,7 +76,7 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
     verdict(answer);
 }
 
-/// Prints what differs between two environments.
+/// Prints the differences between two environments.
 pub(crate) fn changes(before: &Environment, after: &Environment) {
     let changed = report::changes(before, after);
     let width = changed
@@ -99,7 +99,7 @@ pub(crate) fn changes(before: &Environment, after: &Environment) {
     }
 }
 
-/// Prints advice.
+/// Prints a hint.
 pub(crate) fn hint(text: &str) {
     print_line!("{} {text}", "hint:".cyan().bold());
 }
@@ -116,7 +116,7 @@ fn edits(answer: &Answer) {
             edit.before.as_deref().unwrap_or(""),
             edit.after.as_deref().unwrap_or(""),
         );
-        // Of a call that hides its arguments, only the explanation tells what it is about.
+        // For a call with hidden arguments, only the explanation names the objects.
         let step = answer
             .steps
             .get(edit.at)
@@ -136,8 +136,8 @@ fn nothing(text: &str) -> &str {
     if text.is_empty() { "nothing" } else { text }
 }
 
-/// Prints the steps of a plan with their explanations; those that are bad in red. What stands in a branch, a loop or a
-/// lane is indented.
+/// Prints the steps of a plan with their explanations; those for which `bad` is true in red. Steps in a branch, a loop
+/// or a lane are indented.
 pub(crate) fn steps(lines: &[OutlineLine], bad: impl Fn(usize) -> bool) {
     let length = |line: &OutlineLine| 2 * line.depth + visible::line(&line.text).chars().count();
     let explained = lines.iter().filter(|line| !line.explanation.is_empty());
@@ -166,7 +166,7 @@ pub(crate) fn steps(lines: &[OutlineLine], bad: impl Fn(usize) -> bool) {
     }
 }
 
-/// Prints a list under a heading, if there is anything in it.
+/// Prints a list under a heading, unless it is empty.
 pub(crate) fn list(title: &str, entries: &[String]) {
     if entries.is_empty() {
         return;
@@ -194,7 +194,7 @@ fn verdict(answer: &Answer) {
     }
     parts.push(format!("verification {}", milliseconds(times.verify)));
     let time = parts.join(", ");
-    // Who solves asks for a goal; who repairs gives a plan.
+    // `solve` has a goal, `repair` has a plan instead.
     let repaired = answer.goal.is_empty();
     match answer.status {
         Status::Verified => {

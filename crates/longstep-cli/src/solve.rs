@@ -1,4 +1,4 @@
-//! `longstep solve`, and what it shares with `longstep plan`: from a goal to an answer.
+//! `longstep solve`, and the printing of answers that it shares with other commands.
 
 use std::path::Path;
 use std::time::Instant;
@@ -19,7 +19,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let started = Instant::now();
     let (goal, env) = match (&arguments.goal, &arguments.env, &arguments.problem) {
         (Some(goal), Some(env), None) => (goal, env),
-        // The arguments are declared so that it is one or the other.
+        // clap requires exactly one of `--goal` and `--problem`.
         (_, _, problem) => return problem::run(arguments, problem.as_deref().unwrap_or(Path::new(""))),
     };
     let domain = inputs::domain(arguments.domain.as_deref().unwrap_or("household"))?;
@@ -52,7 +52,8 @@ pub(crate) fn goal_lines(domain: &Domain, world: &World, goal: &Goal) -> Vec<Str
     goal.facts.iter().map(|fact| fact.sentence(domain, world)).collect()
 }
 
-/// Saves, prints, and returns the exit code. `lanes` are the lines that show a plan side by side, none for a list.
+/// Saves and prints an answer, and returns the exit code. `lanes` are the lines of a parallel plan, empty for a
+/// sequential one.
 pub(crate) fn finish(answer: &Answer, goal: &[String], lanes: &[Line], save: Option<&Path>, json: bool) -> Result<u8> {
     if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
         inputs::save(path, &answer.plan)?;

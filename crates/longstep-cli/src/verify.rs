@@ -1,4 +1,4 @@
-//! `longstep verify`: is a plan possible, and does it end where it claims?
+//! `longstep verify`: checks that a plan is executable and that its claims hold.
 
 use std::time::Instant;
 

@@ -1,28 +1,28 @@
-//! The same domain with something changed, to see what difference it makes.
+//! Ablations: a domain with changed texts, to measure the effect of the change.
 //!
-//! The paper blames two of its failure patterns on the prompt: `Put` and `PutIn` are alike in name, and one example is
-//! too few to show how fine steps are. Both are changes to a domain's texts, made before it is loaded, so that prompt,
-//! grammar and reader change together.
+//! The paper attributes two of its failure patterns to the prompt: `Put` and `PutIn` have similar names, and a single
+//! example does not show the granularity of steps. Both changes are made in a domain's texts before it is loaded, so
+//! that prompt, grammar and parser change together.
 
 use longstep::domain::Files;
 use sha2::{Digest, Sha256};
 
-/// What is changed.
+/// Changes of a domain's texts.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Changes {
-    /// Words of calls, and what they are called instead.
+    /// Names of calls, and their new names.
     pub renamed: Vec<(String, String)>,
-    /// Only so many worked examples.
+    /// Number of worked examples to keep.
     pub examples: Option<usize>,
 }
 
-/// Why a change cannot be made.
+/// Reason why a change is not possible.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AblationError {
-    /// No action is called so.
+    /// No action has this name.
     #[error("no action of the domain is called `{0}`")]
     NoSuchCall(String),
-    /// The new word cannot be called.
+    /// The new name is not an identifier.
     #[error("`{0}` is no word for a call: letters, digits and `_`, no digit first")]
     NoWord(String),
     /// The examples cannot be read.
@@ -30,13 +30,13 @@ pub enum AblationError {
     Examples {
         /// The file.
         file: &'static str,
-        /// Why not.
+        /// The reason.
         reason: String,
     },
 }
 
 impl Changes {
-    /// Changes the texts of a domain; returns what was changed, in words.
+    /// Changes the texts of a domain; returns a description of each change.
     ///
     /// ```
     /// use longstep::domain::shipped_files;
@@ -50,7 +50,7 @@ impl Changes {
     ///
     /// # Errors
     ///
-    /// When there is no such call, or when examples are no TOML.
+    /// When there is no such call, or when the examples are not TOML.
     pub fn apply(&self, files: &mut Files) -> Result<Vec<String>, AblationError> {
         let mut told = Vec::new();
         for (from, to) in &self.renamed {
@@ -86,7 +86,7 @@ fn is_word(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// Every call of that word under another one. The word alone may be English ("Put the cup ...") and stays.
+/// Renames every call of `from`. The bare word may be English ("Put the cup ...") and stays.
 fn renamed(text: &str, from: &str, to: &str) -> String {
     let call = format!("{from}(");
     let mut out = String::with_capacity(text.len());
@@ -114,7 +114,7 @@ fn first_examples(file: &'static str, text: &str, most: usize) -> Result<String,
     toml::to_string(&table).map_err(|error| unreadable(error.to_string()))
 }
 
-/// SHA-256 of texts with their names, in hexadecimal.
+/// SHA-256 of texts with their names, in hexadecimal digits.
 pub(crate) fn digest<'a>(texts: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
     let mut hash = Sha256::new();
     for (name, text) in texts {

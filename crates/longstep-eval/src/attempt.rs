@@ -1,30 +1,30 @@
-//! What came of one instruction, as it is written down.
+//! The result of one instruction, as a line of a file.
 //!
-//! An [`Attempt`] is one line of `results.jsonl` and depends on nothing but what was asked and what was answered, so the
-//! same run writes the same bytes. What the machine had to do with it is a [`Timing`], in a file of its own.
+//! An [`Attempt`] is one line of `results.jsonl` and depends on the requests and replies alone, so repeating a run
+//! gives the same bytes. Values that depend on the machine are in a [`Timing`], in a separate file.
 
 use longstep::report::{EditAnswer, Status};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 
-/// Which attempt it is: unlike every other of a run.
+/// The key of an attempt, unique in a run.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Key {
     /// The case's id.
     pub case: String,
     /// Its step, from 0.
     pub step: usize,
-    /// In which words it was asked.
+    /// The wording of the instruction.
     pub wording: String,
-    /// From 1.
+    /// The trial, from 1.
     pub trial: u32,
 }
 
-/// What came of an instruction.
+/// The result of an instruction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Attempt {
-    /// Which one it is.
+    /// Its key.
     #[serde(flatten)]
     pub key: Key,
     /// The scene of its case.
@@ -33,36 +33,36 @@ pub struct Attempt {
     pub tags: Vec<String>,
     /// The instruction.
     pub says: String,
-    /// What was expected.
+    /// The expected result.
     pub expected: Wanted,
-    /// What it came to.
+    /// The actual result.
     pub outcome: Outcome,
-    /// Whether there is a plan of which every step can be done, on every way through it, and no rule is broken.
+    /// True if there is a plan whose steps are executable on every branch, without a broken rule.
     pub executable: bool,
-    /// Whether what was expected came of it; of a plan, that a goal holds wherever it can end and that nothing else
+    /// True if the result is the expected one. For a plan: one of the goals holds at each of its ends, and nothing else
     /// changed.
     pub correct: bool,
-    /// Why it is not correct, in sentences; empty if it is.
+    /// Reasons why it is not correct, as sentences; empty if it is correct.
     pub why: Vec<String>,
-    /// What went wrong, by kind, even if it was mended later.
+    /// The kinds of failures, including those that feedback or repair corrected later.
     pub failures: Vec<Failure>,
-    /// How often the model was told what was wrong.
+    /// Number of rounds of feedback to the model.
     pub rounds: u32,
-    /// What repair changed.
+    /// The edits of repair.
     pub edits: Vec<Edit>,
-    /// Whether the environment that the model claimed is the simulated one; none if it claimed none.
+    /// True if the environment that the model claims equals the simulated one; `None` without a claim.
     pub claim_right: Option<bool>,
-    /// The goals that were understood, in everyday names (goal strategy).
+    /// The goals of the model's answer, in everyday names (goal strategy).
     pub understood: Vec<String>,
-    /// The question back, if there is one.
+    /// The clarifying question, if there is one.
     pub question: String,
-    /// What the model wrote, call by call.
+    /// The model's replies, one a call.
     pub replies: Vec<String>,
-    /// What it was told in between.
+    /// The feedback to the model between its replies.
     pub corrections: Vec<String>,
-    /// The plan, line by line.
+    /// The plan, one line a step.
     pub plan: Vec<PlanLine>,
-    /// What is wrong with the plan, in sentences.
+    /// The violations of the plan, as sentences.
     pub violations: Vec<String>,
     /// Calls to the model.
     pub calls: u32,
@@ -73,58 +73,58 @@ pub struct Attempt {
 }
 
 impl Attempt {
-    /// Whether the model's first word was enough: a plan without a round or an edit.
+    /// Returns true if the first reply is an executable plan, without feedback or repair.
     pub fn is_first_shot(&self) -> bool {
         self.executable && self.rounds == 0 && self.edits.is_empty()
     }
 
-    /// Whether a plan was expected.
+    /// Returns true if a plan was expected.
     pub fn wants_plan(&self) -> bool {
         matches!(self.expected, Wanted::Plan { .. })
     }
 
-    /// Whether a question was asked.
+    /// Returns true if the result is a clarifying question.
     pub fn asked(&self) -> bool {
         self.outcome == Outcome::Question
     }
 }
 
-/// What was expected, as it is written down.
+/// An expected result, as results contain it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Wanted {
     /// A plan to one of these goals.
     Plan(Vec<String>),
-    /// A question back.
+    /// A clarifying question.
     Question,
     /// No plan.
     Refusal,
-    /// A question back or no plan.
+    /// A clarifying question, or no plan.
     Either,
 }
 
-/// What an instruction came to.
+/// The kind of result of an instruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// A verified plan.
     Verified,
-    /// A plan with something wrong in it.
+    /// A plan with violations.
     Invalid,
-    /// It was proven that there is no plan.
+    /// A proof that there is no plan.
     Unsolvable,
     /// No plan was found within the limits.
     GaveUp,
-    /// A question back.
+    /// A clarifying question.
     Question,
-    /// A reply that could not be used.
+    /// An unusable reply.
     Unusable,
-    /// What had to be said did not fit into the model.
+    /// A prompt that does not fit into the model's context.
     Limit,
 }
 
 impl Outcome {
-    /// As results name it.
+    /// The name in results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Verified => "verified",
@@ -150,18 +150,18 @@ impl From<Status> for Outcome {
     }
 }
 
-/// A change that repair made.
+/// An edit of repair.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edit {
     /// `insert`, `drop`, `replace` or `move`.
     pub kind: String,
-    /// Where it shows in the plan, from 0.
+    /// Its place in the plan, from 0.
     pub at: usize,
     /// The call before, if there was one.
     pub before: Option<String>,
     /// The call after, if there is one.
     pub after: Option<String>,
-    /// Why, in a sentence.
+    /// The reason, as a sentence.
     pub why: String,
 }
 
@@ -180,28 +180,28 @@ impl From<&EditAnswer> for Edit {
 /// A line of a plan.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlanLine {
-    /// The step that it shows, from 0; none for what only leads others.
+    /// The step of the line, from 0; `None` for the head of a branch or loop.
     pub step: Option<usize>,
-    /// How deep it is indented.
+    /// Depth of the indentation.
     pub depth: usize,
-    /// The call, or what leads others.
+    /// The call, or the head of a branch or loop.
     pub text: String,
-    /// What it does.
+    /// The step's explanation.
     pub explanation: String,
-    /// What became so by it, as sentences, on the first way through the plan.
+    /// The changes by the step on the first branch, as sentences.
     pub changes: Vec<String>,
 }
 
-/// What an attempt took.
+/// Duration and cache use of an attempt.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
-    /// Which attempt it is.
+    /// The key of the attempt.
     #[serde(flatten)]
     pub key: Key,
-    /// Tokens of the prompts that needed no computation.
+    /// Prompt tokens from the prefix cache.
     pub cached_tokens: u64,
-    /// Milliseconds in which the model was at work.
+    /// Milliseconds in the model.
     pub model_ms: f64,
-    /// From the instruction to what came of it, in milliseconds.
+    /// Milliseconds from the instruction to the result.
     pub total_ms: f64,
 }

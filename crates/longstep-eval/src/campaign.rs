@@ -1,4 +1,4 @@
-//! All units of a run, one after the other or several at a time.
+//! All units of a run, sequentially or in parallel.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -13,20 +13,20 @@ use crate::run::{Lines, Unit, run};
 use crate::source::Source;
 use crate::suite::Suite;
 
-/// Which cases are run, in which words, and how often.
+/// The selection of cases, wordings and trials.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Choice {
-    /// Cases with all of these tags; every case if there are none.
+    /// Cases with all of these tags; empty means all cases.
     pub tags: Vec<String>,
-    /// These cases; every case if there are none.
+    /// Ids of cases; empty means all cases.
     pub cases: Vec<String>,
-    /// These wordings; all that a case has if there are none.
+    /// Wordings; empty means all wordings of a case.
     pub wordings: Vec<String>,
-    /// At least 1.
+    /// Number of trials, at least 1.
     pub trials: u32,
 }
 
-/// The units of a run, in order: trial by trial, since each may open a model of its own.
+/// The units of a run, ordered by trial, because each trial may open a model of its own.
 pub fn units<'a>(suite: &'a Suite, choice: &Choice) -> Vec<Unit<'a>> {
     let mut units = Vec::new();
     for trial in 1..=choice.trials.max(1) {
@@ -44,8 +44,8 @@ pub fn units<'a>(suite: &'a Suite, choice: &Choice) -> Vec<Unit<'a>> {
     units
 }
 
-/// How many steps each unit has, with the key of its first: what [`RunFolder::open`](crate::folder::RunFolder::open)
-/// has to know.
+/// The key of the first step and the number of steps of each unit, for
+/// [`RunFolder::open`](crate::folder::RunFolder::open).
 pub fn lengths(units: &[Unit<'_>]) -> Vec<(Key, usize)> {
     let length = |unit: &Unit<'_>| {
         let key = Key {
@@ -59,20 +59,20 @@ pub fn lengths(units: &[Unit<'_>]) -> Vec<(Key, usize)> {
     units.iter().map(length).collect()
 }
 
-/// What all units share.
+/// The common settings of all units.
 #[derive(Debug, Clone)]
 pub struct Campaign<'a> {
     /// The suite.
     pub suite: &'a Suite,
     /// Its domain.
     pub domain: Arc<Domain>,
-    /// How sessions go about it.
+    /// Settings of the sessions.
     pub settings: Settings,
-    /// Units that run at the same time, at least 1. Each worker has a source of its own.
+    /// Number of units that run in parallel, at least 1. Each worker has a source of its own.
     pub jobs: usize,
 }
 
-/// Calls off what is under way.
+/// A watch that cancels running calls when `stop` is set.
 struct Stopping<'a> {
     stop: &'a AtomicBool,
     tell: &'a (dyn Fn(Progress) + Sync),
@@ -89,12 +89,11 @@ impl Watch for Stopping<'_> {
 }
 
 impl Campaign<'_> {
-    /// Runs units. `done` is given the lines of each in the order of the units, whichever came first; what it returns as
-    /// an error ends the run.
+    /// Runs units. `done` receives the lines of each unit in the order of the units; an error of `done` ends the run.
     ///
     /// # Errors
     ///
-    /// The first one of a model, or that of `done`. What was given to `done` before stays.
+    /// The first error of a model, or the error of `done`. Lines that `done` received before are valid.
     pub fn run<E: From<AdvanceError>>(
         &self,
         units: &[Unit<'_>],
@@ -116,7 +115,7 @@ impl Campaign<'_> {
                         let Some(unit) = units.get(number) else { return };
                         let lines = self.unit(*unit, source.as_mut(), stop, tell);
                         let failed = lines.is_err();
-                        // Nobody listens any more once the run has failed.
+                        // After a failure the receiver is gone.
                         if sender.send((number, lines)).is_err() || failed {
                             return;
                         }

@@ -1,9 +1,8 @@
-//! Two runs side by side.
+//! Comparison of two runs.
 //!
-//! Attempts are paired by their [`Key`]; what only one run has is counted and otherwise left out, so the figures are of
-//! the same instructions on both sides. The p value ([`mcnemar`]) takes attempts as independent of each other, which
-//! several trials of a case, or the steps of a chain, are not altogether: with those it is too small rather than too
-//! large.
+//! Attempts are paired by their [`Key`]; attempts without a partner are counted and ignored, so both sides contain the
+//! same instructions. The p value ([`mcnemar`]) assumes independent attempts. Trials of one case and steps of a chain
+//! are not fully independent, so their p value is too small rather than too large.
 
 mod mcnemar;
 mod shown;
@@ -19,52 +18,52 @@ use crate::summary::{Cost, Summary};
 
 pub use mcnemar::mcnemar;
 
-/// Two runs in a few lines for the terminal.
+/// The comparison as text for the terminal.
 pub fn text(a: &Results, b: &Results) -> String {
     printable(&shown::text(&Comparison::of(a, b)))
 }
 
-/// Two runs as a Markdown document.
+/// The comparison as a Markdown document.
 pub fn markdown(a: &Results, b: &Results) -> String {
     shown::markdown(&Comparison::of(a, b))
 }
 
-/// Two runs as a page of its own, as one HTML file that loads nothing.
+/// The comparison as one HTML file that loads nothing.
 pub fn html(a: &Results, b: &Results) -> String {
     shown::html(&Comparison::of(a, b))
 }
 
-/// What two runs have in common, and in what they differ.
+/// A comparison of two runs.
 struct Comparison {
-    /// What is compared, in a line.
+    /// The title, one line.
     title: String,
-    /// What the runs are called.
+    /// The names of the runs.
     names: (String, String),
-    /// What has to be known before the figures are read, in sentences.
+    /// Caveats about the figures, as sentences.
     notes: Vec<String>,
-    /// Of the attempts that both have.
+    /// Measures of the paired attempts.
     measures: Vec<(Measure, Measure)>,
-    /// The same.
+    /// Costs of the paired attempts.
     costs: (Cost, Cost),
-    /// Edits for each plan.
+    /// Edits per plan.
     edits: (f64, f64),
     /// Wrong in the first and right in the second.
     mended: Vec<Change>,
     /// Right in the first and wrong in the second.
     broken: Vec<Change>,
-    /// How likely such a split is by chance.
+    /// The p value of this split.
     chance: f64,
     /// Settings that differ, with both values.
     settings: Vec<(&'static str, String, String)>,
 }
 
-/// An attempt that came out differently.
+/// An attempt with different results in the two runs.
 struct Change {
     label: String,
     says: String,
-    /// Why it is not correct, in the run in which it is not.
+    /// The reasons why it is not correct, from the run in which it is not.
     why: String,
-    /// What came in the run in which it is.
+    /// The result in the run in which it is correct.
     right: String,
 }
 
@@ -72,7 +71,7 @@ impl Comparison {
     fn of(a: &Results, b: &Results) -> Self {
         let others: BTreeMap<&Key, &Attempt> = b.attempts.iter().map(|attempt| (&attempt.key, attempt)).collect();
         let both = a.attempts.iter();
-        // Suites may give the same name to different instructions.
+        // Suites may use one id for different instructions.
         let pairs: Vec<(&Attempt, &Attempt)> = both
             .filter_map(|attempt| Some((attempt, *others.get(&attempt.key)?)))
             .collect();
@@ -109,7 +108,7 @@ impl Comparison {
     }
 }
 
-/// The runs by their models, or where these are the same, as the first and the second.
+/// The names of the models, or "first run" and "second run" if these are equal.
 fn names(a: &Results, b: &Results) -> (String, String) {
     let (first, second) = (&a.plan.model, &b.plan.model);
     match first == second {
@@ -144,7 +143,7 @@ fn notes(a: &Results, b: &Results, pairs: &[(&Attempt, &Attempt)]) -> Vec<String
     notes
 }
 
-/// The measures that either has something to say about.
+/// The measures that apply to at least one of the runs.
 fn side_by_side(first: &Summary, second: &Summary) -> Vec<(Measure, Measure)> {
     let (first, second) = (measures(first), measures(second));
     let of = |all: &[Measure], name: &str| all.iter().find(|measure| measure.name == name).copied();

@@ -1,33 +1,32 @@
-//! What went wrong, by kind.
+//! Kinds of failures.
 //!
-//! The rules, in full. They look at the model's first reply, so what was mended later counts as well.
+//! This is the complete definition. Failures are found in the model's first reply, so corrected ones count as well.
 //!
-//! A plan that the model wrote (direct strategy) is compared with the cheapest repair of it:
+//! A plan of the model (direct strategy) is compared with its cheapest repair:
 //!
-//! - [`Failure::UnknownName`]: a call, a thing or a parameter that there is not, or of the wrong kind or number.
-//! - [`Failure::WrongVerb`]: repair replaces a step by another action on the same things (the paper's first pattern).
+//! - [`Failure::UnknownName`]: a call, an object or a parameter that does not exist, or of the wrong kind or number.
+//! - [`Failure::WrongVerb`]: repair replaces a step by another action on the same objects (the paper's first pattern).
 //! - [`Failure::LeftOutStep`]: repair inserts a step (the paper's second pattern).
 //! - [`Failure::WrongOrder`]: repair moves a step.
-//! - [`Failure::WrongObject`]: repair replaces a step by one on other things.
+//! - [`Failure::WrongObject`]: repair replaces a step by one on other objects.
 //! - [`Failure::NeedlessStep`]: repair drops a step.
-//! - [`Failure::UnmetPrecondition`]: the plan is not valid, and repair finds no way to mend it, or none within
+//! - [`Failure::UnmetPrecondition`]: the plan is not valid, and repair finds no valid plan, or none within
 //!   [`effort::OPERATION`] units of work.
 //! - [`Failure::WrongClaim`]: the environment that the model claims is not the simulated one.
 //!
-//! What the model understood (goal strategy) is compared with the nearest of the expected goals, part by part:
+//! The goals of the model (goal strategy) are compared with the nearest of the expected goals, part by part:
 //!
-//! - [`Failure::WrongObject`]: a part with the same goal word about another thing, or to another place.
-//! - [`Failure::WrongGoalWord`]: a part about the same thing with another word.
-//! - [`Failure::ExtraGoal`]: a part that is not expected. With the direct strategy: something changed that nobody asked
-//!   for.
-//! - [`Failure::MissingGoal`]: a part that is expected and not there. With the direct strategy: a goal that is not
-//!   reached.
+//! - [`Failure::WrongObject`]: a part with an expected goal word, but another object or place.
+//! - [`Failure::WrongGoalWord`]: a part with an expected object, but another goal word.
+//! - [`Failure::ExtraGoal`]: an unexpected part. With the direct strategy: a change that the instruction does not
+//!   require.
+//! - [`Failure::MissingGoal`]: a missing part. With the direct strategy: a goal that is not reached.
 //!
 //! For either strategy:
 //!
-//! - [`Failure::AskedNeedlessly`]: a question where a plan was expected.
-//! - [`Failure::DidNotAsk`]: a plan where a question, or no plan, was expected; or no plan where a question was.
-//! - [`Failure::NoPlan`]: a plan was expected, and none was found for what was understood.
+//! - [`Failure::AskedNeedlessly`]: a question although a plan was expected.
+//! - [`Failure::DidNotAsk`]: a plan although a question, or no plan, was expected; or no plan although a question was.
+//! - [`Failure::NoPlan`]: a plan was expected, and none was found for the goals.
 //! - [`Failure::Unusable`]: a reply that cannot be read, or a prompt that does not fit.
 
 use longstep::call::Call;
@@ -63,7 +62,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// All of them, in the order in which reports show them.
+    /// All kinds, in the order of reports.
     pub const ALL: [Self; 15] = [
         Self::WrongVerb,
         Self::LeftOutStep,
@@ -82,7 +81,7 @@ impl Failure {
         Self::Unusable,
     ];
 
-    /// For a person.
+    /// The name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::WrongVerb => "wrong verb",
@@ -104,7 +103,7 @@ impl Failure {
     }
 }
 
-/// What is wrong with a plan as the model wrote it; nothing where the reply holds none.
+/// Failures in a plan as the model wrote it; none if the reply contains no plan.
 pub(crate) fn of_draft(domain: &Domain, world: &World, reply: &str, instruction: &str) -> Vec<Failure> {
     let Ok(draft) = plan::read(reply) else {
         return Vec::new();
@@ -142,7 +141,7 @@ fn of_edit(edit: &Edit) -> Failure {
     }
 }
 
-/// How what was understood differs from the nearest of the goals.
+/// Differences between the model's goal and the nearest of the expected goals.
 pub(crate) fn of_goal(domain: &Domain, understood: &Goal, goals: &[Goal]) -> Vec<Failure> {
     let each = goals
         .iter()
@@ -176,7 +175,7 @@ fn difference(domain: &Domain, understood: &[GoalFact], expected: &[GoalFact]) -
     found
 }
 
-/// What kind of goal it is.
+/// The kind and the word of a goal.
 fn word(fact: &GoalFact) -> (u8, usize) {
     match fact {
         GoalFact::Word { word, .. } => (0, word.index()),

@@ -1,8 +1,8 @@
-//! A run on the disk, written so that it can be cut off at any point and taken up again.
+//! A run on the disk, which can be interrupted at any point and resumed.
 //!
-//! `run.json` says what is run, `results.jsonl` holds the attempts, `timings.jsonl` what they took. The lines of a unit
-//! are written together, the timings first, in the order of the units: what is there is always the beginning of the
-//! whole, and a unit that is there in part is dropped and run again.
+//! `run.json` describes the run, `results.jsonl` contains the attempts, and `timings.jsonl` their durations. The lines
+//! of a unit are written together, timings first, in the order of the units. So a folder always contains the beginning
+//! of a run, and an incomplete unit is removed and run again.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -17,15 +17,15 @@ use sha2::{Digest, Sha256};
 use crate::attempt::{Attempt, Key, Timing};
 use crate::run::Lines;
 
-/// The version of the files.
+/// The version of the file formats.
 pub const VERSION: u32 = 1;
 
-/// Everything that a run's results depend on.
+/// Everything that the results of a run depend on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// The version of the files.
+    /// The version of the file formats.
     pub version: u32,
-    /// The program's version.
+    /// The version of the program.
     pub longstep: String,
     /// The suite's name.
     pub suite: String,
@@ -35,38 +35,38 @@ pub struct Plan {
     pub domain: String,
     /// SHA-256 of its files, prompts included.
     pub domain_sha256: String,
-    /// The model, as it was named.
+    /// The model, as the user named it.
     pub model: String,
-    /// SHA-256 of its file, of the recording, or of the recorded replies, where it is one of these.
+    /// SHA-256 of the model file, the recording or the recorded replies, if the model is one of these.
     pub model_sha256: Option<String>,
-    /// Which server has it, if one does; [`RunFolder::open`] sets it.
+    /// Mark of the model's server, if it has one; set by [`RunFolder::open`].
     #[serde(default)]
     pub server: Option<ServerMark>,
-    /// How sessions went about it.
+    /// Settings of the sessions.
     pub settings: Settings,
-    /// How freely the model chose its words.
+    /// Sampling temperature of the model.
     pub temperature: f64,
-    /// Of the likeliest words, only those that make up this share.
+    /// Nucleus sampling: total probability of the most likely tokens that are kept.
     pub top_p: Option<f64>,
-    /// The seed of the first trial; each further one has the next.
+    /// Seed of the first trial; each further trial adds 1.
     pub seed: u64,
-    /// How often each case was run.
+    /// Number of trials of each case.
     pub trials: u32,
-    /// Only cases with all of these tags; every case if there are none.
+    /// Selected cases: those with all of these tags; empty means all.
     pub tags: Vec<String>,
-    /// Only these cases; every case if there are none.
+    /// Selected cases by id; empty means all.
     pub cases: Vec<String>,
-    /// Only these wordings; all that a case has if there are none.
+    /// Selected wordings; empty means all wordings of a case.
     pub wordings: Vec<String>,
-    /// What was changed in the domain or its prompts for this run, in words.
+    /// Descriptions of the changes of the domain or its prompts for this run.
     pub changes: Vec<String>,
 }
 
 /// A mark of a server's address: SHA-256 of a random salt and the address. Within a folder, equal marks mean equal
-/// servers; marks of two folders cannot be compared.
+/// servers; marks of different folders are not comparable.
 ///
-/// The address cannot be read from it. Whoever guesses the address can check the guess, and short addresses of a local
-/// network are guessed quickly.
+/// The address cannot be derived from it, but a guess can be checked, and short addresses of a local network are
+/// quickly guessed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ServerMark {
     /// 32 hexadecimal digits.
@@ -88,7 +88,7 @@ impl ServerMark {
         }
     }
 
-    /// Marks a server for a new folder.
+    /// Marks a server with a new salt.
     fn salted(address: &str) -> Result<Self, getrandom::Error> {
         let mut salt = [0; 16];
         getrandom::fill(&mut salt)?;
@@ -96,43 +96,43 @@ impl ServerMark {
     }
 }
 
-/// The first 16 bytes in hexadecimal digits.
+/// The first 16 bytes, in hexadecimal digits.
 fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// What a run has come to so far.
+/// The results of a run so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Results {
-    /// What was run.
+    /// The description of the run.
     pub plan: Plan,
-    /// In the order in which they were run.
+    /// The attempts, in the order of the run.
     pub attempts: Vec<Attempt>,
-    /// What they took.
+    /// Durations of the attempts.
     pub timings: BTreeMap<Key, Timing>,
 }
 
-/// Why a run's folder cannot be used.
+/// Reason why a run's folder cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// A file cannot be read or written.
     #[error("cannot {what} {}: {error}", .path.display())]
     File {
-        /// What was tried.
+        /// The action.
         what: &'static str,
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The error of the operating system.
         error: std::io::Error,
     },
-    /// A file is not what it should be.
+    /// A file has invalid content.
     #[error("{}:{line}: {reason}", .path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Its line.
+        /// Number of the line.
         line: usize,
-        /// What is wrong.
+        /// The reason.
         reason: String,
     },
     /// The folder holds another run.
@@ -140,13 +140,13 @@ pub enum FolderError {
     Another {
         /// The folder.
         path: PathBuf,
-        /// In what it differs.
+        /// The differences.
         differing: Vec<String>,
     },
 }
 
 impl FolderError {
-    /// What to do about it.
+    /// The next step for the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::File { .. } => None,
@@ -164,10 +164,10 @@ const PLAN: &str = "run.json";
 const RESULTS: &str = "results.jsonl";
 const TIMINGS: &str = "timings.jsonl";
 
-/// The files of a run's folder, reports included.
+/// The files of a run's folder, including reports.
 const FILES: [&str; 5] = [PLAN, RESULTS, TIMINGS, "report.html", "report.md"];
 
-/// A run's folder that is written to.
+/// A run's folder, open for writing.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -185,9 +185,9 @@ fn failed(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Fol
 }
 
 impl RunFolder {
-    /// Opens a run's folder, or makes it for its owner alone. Returns what has been run, as far as units are whole:
-    /// `units` says how many steps each of them has, in order, with the key of its first. `server` is the address of the
-    /// model's server; only its [`ServerMark`] is written down.
+    /// Opens a run's folder, or creates it with mode 700. Returns the results of all complete units. `units` contains
+    /// the number of steps of each unit, in order, with the key of its first step. `server` is the address of the
+    /// model's server; only its [`ServerMark`] is saved.
     ///
     /// # Errors
     ///
@@ -227,7 +227,7 @@ impl RunFolder {
         let (units_done, whole) = whole_units(&attempts, units);
         attempts.truncate(whole);
         timed.truncate(whole);
-        // What was written in part goes before anything is added.
+        // Incomplete units are removed before anything is added.
         rewrite(&results, &attempts)?;
         rewrite(&timings, &timed)?;
         let append = |path: &Path| {
@@ -250,7 +250,7 @@ impl RunFolder {
         Ok((folder, results))
     }
 
-    /// How many units, from the first on, were there as a whole when the folder was opened.
+    /// The number of complete units at the time of opening.
     pub fn units_done(&self) -> usize {
         self.units_done
     }
@@ -277,7 +277,7 @@ impl RunFolder {
 ///
 /// # Errors
 ///
-/// When the folder holds none, or one that cannot be read. A last line that was cut off is left out.
+/// When the folder contains no run, or the run cannot be read. An incomplete last line is ignored.
 pub fn read(path: &Path) -> Result<Results, FolderError> {
     let timed: Vec<Timing> = lines(&path.join(TIMINGS))?;
     Ok(Results {
@@ -297,7 +297,7 @@ fn read_plan(path: &Path) -> Result<Plan, FolderError> {
     })
 }
 
-/// How many units are there as a whole, from the first on, and how many attempts those are.
+/// The number of complete units from the first on, and the number of their attempts.
 fn whole_units(attempts: &[Attempt], units: &[(Key, usize)]) -> (usize, usize) {
     let (mut done, mut whole) = (0, 0);
     for (first, steps) in units {
@@ -318,7 +318,7 @@ fn whole_units(attempts: &[Attempt], units: &[(Key, usize)]) -> (usize, usize) {
     (done, whole)
 }
 
-/// In what two runs differ, in words.
+/// The differences between two runs, as text.
 fn differing(known: &Plan, plan: &Plan) -> Vec<String> {
     let value = |plan: &Plan| serde_json::to_value(plan).unwrap_or_default();
     let (known, plan) = (value(known), value(plan));
@@ -336,7 +336,7 @@ fn differing(known: &Plan, plan: &Plan) -> Vec<String> {
 }
 
 fn pretty<T: Serialize>(value: &T) -> String {
-    // Plain data with string keys; writing it as JSON does not fail.
+    // Plain data with string keys; its serialization does not fail.
     serde_json::to_string_pretty(value).unwrap_or_default()
 }
 
@@ -352,7 +352,7 @@ fn rewrite<T: Serialize>(path: &Path, all: &[T]) -> Result<(), FolderError> {
     write_whole(path, text.as_bytes()).map_err(failed("write", path))
 }
 
-/// The lines of a file; none if it is not there. A last line without an end was cut off, and is left out.
+/// The lines of a file; none if it does not exist. A last line without a line end is incomplete and ignored.
 fn lines<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Vec<T>, FolderError> {
     let bytes = match read_bounded(path, LOG_LIMIT) {
         Ok(bytes) => bytes,

@@ -1,4 +1,4 @@
-//! Was that right?
+//! Judges whether a plan does what was expected.
 
 use std::cell::OnceCell;
 
@@ -9,12 +9,12 @@ use longstep::plan::Plan;
 use longstep::report;
 use longstep::verify::{Ending, Purpose, VerifiedPlan, check};
 
-/// Why a plan is not what was wanted, in sentences; nothing if it is.
+/// The deviations of a plan from a goal, as sentences; empty if there are none.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Amiss {
-    /// What was wanted and is not so.
+    /// Parts of the goal that do not hold at the end.
     pub(crate) unreached: Vec<String>,
-    /// What changed and nobody asked for.
+    /// Changes that the goal does not require.
     pub(crate) unasked: Vec<String>,
 }
 
@@ -28,10 +28,10 @@ impl Amiss {
     }
 }
 
-/// Goals that a plan may reach, each with what a plan for it has to change.
+/// The goals that a plan may reach, each with the changes that it requires.
 ///
-/// What has to change is taken from the plan that search finds for the goal: to put the milk into the fridge, its door
-/// is opened and closed again, so the door may change on the way and must not in the end.
+/// The required changes come from a plan that search finds for the goal. To put the milk into the fridge, its door is
+/// opened and closed again: the door may change on the way, but not at the end.
 #[derive(Debug)]
 pub(crate) struct Standard<'a> {
     domain: &'a Domain,
@@ -39,7 +39,8 @@ pub(crate) struct Standard<'a> {
     goals: Vec<Expected<'a>>,
 }
 
-/// A goal, and the plan that search finds for it once somebody asks: most of a suite's time may go there.
+/// A goal, and a plan that search finds for it. Searched at the first use, because search may dominate the time of a
+/// suite.
 #[derive(Debug)]
 struct Expected<'a> {
     goal: &'a Goal,
@@ -69,7 +70,7 @@ impl<'a> Standard<'a> {
         expected.reference.get_or_init(search).as_ref()
     }
 
-    /// Why the plan is not what was wanted, for the goal that it comes closest to.
+    /// The deviations of a plan from the goal to which it is closest.
     pub(crate) fn amiss(&self, plan: &Plan) -> Amiss {
         let each = self
             .goals
@@ -100,7 +101,7 @@ impl<'a> Standard<'a> {
         }
     }
 
-    /// The things of which an environment says something else at an end. What was only found out is no change.
+    /// The entities that differ at an end from the beginning. Sensed facts do not count as changes.
     fn changed(&self, endings: &[Ending]) -> Vec<EntityId> {
         let of = |ending: &Ending| differences(self.domain, &self.world.state, &ending.after);
         let mut changed: Vec<EntityId> = endings

@@ -1,4 +1,4 @@
-//! What replies are judged to be, in the flat of the examples.
+//! Judgements of replies, in the flat of the examples.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::{Recorded, Source};
 
 const FLAT: &str = include_str!("../../../examples/environments/flat.json");
 
-/// What comes of a model's reply to an instruction of which so much is expected.
+/// The attempt for a model's reply to an instruction with this expectation.
 fn attempt(strategy: Strategy, says: &str, expected: &str, reply: &Value) -> Attempt {
     let domain = Arc::new(domain::shipped("virtualhome").unwrap().unwrap());
     let files = Files {
@@ -57,7 +57,7 @@ fn kinds(attempt: &Attempt) -> Vec<&'static str> {
     attempt.failures.iter().map(|failure| failure.name()).collect()
 }
 
-/// Whether a plan for the mug to be on the sofa is right, and what is told of it.
+/// Checks the judgement of a plan for "put the mug on the sofa".
 #[track_caller]
 fn check_plan(calls: &[&str], correct: bool, failures: &[&str], why: &[&str]) {
     let reply = json!({"task_cohesion": {"task_sequence": calls, "step_instructions": vec![""; calls.len()]}});
@@ -96,7 +96,7 @@ fn plans_are_compared_with_their_repair() {
         &["unknown name"],
         &["the plan is not valid"],
     );
-    // What it was for is not known without a claim, so what nobody asked for is only seen against the goal.
+    // Without a claim the purpose of the extra steps is unknown, so only the comparison with the goal shows them.
     check_plan(
         &[WALK, "Grab(<magazine_11>)", GO, "Put(<magazine_11>, <sofa_2>)"],
         false,
@@ -121,7 +121,7 @@ fn plans_are_compared_with_their_repair() {
     );
 }
 
-/// What is said of goals that a model understood.
+/// Checks the judgement of a model's goals.
 #[track_caller]
 fn check_goals(says: &str, expected: &str, goals: &[&str], correct: bool, failures: &[&str]) {
     let reply = json!({"question": "", "goals": goals});
@@ -155,7 +155,7 @@ fn goals_are_compared_with_the_nearest_that_is_expected() {
     );
     let one_of = "goal = ['put(mug, sofa)', 'put(mug, nightstand)']";
     check_goals("Put the mug away.", one_of, &["put(mug, nightstand)"], true, &[]);
-    // To heat the cupcake, the cabinet is opened, and closed again: that is asked for with it.
+    // To heat the cupcake, the cabinet is opened and closed again: the goal includes that.
     check_goals(
         "Warm up the cupcake in the oven.",
         "goal = 'heated(cupcake, oven)'",

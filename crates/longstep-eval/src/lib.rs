@@ -1,9 +1,9 @@
-//! Evaluation for Longstep: how many instructions come out right, and what goes wrong with the others.
+//! Evaluation for Longstep: the share of correct instructions, and the kinds of failures of the others.
 //!
-//! A [`Suite`](suite::Suite) is data: scenes, instructions, and what is meant by them. [`run::run`] gives a case to a
-//! model in a session, as `longstep chat` does, and judges what comes of it against goals that a verifier checks; no
-//! model judges. What came of it is an [`Attempt`](attempt::Attempt); [`folder::RunFolder`] keeps attempts so that a run
-//! can be cut off and taken up again, and [`Summary`] counts them.
+//! A [`Suite`](suite::Suite) is data: scenes, instructions and their expected results. [`run::run`] runs a case in a
+//! session with a model, as `longstep chat` does, and compares the result with goals that a verifier checks; no model
+//! judges. The result is an [`Attempt`](attempt::Attempt). [`folder::RunFolder`] saves attempts, so that a run can be
+//! interrupted and resumed, and [`Summary`] counts them.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -22,7 +22,7 @@
 //!     ..suite::Files::default()
 //! };
 //! let suite = suite::load(&files, &household)?;
-//! // A recording of what a model said to it.
+//! // A recorded reply of a model.
 //! let replies = r#"[{"case": "pen", "reply": {"question": "", "goals": ["put(pen, shelf)"]}}]"#;
 //! let mut recorded = Recorded::read(replies)?;
 //! let unit = run::Unit { case: &suite.cases[0], wording: PLAIN, trial: 1 };

@@ -1,21 +1,21 @@
-//! Shares with their intervals.
+//! Shares with confidence intervals.
 
 use serde::{Deserialize, Serialize};
 
-/// How many of how many.
+/// A share as a fraction of counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Rate {
-    /// So many did.
+    /// Number of hits.
     pub hits: usize,
-    /// Of so many.
+    /// Number of trials.
     pub of: usize,
 }
 
-/// The 97.5th percentile of the normal distribution: what a 95 % interval needs.
+/// The 97.5th percentile of the normal distribution, for 95 % confidence intervals.
 const Z: f64 = 1.959_963_984_540_054;
 
 impl Rate {
-    /// Counts those for which it holds.
+    /// Counts the items for which `holds` is true.
     pub fn count<T>(all: impl IntoIterator<Item = T>, holds: impl Fn(&T) -> bool) -> Self {
         let mut rate = Self::default();
         for one in all {
@@ -25,7 +25,7 @@ impl Rate {
         rate
     }
 
-    /// The share, 0 of none.
+    /// The share; 0 if there are no trials.
     pub fn share(self) -> f64 {
         match self.of {
             0 => 0.0,
@@ -33,8 +33,8 @@ impl Rate {
         }
     }
 
-    /// Wilson's score interval of 95 %: where the share lies that would be found with very many. It does not leave 0 to
-    /// 1, and is sensible for few attempts and for shares of 0 and 1. (E. B. Wilson, 1927.)
+    /// The 95 % confidence interval by Wilson's score method. It stays within 0 and 1, and is valid for small samples
+    /// and for shares of 0 and 1. (E. B. Wilson, 1927.)
     ///
     /// ```
     /// use longstep_eval::Rate;

@@ -1,8 +1,8 @@
-//! What a run came to, for people: a page, a Markdown document, and a few lines for the terminal.
+//! Reports of a run: an HTML page, a Markdown document, and text for the terminal.
 //!
-//! All three are functions of [`Results`] alone: the same results give the same bytes. The page is one file that loads
-//! nothing; everything in it that came from data is escaped. What it shows can be read without its script, which only
-//! opens attempts on top of the page and not below it.
+//! All three are functions of [`Results`] alone: equal results give equal bytes. The page is one file that loads
+//! nothing, and all data in it is escaped. It is readable without its script, which only opens attempts on top of the
+//! page instead of below it.
 
 mod charts;
 mod detail;
@@ -33,22 +33,22 @@ pub(crate) use markup::{Page, escaped, whole};
 pub(crate) use settings::settings;
 pub(crate) use words::{amount, came, duration, interval, percent, points, reason};
 
-/// A page of its own, as one HTML file.
+/// The report as one HTML file.
 pub fn html(results: &Results) -> String {
     page::page(results)
 }
 
-/// A Markdown document.
+/// The report as a Markdown document.
 pub fn markdown(results: &Results) -> String {
     markdown::document(results)
 }
 
-/// A few lines for the terminal.
+/// The report as text for the terminal.
 pub fn text(results: &Results) -> String {
     printable(&text::lines(results))
 }
 
-/// Lines that a terminal shows and does not obey: models write what they like. No line can be two.
+/// Makes lines safe for the terminal: control characters in a model's text are escaped, and no line becomes two.
 pub(crate) fn printable(lines: &[String]) -> String {
     lines
         .iter()
@@ -56,20 +56,20 @@ pub(crate) fn printable(lines: &[String]) -> String {
         .collect()
 }
 
-/// A share that reports show.
+/// A share in reports.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Measure {
-    /// What it is called.
+    /// The name.
     pub(crate) name: &'static str,
-    /// What it counts.
+    /// The definition.
     pub(crate) about: &'static str,
     /// The share.
     pub(crate) rate: Rate,
-    /// Whether more is better.
+    /// True if higher is better.
     pub(crate) wanted: bool,
 }
 
-/// The shares of a summary that there is something to say about.
+/// The shares of a summary that apply to its attempts.
 pub(crate) fn measures(summary: &Summary) -> Vec<Measure> {
     let measure = |name, about, rate, wanted| Measure {
         name,
@@ -116,7 +116,7 @@ pub(crate) fn measures(summary: &Summary) -> Vec<Measure> {
     all
 }
 
-/// The attempts that are not correct, each with its place in the run.
+/// The incorrect attempts, each with its place in the run.
 pub(crate) fn not_correct(results: &Results) -> Vec<(usize, &Attempt)> {
     let all = results.attempts.iter().enumerate();
     all.filter(|(_, attempt)| !attempt.correct).collect()

@@ -1,4 +1,4 @@
-//! One trial of one case: a session with a model, and what came of each of its instructions.
+//! One trial of one case: a session with a model, and the results of its instructions.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -14,14 +14,14 @@ use crate::failure::{self, Failure};
 use crate::judge::{Amiss, Standard};
 use crate::suite::{Case, Expected, Step, Suite};
 
-/// A trial of a case in one wording: what is run at one go, and written at one go.
+/// A trial of a case in one wording: the unit of running and saving.
 #[derive(Debug, Clone, Copy)]
 pub struct Unit<'a> {
     /// The case.
     pub case: &'a Case,
-    /// In which words.
+    /// The wording.
     pub wording: &'a str,
-    /// From 1.
+    /// The trial, from 1.
     pub trial: u32,
 }
 
@@ -30,12 +30,12 @@ pub type Lines = Vec<(Attempt, Timing)>;
 
 /// Runs a unit.
 ///
-/// Each step begins in the world that the one before left. Where that one was not right, the next begins, in a new
-/// session, in the world that the plan of search for the expected goal leaves: so each step is measured by itself.
+/// Each step begins in the world after the step before. After an incorrect step, the next one begins, in a new session,
+/// in the world after a plan that search finds for the expected goal. So each step is measured on its own.
 ///
 /// # Errors
 ///
-/// When the model fails or is stopped. Prompts that do not fit are attempts that failed, and no error.
+/// When the model fails or is stopped. A prompt that does not fit is a failed attempt, not an error.
 pub fn run(
     suite: &Suite,
     domain: &Arc<Domain>,
@@ -71,7 +71,7 @@ pub fn run(
         };
         session.take_events();
         let started = Instant::now();
-        // A session that has carried out the step before, or given it up, waits for an instruction.
+        // The session waits for an instruction: it has executed the step before, or given it up.
         let need = match session.instruct(says) {
             Ok(()) => advance(&mut session, model, None, watch),
             Err(_) => Ok(Need::Help),
@@ -108,14 +108,14 @@ pub fn run(
         ));
         match (right, &step.expected) {
             (true, Expected::Plan(_)) => {
-                // There is a plan, and of several endings one is as good as another.
+                // There is a plan; any of its ends will do.
                 let _ = session.accept();
                 let _ = session.ended(0);
             }
             (true, _) => {
                 let _ = session.cancel();
             }
-            // Nothing follows that would need the world after it.
+            // After the last step no further world is needed.
             (false, _) if number + 1 == unit.case.steps.len() => {}
             (false, _) => {
                 let next = standard
@@ -135,7 +135,7 @@ struct Observed<'a> {
     session: &'a Session,
     events: &'a [Event],
     standard: &'a Standard<'a>,
-    /// Whether what had to be said fitted into the model.
+    /// True if the prompt fitted into the model's context.
     fits: bool,
 }
 
@@ -221,7 +221,7 @@ impl Observed<'_> {
         }
     }
 
-    /// Why it is not what was expected; nothing if it is.
+    /// The reasons why the result is not the expected one; empty if it is.
     fn why(&self, step: &Step, outcome: Outcome, plan: Option<&VerifiedPlan>, amiss: &Amiss) -> Vec<String> {
         let one = |text: &str| vec![text.to_owned()];
         let proven = outcome == Outcome::Unsolvable;
@@ -235,7 +235,7 @@ impl Observed<'_> {
             (_, Some(_)) => one("it planned, and there was nothing to plan"),
             (Expected::Question | Expected::Either, None) if outcome == Outcome::Question => Vec::new(),
             (Expected::Refusal | Expected::Either, None) if proven => Vec::new(),
-            // Nothing was done, and the person was told that no plan was found.
+            // Giving up without a proof is accepted here.
             (Expected::Either, None) if outcome == Outcome::GaveUp => Vec::new(),
             (Expected::Question, None) => one("it did not ask back"),
             (Expected::Refusal, None) => one("it did not find out that there is no plan"),

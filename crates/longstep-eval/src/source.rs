@@ -1,4 +1,4 @@
-//! Where replies come from: a model that is opened for each trial, or replies that were recorded.
+//! Sources of replies: a model that is opened for each trial, or recorded replies.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -9,33 +9,33 @@ use longstep_llm::{ChatModel, ModelError, Watch};
 use serde::Deserialize;
 use serde_json::Value;
 
-/// Gives a model for each trial of each case.
+/// A source of models for the trials of cases.
 pub trait Source {
-    /// The model for this trial of the case. Trials come in order; a model may serve all cases of one.
+    /// The model for this trial of the case. Trials come in order; one model may serve all cases of a trial.
     ///
     /// # Errors
     ///
-    /// When it cannot be opened.
+    /// When the model cannot be opened.
     fn model(&mut self, case: &str, trial: u32) -> Result<&mut dyn ChatModel, ModelError>;
 
-    /// How often a model can be told what is wrong, if the source knows: recorded replies end some time.
+    /// Limit for rounds of feedback, if the source has one: recorded replies are finite.
     fn rounds(&self, case: &str, trial: u32) -> Option<u32> {
         let _ = (case, trial);
         None
     }
 }
 
-/// How a model is opened for a trial, which decides the seed.
+/// Opens a model for a trial, which determines the seed.
 pub type Opener = Box<dyn FnMut(u32) -> Result<Box<dyn ChatModel>, ModelError>>;
 
-/// A model that is opened anew for each trial, so that each has a seed of its own.
+/// A model that is opened for each trial with its own seed.
 pub struct Opened {
     open: Opener,
     current: Option<(u32, Box<dyn ChatModel>)>,
 }
 
 impl Opened {
-    /// Nothing is opened before it is needed.
+    /// Opens nothing yet.
     pub fn new(open: Opener) -> Self {
         Self { open, current: None }
     }
@@ -43,7 +43,7 @@ impl Opened {
 
 impl Source for Opened {
     fn model(&mut self, _: &str, trial: u32) -> Result<&mut dyn ChatModel, ModelError> {
-        // The old one goes first: two large models may not fit into memory.
+        // The old model is dropped first: two large models may not fit into memory.
         let kept = self.current.take().filter(|(of, _)| *of == trial);
         let model = match kept {
             Some(kept) => kept,
@@ -53,25 +53,25 @@ impl Source for Opened {
     }
 }
 
-/// Replies that were recorded, by case and trial, in the order of their rounds.
+/// Recorded replies, by case and trial, in the order of their rounds.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Recorded {
     replies: BTreeMap<(String, u32), Vec<String>>,
     current: Script,
 }
 
-/// Why recorded replies cannot be used.
+/// Reason why recorded replies cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordedError {
-    /// It is no list of replies.
+    /// The text is not a list of replies.
     #[error("this is no list of recorded replies: {0}")]
     NoList(#[from] serde_json::Error),
-    /// A reply is missing or comes twice.
+    /// A reply is missing or exists twice.
     #[error("{entry}: {what}")]
     Entry {
-        /// Which entry, from 1.
+        /// Number of the entry, from 1.
         entry: String,
-        /// What is wrong with it.
+        /// The reason.
         what: String,
     },
 }
@@ -92,13 +92,13 @@ fn first() -> u32 {
 }
 
 impl Recorded {
-    /// Reads a JSON array of `{"case": "1", "trial": 1, "round": 0, "reply": ...}`: a case's id, or the number of a
-    /// scenario as `scenario`; the trial from 1 (1 if it is missing), the round from 0 (0 if it is missing); and what
-    /// the model replied, as a text or as the JSON object that it was.
+    /// Reads a JSON array of `{"case": "1", "trial": 1, "round": 0, "reply": ...}`: the id of a case, or the number of
+    /// a scenario as `scenario`; the trial from 1 (default 1); the round from 0 (default 0); and the model's reply, as
+    /// text or as a JSON object.
     ///
     /// # Errors
     ///
-    /// When it is no such array, or when a case lacks a round or has one twice.
+    /// When the text is not such an array, or when a case lacks a round or has it twice.
     pub fn read(text: &str) -> Result<Self, RecordedError> {
         let entries: Vec<Entry> = serde_json::from_str(text)?;
         let mut replies: BTreeMap<(String, u32), Vec<String>> = BTreeMap::new();
@@ -128,7 +128,7 @@ impl Recorded {
         })
     }
 
-    /// The cases and trials that there are replies for, in order.
+    /// The cases and trials with replies, in order.
     pub fn keys(&self) -> impl Iterator<Item = (&str, u32)> {
         self.replies.keys().map(|(case, trial)| (case.as_str(), *trial))
     }
@@ -149,7 +149,7 @@ impl Source for Recorded {
     }
 }
 
-/// A model that says what it is to say, whatever it is asked.
+/// A model that gives prepared replies to any requests.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Script {
     replies: VecDeque<String>,

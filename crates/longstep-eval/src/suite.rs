@@ -1,8 +1,7 @@
-//! What is asked, and what is meant by it.
+//! Suites of test cases: instructions and their expected results.
 //!
-//! A suite is a folder of data: `suite.toml` says what it is and which domain it is for, `scenes/NAME.json` are
-//! environments, and every other `.toml` file holds cases. [`load`] reads all of it or refuses all of it, with every
-//! fault at its place.
+//! A suite is a folder: `suite.toml` describes it and names its domain, `scenes/NAME.json` are environments, and every
+//! other `.toml` file contains cases. [`load`] reads all of it or returns every fault with its position.
 
 mod load;
 pub mod paper;
@@ -18,60 +17,60 @@ use longstep::goal::Goal;
 pub use load::{Files, domain_name, load};
 pub use shipped::{shipped, shipped_names};
 
-/// Instructions with what is meant by them, for one domain.
+/// A suite of test cases for one domain.
 #[derive(Debug, Clone)]
 pub struct Suite {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// What it asks for, in a sentence.
+    /// Its purpose, in one sentence.
     pub about: String,
     /// The domain's name, or its folder.
     pub domain: String,
-    /// The worlds that its cases begin in.
+    /// The initial worlds of its cases.
     pub scenes: BTreeMap<String, World>,
-    /// In the order of the files and of what is in them.
+    /// The cases, in the order of the files and of their content.
     pub cases: Vec<Case>,
 }
 
-/// One instruction, or a chain of them in which each begins in the world that the one before left.
+/// One instruction, or a chain of them in which each begins in the world after the one before.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// Unlike that of every other case.
+    /// The id, unique in the suite.
     pub id: String,
-    /// The world that it begins in.
+    /// The name of its initial world.
     pub scene: String,
-    /// At least one.
+    /// The steps, at least one.
     pub steps: Vec<Step>,
-    /// For choosing and for grouping.
+    /// Tags for selection and grouping.
     pub tags: Vec<String>,
 }
 
-/// An instruction and what is meant by it.
+/// An instruction and its expected result.
 #[derive(Debug, Clone)]
 pub struct Step {
     /// The instruction.
     pub says: String,
-    /// The same in other words, by what kind of words they are.
+    /// Paraphrases of the instruction, by the name of the wording.
     pub wordings: BTreeMap<String, String>,
-    /// What must come of it.
+    /// The expected result.
     pub expected: Expected,
 }
 
-/// What must come of an instruction.
+/// An expected result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Expected {
     /// A plan to one of these goals, at least one.
     Plan(Vec<Goal>),
-    /// A question back.
+    /// A clarifying question.
     Question,
-    /// The proof that there is no plan.
+    /// A proof that there is no plan.
     Refusal,
-    /// A question back, or word that there is no plan, proven or not.
+    /// A clarifying question, or no plan, with or without a proof.
     Either,
 }
 
 impl Expected {
-    /// The goals; empty where no plan is expected.
+    /// The goals; empty if no plan is expected.
     pub fn goals(&self) -> &[Goal] {
         match self {
             Self::Plan(goals) => goals,
@@ -80,7 +79,7 @@ impl Expected {
     }
 }
 
-/// The words of a case as its suite has them, when no other wording is asked for.
+/// The name of a case's original wording.
 pub const PLAIN: &str = "plain";
 
 impl Case {
@@ -95,7 +94,7 @@ impl Case {
 }
 
 impl Step {
-    /// The instruction in a wording, if it has it.
+    /// The instruction in a wording, if it has one.
     pub fn in_words(&self, wording: &str) -> Option<&str> {
         match wording {
             PLAIN => Some(&self.says),

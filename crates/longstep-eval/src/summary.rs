@@ -1,7 +1,7 @@
 //! The measures of a run.
 //!
-//! Each is defined here once; `docs/evaluation.md` says the same to users. Rates are of the attempts that they can be
-//! asked of, and carry a 95 % interval ([`Rate::interval`]).
+//! They are defined here; `docs/evaluation.md` documents them for users. Rates have a 95 % confidence interval
+//! ([`Rate::interval`]).
 
 use std::collections::BTreeMap;
 
@@ -14,53 +14,55 @@ use crate::rate::Rate;
 /// The measures of some attempts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// What was expected came of it, of all.
+    /// Attempts with the expected result.
     pub correct: Rate,
-    /// The same, of those that expect a plan.
+    /// Attempts with the expected result, of those that expect a plan.
     pub plans_correct: Rate,
-    /// A plan came that can be carried out, of those that expect one.
+    /// Attempts with an executable plan, of those that expect one.
     pub executable: Rate,
-    /// The model's first word was such a plan, without repair or a round.
+    /// Attempts whose first reply is an executable plan, without feedback or repair.
     pub first_shot: Rate,
-    /// After so many rounds at most, without repair; as many as the attempt with the most rounds needed, and one more.
+    /// Executable plans without repair after at most 0, 1, 2, ... rounds of feedback, up to the largest number of
+    /// rounds that an attempt needed.
     pub after_rounds: Vec<Rate>,
-    /// Asked or refused where that was expected.
+    /// Attempts with a question or refusal where that was expected.
     pub asked_rightly: Rate,
-    /// Asked where a plan was expected.
+    /// Attempts with a question where a plan was expected.
     pub asked_needlessly: Rate,
-    /// All steps correct, of the chains (cases of more than one step).
+    /// Chains (cases of more than one step) in which all steps are correct.
     pub chains: Rate,
-    /// The model's claim of the environment afterwards was the simulated one, of those that claimed one.
+    /// Attempts whose claimed environment equals the simulated one, of those with a claim.
     pub claims_right: Rate,
-    /// Edits for each plan, on average.
+    /// Mean number of edits per plan.
     pub edits: f64,
-    /// How many attempts went wrong in each way, in the order of [`Failure::ALL`]; ways that did not occur are missing.
+    /// Number of attempts with each kind of failure, in the order of [`Failure::ALL`]; kinds that do not occur are
+    /// omitted.
     pub failures: Vec<(Failure, usize)>,
-    /// What a model was asked, for each attempt.
+    /// The cost of the attempts.
     pub cost: Cost,
 }
 
-/// What attempts cost: medians, and sums where they are said to be.
+/// The cost of attempts: medians, except for totals.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Cost {
-    /// Calls, all together.
+    /// Total number of model calls.
     pub calls: u64,
-    /// Tokens of the prompts of an attempt.
+    /// Prompt tokens of an attempt.
     pub prompt_tokens: u64,
-    /// Tokens of its answers.
+    /// Answer tokens of an attempt.
     pub completion_tokens: u64,
-    /// Of the prompt tokens, how many needed no computation.
+    /// Prompt tokens from the prefix cache.
     pub cached_tokens: u64,
-    /// Milliseconds in which the model was at work.
+    /// Milliseconds in the model.
     pub model_ms: f64,
-    /// From the instruction to what came of it, in milliseconds.
+    /// Milliseconds from the instruction to the result.
     pub total_ms: f64,
-    /// The same, all together, in seconds.
+    /// Total time in seconds.
     pub sum_seconds: f64,
 }
 
 impl Summary {
-    /// The measures of attempts and of what they took.
+    /// The measures of attempts and their timings.
     pub fn of<'a>(attempts: impl IntoIterator<Item = &'a Attempt>, timings: &BTreeMap<Key, Timing>) -> Self {
         let all: Vec<&Attempt> = attempts.into_iter().collect();
         let plans = || all.iter().filter(|attempt| attempt.wants_plan());
@@ -127,7 +129,7 @@ impl Cost {
     }
 }
 
-/// The median; 0 of nothing.
+/// The median; 0 without values.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

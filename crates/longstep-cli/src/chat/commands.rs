@@ -1,4 +1,4 @@
-//! What begins with a slash.
+//! Commands, which begin with a slash.
 
 use std::path::Path;
 
@@ -110,7 +110,7 @@ impl Chat<'_> {
             .session
             .undo()
             .map_err(|_| Failure::unreadable("there is no accepted plan to take back"))?;
-        // Nobody is told of what is not on the disk.
+        // The undo is saved before it is reported.
         self.folder.keep(&mut self.session)?;
         screen::notice(&format!("plan {number} is taken back"));
         show::changes(&after, &self.session.world().environment);
@@ -140,7 +140,7 @@ impl Chat<'_> {
             print_line!("{}", self.model_name);
             return Ok(());
         }
-        // The old one stays when the new one cannot be opened, or when Ctrl-C calls the question about it off.
+        // The old model stays if the new one cannot be opened, or if Ctrl-C cancels the request for its context.
         ask::interrupted().set(false);
         let model = ask::model(rest, self.arguments)?;
         let facts = ask::facts(model.as_ref());

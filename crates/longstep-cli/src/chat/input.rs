@@ -1,4 +1,4 @@
-//! The lines that a person, or a pipe, says.
+//! Lines of input, from a terminal or a pipe.
 
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
@@ -14,20 +14,20 @@ use rustyline::{Config, Editor};
 use crate::ask;
 use crate::failure::{Failure, LIMIT};
 
-/// Lines of history that are kept.
+/// Number of lines in the history.
 const HISTORY: usize = 1000;
 
-/// Bytes that a line of a pipe may have.
+/// Limit for a line of a pipe, in bytes.
 const LINE_LIMIT: usize = 64 << 10;
 
-/// Time between two checks for Ctrl-C while a pipe is silent.
+/// Interval at which Ctrl-C is checked while a pipe is silent.
 const TICK: Duration = Duration::from_millis(50);
 
-/// One read from a terminal or a pipe.
+/// The result of reading from a terminal or a pipe.
 #[derive(Debug)]
 pub(super) enum Input {
     Line(String),
-    /// Nothing more comes.
+    /// The end of the input.
     End,
     /// Ctrl-C on a pipe.
     Interrupted,
@@ -54,7 +54,7 @@ impl Lines {
             .build();
         let mut editor = Box::new(Editor::with_config(config)?);
         if let Some(history) = &history {
-            // The first time there is none.
+            // There is no history at the first start.
             let _ = editor.load_history(history);
         }
         Ok(Self::Terminal { editor, history })
@@ -64,11 +64,11 @@ impl Lines {
     pub(super) fn next(&mut self, prompt: &'static str) -> Result<Input> {
         match self {
             Self::Terminal { editor, .. } => loop {
-                // What was pressed during a search is too late for it.
+                // A Ctrl-C during the last search has no effect any more.
                 let _ = ask::take_interrupt();
                 match editor.readline(prompt) {
                     Ok(line) => return Ok(Input::Line(line)),
-                    // Ctrl-C takes the line back.
+                    // Ctrl-C discards the line.
                     Err(ReadlineError::Interrupted) => {}
                     Err(ReadlineError::Eof) => return Ok(Input::End),
                     Err(error) => return Err(error.into()),
@@ -87,8 +87,8 @@ impl Lines {
         }
     }
 
-    /// Keeps the history of a terminal. Without one, the next conversation begins with an empty one, and nothing else is
-    /// lost.
+    /// Saves the history of a terminal. Without it, the next conversation starts with an empty history, which is no
+    /// loss.
     pub(super) fn close(self) {
         if let Self::Terminal {
             mut editor,
@@ -101,14 +101,14 @@ impl Lines {
     }
 }
 
-/// Reads standard input on a thread of its own, one line ahead, so that Ctrl-C is noticed while nothing comes.
+/// Reads standard input on a thread of its own, one line ahead, so that Ctrl-C works while the pipe is silent.
 fn pipe() -> Receiver<Result<String>> {
     let (sender, receiver) = sync_channel(1);
     std::thread::spawn(move || {
         let mut input = std::io::stdin().lock();
         while let Some(line) = read_line(&mut input).transpose() {
             let failed = line.is_err();
-            // Nobody listens when the conversation has ended.
+            // The receiver is gone when the conversation has ended.
             if sender.send(line).is_err() || failed {
                 return;
             }
@@ -117,7 +117,7 @@ fn pipe() -> Receiver<Result<String>> {
     receiver
 }
 
-/// Reads a line without its end; none at the end of the input.
+/// Reads a line without its line end; `None` at the end of the input.
 fn read_line(input: &mut impl BufRead) -> Result<Option<String>> {
     let mut bytes = Vec::new();
     input.take(LINE_LIMIT as u64 + 1).read_until(b'\n', &mut bytes)?;

@@ -1,4 +1,4 @@
-//! What a person sees of a session.
+//! The output of a conversation.
 
 use std::path::Path;
 
@@ -14,12 +14,12 @@ use longstep_llm::session_directory;
 use crate::output::{Style, print_line, remark};
 use crate::{output, show, solve};
 
-/// A remark of the program's own.
+/// Prints a notice of the program.
 pub(super) fn notice(text: &str) {
     remark!("{}", text.dimmed());
 }
 
-/// How a session is named on the command line.
+/// The name of a session on the command line.
 pub(super) fn session_name(folder: &Path) -> String {
     match (session_directory(), folder.parent(), folder.file_name()) {
         (Ok(all), Some(parent), Some(name)) if all == parent => name.to_string_lossy().into_owned(),
@@ -27,7 +27,7 @@ pub(super) fn session_name(folder: &Path) -> String {
     }
 }
 
-/// What the session needs of the person.
+/// Prints the session's need.
 pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
     match need {
         Need::Answer(question) => print_line!("{} {question}", "Question:".yellow().bold()),
@@ -48,7 +48,7 @@ pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
     }
 }
 
-/// Where no prompt is shown, a line says that the plan waits.
+/// Without a terminal there is no prompt, so a line says that the plan waits for a decision.
 fn waiting(interactive: bool) {
     if !interactive {
         let told = "Waiting for a decision: an empty line accepts the plan, `no` gives it up.";
@@ -57,7 +57,7 @@ fn waiting(interactive: bool) {
     }
 }
 
-/// Asks how a plan ended that can end in several ways.
+/// Requests the outcome of a plan with several possible ends.
 fn ended(session: &Session, endings: &[Ended]) {
     print_line!("{}", "How did it end?".yellow().bold());
     for (number, ending) in endings.iter().enumerate() {
@@ -74,7 +74,7 @@ fn ended(session: &Session, endings: &[Ended]) {
 fn proposal(session: &Session) {
     let Some(proposal) = session.proposal() else { return };
     if !proposal.refused.is_empty() {
-        // What is wrong is told of the plan as it would be, and steps have other numbers there.
+        // The reasons refer to the changed plan, in which steps have other numbers.
         let of_steps = proposal.refused.iter().any(|why| why.starts_with("step "));
         let title = match of_steps {
             true => "That cannot be had. In the plan with your change:",
@@ -104,11 +104,11 @@ fn goal_lines(domain: &Domain, world: &World, goal: &Goal, plan: &VerifiedPlan) 
     }
 }
 
-/// The plan that was accepted last, as what it changed.
+/// Prints the last accepted plan and its changes.
 pub(super) fn accepted(session: &Session) {
     let number = session.accepted().len() - 1;
     let Some(last) = session.accepted().last() else { return };
-    // Who is not asked has not seen the plan yet.
+    // With `--yes` the user has not seen the plan yet.
     if session.settings().accept {
         if let Some(goal) = &last.goal {
             goal_lines(session.domain(), &last.before, goal, &last.plan);
@@ -126,7 +126,7 @@ pub(super) fn accepted(session: &Session) {
     output::blank();
 }
 
-/// The plan at hand or the last one: the world that it begins in, the plan, and what it is for.
+/// The current plan or the last accepted one: its initial world, the plan, its purpose and its goal.
 pub(super) fn at_hand(session: &Session) -> Option<(&World, &Plan, Purpose, Option<&Goal>)> {
     if let Some(proposal) = session.proposal() {
         let plan = proposal.plan.plan();
@@ -157,7 +157,7 @@ pub(super) fn plan(session: &Session) {
     }
 }
 
-/// The world, a line for each thing.
+/// Prints the world, one line an entity.
 pub(super) fn environment(session: &Session) {
     let environment = &session.world().environment;
     let all = environment.assets.iter().chain(&environment.objects);
@@ -185,7 +185,7 @@ fn said(environment: &Environment, identifier: &str) -> String {
     words.map_or_else(String::new, |words| words.as_slice().join(", "))
 }
 
-/// Where a session is that goes on.
+/// Prints the state of a resumed session.
 pub(super) fn where_we_are(session: &Session, interactive: bool) {
     let count = session.accepted().len();
     notice(&format!("{} so far", crate::session::plural(count, "accepted plan")));

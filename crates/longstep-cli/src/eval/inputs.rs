@@ -1,4 +1,4 @@
-//! Finding suites, recordings, and the domains that they are for.
+//! Finds suites, recordings, and their domains.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,13 +14,13 @@ use crate::arguments::EvalArguments;
 use crate::failure::Failure;
 use crate::inputs;
 
-/// Where a run is kept if nobody says.
+/// The default folder of a run.
 pub(super) fn default_folder(suite: &str) -> PathBuf {
     let name = Path::new(suite).file_name().unwrap_or_default();
     Path::new("eval").join(name)
 }
 
-/// Reads a suite, and loads its domain with `load`. With both: SHA-256 of what the suite was read from.
+/// Reads a suite, and loads its domain with `load`. Also returns the SHA-256 of the suite's files.
 pub(super) fn suite(
     arguments: &EvalArguments,
     name: &str,
@@ -51,7 +51,7 @@ pub(super) fn corpus(arguments: &EvalArguments) -> Result<&Path> {
     })
 }
 
-/// The files of a shipped suite by name, or of any suite by folder.
+/// The files of a shipped suite by its name, or of any suite by its folder.
 pub(super) fn suite_files(name: &str) -> Result<Files> {
     if let Some(shipped) = suite::shipped(name) {
         return Ok(shipped);
@@ -92,7 +92,7 @@ pub(super) fn suite_files(name: &str) -> Result<Files> {
     })
 }
 
-/// The texts of the files of a folder that end so, by their names without the ending.
+/// The texts of a folder's files with this extension, by file name without the extension.
 fn texts(folder: &Path, ending: &str) -> Result<BTreeMap<String, String>> {
     let failed = |error: std::io::Error| {
         Failure::unreadable(format!(
@@ -115,7 +115,7 @@ fn texts(folder: &Path, ending: &str) -> Result<BTreeMap<String, String>> {
     Ok(texts)
 }
 
-/// The files of a suite's domain: a shipped one's, or those of a folder next to the suite or from here.
+/// The files of a suite's domain: a shipped one, or a folder relative to the suite or to the working directory.
 pub(super) fn domain_files(suite: &str, files: &Files) -> Result<DomainFiles> {
     let name = suite::domain_name(files)?;
     let beside = Path::new(suite).join(&name);
@@ -125,7 +125,7 @@ pub(super) fn domain_files(suite: &str, files: &Files) -> Result<DomainFiles> {
     inputs::domain_files(&name)
 }
 
-/// Reads recorded replies. With them: SHA-256 of their file.
+/// Reads recorded replies; also returns the SHA-256 of their file.
 pub(super) fn replies(path: &Path) -> Result<(Recorded, String)> {
     let text = inputs::text(path)?;
     let recorded = Recorded::read(&text);
@@ -133,7 +133,7 @@ pub(super) fn replies(path: &Path) -> Result<(Recorded, String)> {
     Ok((recorded, sha256(text.as_bytes())))
 }
 
-/// Returns marks that tell a model from others of its name: SHA-256 of its file or its recording, and the address of its server.
+/// Returns the identity of a model: SHA-256 of its file or recording, and the address of its server.
 pub(super) fn origin(reference: &ModelReference) -> Result<(Option<String>, Option<String>)> {
     let hash = match reference {
         ModelReference::Catalogue(entry) => Some(entry.sha256.to_owned()),
@@ -153,7 +153,7 @@ pub(super) fn origin(reference: &ModelReference) -> Result<(Option<String>, Opti
     Ok((hash, server_address(reference)?))
 }
 
-/// A model's reference as results may say it: the address of a server may hold a password.
+/// A model's reference without the address of a server, which may contain a password.
 pub(super) fn without_address(reference: &str) -> String {
     match reference.rsplit_once('#') {
         Some((_, name)) if reference.contains("://") => format!("server#{name}"),
@@ -161,7 +161,7 @@ pub(super) fn without_address(reference: &str) -> String {
     }
 }
 
-/// Writes a file, whole or not at all.
+/// Writes a file atomically.
 pub(super) fn write(path: &Path, text: &str) -> Result<()> {
     write_whole(path, text.as_bytes()).map_err(|error| {
         Failure::unreadable(format!(

@@ -1,4 +1,4 @@
-//! How far a run is, on stderr.
+//! Progress of a run on stderr.
 
 use std::sync::Mutex;
 
@@ -9,10 +9,10 @@ use longstep_llm::Progress;
 
 use crate::output::{self, Style, remark};
 
-/// A bar with what came out right so far and how long it will take; not there when stderr is no terminal.
+/// A progress bar with the number of correct results; hidden if stderr is not a terminal.
 pub(super) struct Bar {
     bar: ProgressBar,
-    /// Right, and all.
+    /// Correct attempts, and all attempts.
     counts: Mutex<(usize, usize)>,
 }
 
@@ -23,7 +23,7 @@ impl Bar {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        // What was there already says nothing about how long the rest takes.
+        // Units of an earlier run do not count for the estimated time.
         bar.set_position(done as u64);
         bar.reset_eta();
         if done > 0 {

@@ -1,4 +1,4 @@
-//! Arguments that cannot be read, and help.
+//! Parses arguments; prints help and errors of arguments.
 
 use std::ffi::OsString;
 
@@ -8,11 +8,11 @@ use longstep::visible;
 
 use crate::arguments::Arguments;
 
-/// Parses the arguments of the program. Help and mistakes are printed; the error is the exit code then.
+/// Parses the arguments of the program. Help and errors are printed; the returned error is the exit code.
 pub(crate) fn parsed() -> Result<Arguments, u8> {
     let typed: Vec<OsString> = std::env::args_os().collect();
     Arguments::try_parse_from(&typed).map_err(|error| {
-        // What is repeated of the arguments stands inside of texts with styles. So it is made visible before that.
+        // The error repeats arguments inside styled text, so arguments are escaped before.
         let shown = typed
             .iter()
             .map(|argument| visible::line(&argument.to_string_lossy()).into_owned());
@@ -24,7 +24,7 @@ pub(crate) fn parsed() -> Result<Arguments, u8> {
 }
 
 fn print(mut error: clap::Error) -> u8 {
-    // Values may also come from the environment.
+    // Values may also come from environment variables.
     let values: Vec<(ContextKind, ContextValue)> = error
         .context()
         .filter_map(|(kind, value)| Some((kind, visible_value(value)?)))
@@ -49,7 +49,7 @@ fn visible_value(value: &ContextValue) -> Option<ContextValue> {
     }
 }
 
-/// Leaves clap's styles (`ESC [ digits m`) and makes everything else visible.
+/// Escapes everything except clap's styles (`ESC [ digits m`).
 fn visible_but_styles(text: &str) -> String {
     let mut parts = text.split("\u{1b}[");
     let mut shown = visible::block(parts.next().unwrap_or_default()).into_owned();

@@ -1,11 +1,11 @@
-//! Styles, kept apart from the text that they are for.
+//! Styles, kept apart from the text.
 
 use std::cell::RefCell;
 use std::fmt::{self, Display, Write};
 
 use longstep::visible;
 
-/// A line of text with styles. The text is foreign: [`Line::shown`] makes it visible, style by style.
+/// A styled line of untrusted text. [`Line::shown`] escapes the text, style by style.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Line {
     parts: Vec<Part>,
@@ -14,13 +14,13 @@ pub(crate) struct Line {
 #[derive(Debug, Clone)]
 enum Part {
     Text(String),
-    /// An escape sequence of our own.
+    /// An escape sequence of a style.
     Code(&'static str),
 }
 
 thread_local! {
-    /// The codes that stand before the next piece of text. They pass by the formatter, which takes text alone: text that
-    /// looks like a code stays text.
+    /// The codes before the next piece of text. They bypass the formatter, which receives text alone: text that looks
+    /// like a code stays text.
     static CODES: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -36,10 +36,10 @@ impl Line {
         line
     }
 
-    /// Adds to the end.
+    /// Appends text.
     pub(crate) fn push(&mut self, text: fmt::Arguments<'_>) {
         let _ = CODES.take();
-        // A line takes every text.
+        // Writing to a line never fails.
         let _ = self.write_fmt(text);
         self.receive();
     }
@@ -48,7 +48,7 @@ impl Line {
         self.parts.extend(CODES.take().into_iter().map(Part::Code));
     }
 
-    /// Returns the line for a terminal.
+    /// Returns the line for a terminal, with its text escaped.
     pub(super) fn shown(&self) -> String {
         let shown = self.parts.iter().map(|part| match part {
             Part::Text(text) => visible::line(text),
@@ -81,7 +81,7 @@ impl Display for Line {
     }
 }
 
-/// Styles for whatever can be shown. Formatted by anything but a [`Line`], it is the plain text.
+/// Styles for anything that implements [`Display`]. Formatted outside a [`Line`], the text is plain.
 pub(crate) trait Style: Display {
     fn bold(&self) -> Styled<'_, Self> {
         Styled(self, "\u{1b}[1m", "\u{1b}[22m")
@@ -110,7 +110,7 @@ pub(crate) trait Style: Display {
 
 impl<T: Display + ?Sized> Style for T {}
 
-/// Text between two codes.
+/// Text between two style codes.
 pub(crate) struct Styled<'a, T: ?Sized>(&'a T, &'static str, &'static str);
 
 impl<T: Display + ?Sized> Display for Styled<'_, T> {
@@ -143,7 +143,7 @@ mod tests {
                 Line::new(format_args!("{:3}|{}", "x".bold(), "\u{1b}[0m".dimmed())),
                 "\u{1b}[1mx  \u{1b}[22m|\u{1b}[2m\\u{1b}[0m\u{1b}[22m",
             ),
-            // A style that went through another text is lost, and nothing else happens.
+            // A style inside an already formatted string is lost.
             (Line::new(format_args!("{through_text}")), "x"),
             (
                 Line::new(format_args!("<{}>", Line::new(format_args!("{}", "x".red())))),

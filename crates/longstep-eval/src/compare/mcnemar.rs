@@ -1,10 +1,10 @@
-//! Whether a difference between two runs may be chance.
+//! Significance of the difference between two runs.
 
-/// The exact two-sided p value of McNemar's test: how likely it is that of all attempts that came out differently, the
-/// split is at least as uneven as here, if either way is as likely as the other. 1 if none came out differently.
+/// The exact two-sided p value of McNemar's test: the probability of a split at least as uneven as this one among the
+/// attempts with different results, if both directions are equally likely. 1 without such attempts.
 ///
 /// (Q. McNemar, *Note on the sampling error of the difference between correlated proportions or percentages*,
-/// Psychometrika 12, 1947; here with the binomial distribution itself, not its approximation.)
+/// Psychometrika 12, 1947; here with the exact binomial distribution.)
 ///
 /// ```
 /// # use longstep_eval::compare::mcnemar;
@@ -12,7 +12,7 @@
 /// ```
 pub fn mcnemar(one_way: usize, other_way: usize) -> f64 {
     let all = one_way + other_way;
-    // With logarithms, since a half to the power of thousands is no number of a computer's any more.
+    // With logarithms, because 0.5 to the power of thousands underflows.
     let mut log = all as f64 * 0.5_f64.ln();
     let mut tail = 0.0;
     for few in 0..=one_way.min(other_way) {

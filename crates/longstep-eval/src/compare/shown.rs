@@ -1,4 +1,4 @@
-//! A comparison for people.
+//! A comparison as text, Markdown and HTML.
 
 use super::{Change, Comparison};
 use crate::rate::Rate;
@@ -6,13 +6,13 @@ use crate::report::{
     Measure, Page, amount, duration, escaped, interval, markdown_escaped, markdown_row, percent, points, whole,
 };
 
-/// How many attempts are named in the terminal, of each kind.
+/// Number of changed attempts that the terminal lists, for each direction.
 const NAMED: usize = 10;
 
-/// A figure under its name, on both sides and with the difference.
+/// A row: name, first run, second run, difference.
 type Line = [String; 4];
 
-/// Shares, with what they are of.
+/// Rows for shares, with their counts.
 fn shares(comparison: &Comparison) -> impl Iterator<Item = Line> {
     let shown = |rate: Rate| match rate.of {
         0 => "none".to_owned(),
@@ -30,7 +30,7 @@ fn shares(comparison: &Comparison) -> impl Iterator<Item = Line> {
         })
 }
 
-/// Everything else that is measured.
+/// Rows for costs.
 fn costs(comparison: &Comparison) -> [Line; 5] {
     let (first, second) = comparison.costs;
     let part = |before: f64, after: f64| match before > 0.0 {
@@ -65,7 +65,7 @@ fn costs(comparison: &Comparison) -> [Line; 5] {
     ]
 }
 
-/// What the split says.
+/// The numbers of changed attempts and the p value.
 fn verdict(comparison: &Comparison) -> String {
     let (mended, broken) = (comparison.mended.len(), comparison.broken.len());
     format!(
@@ -81,7 +81,7 @@ fn chance(p: f64) -> String {
     }
 }
 
-/// Both lists of attempts that came out differently, with what stands before the right and before the wrong one.
+/// Both lists of changed attempts, with the labels of the right and the wrong result.
 fn changes(comparison: &Comparison) -> [(&'static str, [&'static str; 2], &[Change]); 2] {
     [
         ("From wrong to right", ["Right now", "Was wrong"], &comparison.mended),

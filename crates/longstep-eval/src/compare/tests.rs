@@ -1,7 +1,7 @@
 use super::{html, markdown, text};
 use crate::report::tests::{results, right, wrong};
 
-/// Without the columns.
+/// Joins columns with single blanks.
 fn one_line(lines: &str) -> String {
     lines.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,10 +1,10 @@
-//! Pictures, as SVG. Widths are in per cent, so that nothing is scaled and texts stay readable on a phone.
+//! SVG charts. Widths are in per cent: nothing is scaled, and texts stay readable on a phone.
 
 use super::markup::escaped;
 use super::words::{duration, interval, percent};
 use crate::rate::Rate;
 
-/// A bar with its 95 % interval, on a scale from 0 to 1.
+/// A bar with its 95 % confidence interval, on a scale from 0 to 1.
 pub(super) fn bar(rate: Rate, class: &str) -> String {
     let (low, high) = rate.interval();
     let at = |share: f64| format!("{:.2}%", share * 100.0);
@@ -23,7 +23,7 @@ pub(super) fn bar(rate: Rate, class: &str) -> String {
     )
 }
 
-/// Bars below each other, each with its name and share; those that are ours stand out.
+/// Bars with names and shares, one below the other; those of this run (`true`) stand out.
 pub(super) fn bars(shares: &[(String, Rate, bool)]) -> String {
     let bar = |(name, rate, ours): &(String, Rate, bool)| {
         let class = if *ours { "ours" } else { "theirs" };
@@ -41,7 +41,7 @@ pub(super) fn bars(shares: &[(String, Rate, bool)]) -> String {
     format!("<ul class=\"bars\">\n{bars}</ul>\n")
 }
 
-/// A bar for a count out of the largest one.
+/// A bar for a count relative to the largest one.
 pub(super) fn count_bar(count: usize, most: usize) -> String {
     let width = count as f64 / most.max(1) as f64 * 100.0;
     format!(
@@ -50,10 +50,10 @@ pub(super) fn count_bar(count: usize, most: usize) -> String {
     )
 }
 
-/// Into how many classes a histogram sorts.
+/// Number of classes of a histogram.
 const CLASSES: usize = 24;
 
-/// How times are spread; nothing for fewer than two.
+/// A histogram of durations; empty for fewer than two.
 pub(super) fn histogram(milliseconds: &[f64]) -> String {
     let least = milliseconds.iter().copied().fold(f64::INFINITY, f64::min);
     let most = milliseconds.iter().copied().fold(0.0, f64::max);

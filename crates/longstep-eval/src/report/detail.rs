@@ -1,4 +1,4 @@
-//! One attempt in full.
+//! One attempt in detail.
 
 use super::label;
 use super::mark::Mark;
@@ -7,12 +7,12 @@ use super::words::{amount, duration, expected, several};
 use crate::attempt::{Attempt, Edit, PlanLine, Timing};
 use crate::folder::Results;
 
-/// The id of an attempt on its page.
+/// The id of an attempt on the page.
 pub(super) fn id(place: usize) -> String {
     format!("attempt-{place}")
 }
 
-/// A small square that leads to an attempt.
+/// A small square that links to an attempt.
 pub(super) fn square(results: &Results, place: usize, attempt: &Attempt) -> String {
     let mark = Mark::of(attempt);
     let name = escaped(&format!("{}: {}", label(results, attempt), mark.name()));
@@ -29,7 +29,7 @@ pub(super) fn link(results: &Results, place: usize, attempt: &Attempt) -> String
     format!("<a href=\"#{}\">{}</a>", id(place), escaped(&label(results, attempt)))
 }
 
-/// Everything that is known of an attempt.
+/// The details of an attempt.
 pub(super) fn article(results: &Results, place: usize, attempt: &Attempt) -> String {
     let mark = Mark::of(attempt);
     let mut parts = vec![format!(
@@ -107,7 +107,7 @@ fn outcome(attempt: &Attempt) -> String {
     words
 }
 
-/// A list of markup under a heading; nothing if it is empty.
+/// A list of markup under a heading; empty without items.
 fn list(heading: &str, items: impl Iterator<Item = String>) -> String {
     let items: String = items.map(|item| format!("<li>{item}</li>")).collect();
     match items.is_empty() {
@@ -156,7 +156,7 @@ fn edit(edit: &Edit) -> String {
     )
 }
 
-/// What the model wrote and what it was told, in turn.
+/// The model's replies and the feedback, alternating.
 fn dialogue(attempt: &Attempt) -> String {
     let mut parts = Vec::new();
     for place in 0..attempt.replies.len().max(attempt.corrections.len()) {

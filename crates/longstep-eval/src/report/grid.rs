@@ -1,4 +1,4 @@
-//! Attempts in rows and columns.
+//! Attempts in a table.
 
 use std::collections::BTreeMap;
 
@@ -13,14 +13,14 @@ pub(super) struct Grid<'a> {
     pub(super) rows: Vec<Row<'a>>,
 }
 
-/// A trial in one wording.
+/// A trial with one wording.
 pub(super) struct Row<'a> {
     pub(super) name: String,
-    /// Its attempts with their places in the run; none where a case lacks the wording or has not been run yet.
+    /// Its attempts with their places in the run; `None` if a case lacks the wording or has not run yet.
     pub(super) cells: Vec<Option<(usize, &'a Attempt)>>,
 }
 
-/// The grid of a run in which no case is a chain. Of a chain, only the first step would show.
+/// The grid of a run. Only the first step of a chain is included.
 pub(super) fn grid(results: &Results) -> Grid<'_> {
     let (mut cases, mut rows) = (Vec::new(), Vec::new());
     let mut attempts = BTreeMap::new();
@@ -36,7 +36,7 @@ pub(super) fn grid(results: &Results) -> Grid<'_> {
         attempts.entry((key.case.as_str(), row)).or_insert((place, attempt));
     }
     let several_wordings = groups::several_wordings(results);
-    // All trials of a wording stand together, whatever the order in which they were run.
+    // Groups the trials of a wording, in any order of the run.
     let wordings: Vec<&str> = rows.iter().map(|(wording, _)| *wording).collect();
     rows.sort_by_key(|(wording, trial)| (wordings.iter().position(|known| known == wording), *trial));
     let named = |row: (&str, u32)| {
@@ -56,13 +56,13 @@ pub(super) fn grid(results: &Results) -> Grid<'_> {
     Grid { cases, rows }
 }
 
-/// A scene with its cases, and each case with its attempts and their places in the run.
+/// A scene with its cases, and the attempts of each case with their places in the run.
 pub(super) struct Scene<'a> {
     pub(super) name: &'a str,
     pub(super) cases: Vec<(&'a str, Vec<(usize, &'a Attempt)>)>,
 }
 
-/// The attempts by scene and case.
+/// The attempts, grouped by scene and case.
 pub(super) fn scenes(results: &Results) -> Vec<Scene<'_>> {
     let mut scenes: Vec<Scene<'_>> = Vec::new();
     let mut places: BTreeMap<(&str, &str), (usize, usize)> = BTreeMap::new();

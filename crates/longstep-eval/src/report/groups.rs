@@ -1,4 +1,4 @@
-//! Attempts by what they have in common, and what each is called.
+//! Groups and labels of attempts.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,7 +6,7 @@ use crate::attempt::Attempt;
 use crate::folder::Results;
 use crate::rate::Rate;
 
-/// What an attempt is called: as little of its key as tells it from the others.
+/// The label of an attempt: the shortest part of its key that is unique in the run.
 pub(crate) fn label(results: &Results, attempt: &Attempt) -> String {
     let key = &attempt.key;
     let mut label = match super::paper::is_paper(results) {
@@ -26,29 +26,28 @@ pub(crate) fn label(results: &Results, attempt: &Attempt) -> String {
     label
 }
 
-/// Whether there is more than one wording.
+/// Returns true if the run has more than one wording.
 pub(super) fn several_wordings(results: &Results) -> bool {
     let mut wordings = results.attempts.iter().map(|attempt| &attempt.key.wording);
     let first = wordings.next();
     wordings.any(|wording| Some(wording) != first)
 }
 
-/// Some attempts that have something in common.
+/// A group of attempts.
 pub(super) struct Group {
     pub(super) name: String,
     pub(super) correct: Rate,
-    /// Of those that expect a plan.
+    /// Share of the attempts that expect a plan.
     pub(super) executable: Rate,
 }
 
-/// The attempts by their tags, scenes and wordings, each under its heading. What does not tell attempts apart is left
-/// out.
+/// The attempts grouped by tag, scene and wording, each with a heading. Groupings with a single group are omitted.
 pub(super) fn groupings(results: &Results) -> Vec<(&'static str, Vec<Group>)> {
     let by_tag = groups(results, |attempt| attempt.tags.clone());
     let by_scene = groups(results, |attempt| vec![attempt.scene.clone()]);
     let by_wording = groups(results, |attempt| vec![attempt.key.wording.replace('_', " ")]);
     let mut all = vec![("By tag", by_tag), ("By scene", by_scene), ("By wording", by_wording)];
-    // Where each case has a scene of its own, the grid says all that scenes can.
+    // If each case has a scene of its own, the grid shows the same information.
     let cases: BTreeSet<&str> = results
         .attempts
         .iter()
@@ -63,7 +62,7 @@ fn groups(results: &Results, of: impl Fn(&Attempt) -> Vec<String>) -> Vec<Group>
     let mut members: BTreeMap<String, Vec<&Attempt>> = BTreeMap::new();
     for attempt in &results.attempts {
         for name in of(attempt) {
-            // In the order of the run: scenario 2 comes before scenario 10.
+            // In the order of the run: scenario 2 precedes scenario 10.
             if !members.contains_key(&name) {
                 names.push(name.clone());
             }

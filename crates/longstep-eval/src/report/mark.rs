@@ -1,8 +1,8 @@
-//! What an attempt is shown as in a grid.
+//! The mark of an attempt in a grid.
 
 use crate::attempt::Attempt;
 
-/// One of the ways in which an attempt can end. Each has a sign of its own, since colours do not reach everybody.
+/// The kinds of results in a grid. Each has its own sign, for readers who do not see colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mark {
     Correct,
@@ -31,7 +31,7 @@ impl Mark {
         }
     }
 
-    /// For a person.
+    /// The name in a legend.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Correct => "correct",
@@ -42,7 +42,7 @@ impl Mark {
         }
     }
 
-    /// Its sign on a page.
+    /// The sign on a page.
     pub(super) fn sign(self) -> &'static str {
         match self {
             Self::Correct => "✓",
@@ -53,7 +53,7 @@ impl Mark {
         }
     }
 
-    /// Its sign where only ASCII is sure to be shown.
+    /// The sign in ASCII.
     pub(super) fn letter(self) -> char {
         match self {
             Self::Correct => '+',
@@ -64,7 +64,7 @@ impl Mark {
         }
     }
 
-    /// The class of its style.
+    /// The CSS class.
     pub(super) fn class(self) -> &'static str {
         match self {
             Self::Correct => "correct",

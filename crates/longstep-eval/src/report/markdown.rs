@@ -1,4 +1,4 @@
-//! A run as a Markdown document.
+//! The report as a Markdown document.
 
 use longstep::visible;
 
@@ -91,7 +91,7 @@ fn measured(summary: &Summary) -> Vec<String> {
     lines
 }
 
-/// The paper's table of trials, with ours above its row.
+/// The table of trials, with the paper's row at its end.
 fn table(results: &Results) -> Vec<String> {
     let mut lines = vec!["## Scenario by scenario".to_owned(), String::new()];
     lines.extend(by_case(
@@ -141,7 +141,7 @@ fn rounds(results: &Results) -> Vec<String> {
     lines
 }
 
-/// A table with cases in columns and something about each attempt in its cells, and the paper's row below.
+/// A table with a column for each case, a cell for each attempt, and the paper's row at its end.
 fn by_case(
     results: &Results,
     corner: &str,
@@ -182,7 +182,7 @@ fn wrong(results: &Results) -> Vec<String> {
     lines
 }
 
-/// The first two rows of a table.
+/// The header and the delimiter row of a table.
 fn head(names: &[&str]) -> Vec<String> {
     let escaped = names.iter().map(|name| escaped(name));
     vec![row(escaped), row(names.iter().map(|_| "---".to_owned()))]
@@ -194,7 +194,7 @@ pub(crate) fn row(cells: impl IntoIterator<Item = String>) -> String {
     format!("| {} |", cells.join(" | "))
 }
 
-/// Text as Markdown, in a line, that is shown as it is. What would be hidden is an escape.
+/// Escapes text for one line of Markdown. Invisible characters become visible escapes.
 pub(crate) fn escaped(text: &str) -> String {
     let mut markdown = String::new();
     let line = text.replace(['\n', '\r'], " ");

@@ -1,25 +1,25 @@
-//! The frame of a page, and the small parts that pages are made of.
+//! The HTML frame of a page, and its building blocks.
 
 use longstep::visible;
 
-/// The style of all pages.
+/// The style sheet of all pages.
 const STYLE: &str = include_str!("page.css");
 
-/// Opens attempts on top of the page. Without it, links lead to them further down.
+/// The script that opens attempts on top of the page. Without it, links lead to them further down.
 const SCRIPT: &str = include_str!("page.js");
 
-/// A page's parts.
+/// The parts of a page.
 #[derive(Debug)]
 pub(crate) struct Page {
-    /// As plain text.
+    /// Plain text.
     pub(crate) title: String,
-    /// What stands below it, as plain text.
+    /// The line below the title, as plain text.
     pub(crate) about: String,
-    /// Markup.
+    /// HTML.
     pub(crate) body: String,
 }
 
-/// A whole file.
+/// The complete file.
 pub(crate) fn whole(page: &Page) -> String {
     let title = escaped(&page.title);
     let about = escaped(&page.about);
@@ -34,7 +34,7 @@ pub(crate) fn whole(page: &Page) -> String {
     )
 }
 
-/// Text that markup shows as it is, between tags and in quoted attributes. What would be hidden is an escape.
+/// Escapes text for HTML, between tags and in quoted attributes. Invisible characters become visible escapes.
 pub(crate) fn escaped(text: &str) -> String {
     let mut markup = String::with_capacity(text.len());
     for letter in visible::block(text).chars() {
@@ -50,7 +50,7 @@ pub(crate) fn escaped(text: &str) -> String {
     markup
 }
 
-/// A part of a page under its heading; nothing if it is empty.
+/// A section of a page with its heading; empty if the body is empty.
 pub(super) fn section(id: &str, heading: &str, body: &str) -> String {
     match body.is_empty() {
         true => String::new(),
@@ -58,7 +58,7 @@ pub(super) fn section(id: &str, heading: &str, body: &str) -> String {
     }
 }
 
-/// A wide table in a box of its own, which scrolls where the page must not. It can be reached, and so scrolled, with the
+/// A wide table in a box of its own, which scrolls instead of the page. It is reachable, and scrollable, with the
 /// keyboard.
 pub(super) fn scrolling(name: &str, table: &str) -> String {
     format!("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{name}\">{table}</div>\n")

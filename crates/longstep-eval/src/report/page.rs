@@ -1,4 +1,4 @@
-//! A run as a page.
+//! The report as an HTML page.
 
 use super::markup::{Page, escaped, scrolling, section, whole};
 use super::words::expected;

@@ -1,4 +1,4 @@
-//! A run of the paper's scenarios beside the paper's own figures.
+//! A run of the paper's scenarios, compared with the paper's figures.
 
 use super::words::several;
 use crate::attempt::Attempt;
@@ -13,22 +13,22 @@ pub(super) const WITHOUT_FEEDBACK: Rate = Rate { hits: 5, of: 14 };
 /// Executable after feedback.
 pub(super) const AFTER_FEEDBACK: Rate = Rate { hits: 14, of: 14 };
 
-/// Whether this is a run of the paper's scenarios.
+/// Returns true for a run of the paper's scenarios.
 pub(super) fn is_paper(results: &Results) -> bool {
     results.plan.suite == "paper"
 }
 
-/// Whether a model was told what was wrong, at least once.
+/// Returns true if at least one attempt had feedback.
 pub(super) fn has_rounds(results: &Results) -> bool {
     results.attempts.iter().any(|attempt| attempt.rounds > 0)
 }
 
-/// How many of the paper's five trials with a scenario came out right.
+/// The number of the paper's five trials of a scenario that were correct.
 pub(super) fn trials(case: &str) -> Option<u8> {
     TRIALS.get(place(case)?).copied()
 }
 
-/// What the paper's row in the table of trials is called. It is about what came before any feedback.
+/// The name of the paper's row in the table of trials, which is about plans before any feedback.
 pub(super) fn first_row(results: &Results) -> &'static str {
     match has_rounds(results) {
         true => "The paper, at first",
@@ -36,7 +36,7 @@ pub(super) fn first_row(results: &Results) -> &'static str {
     }
 }
 
-/// How many rounds the paper's model needed for a scenario.
+/// The number of rounds that the paper's model needed for a scenario.
 pub(super) fn rounds(case: &str) -> Option<u32> {
     ROUNDS.get(place(case)?).copied()
 }
@@ -46,7 +46,7 @@ fn place(case: &str) -> Option<usize> {
     case.parse::<usize>().ok()?.checked_sub(1)
 }
 
-/// Shares with what they are of: the paper's, and this run's.
+/// Shares of the paper and of this run, with their names; `true` marks those of this run.
 pub(super) fn shares(results: &Results, summary: &Summary) -> Vec<(String, Rate, bool)> {
     let mut shares = vec![
         ("The paper, without feedback".to_owned(), WITHOUT_FEEDBACK, false),
@@ -66,11 +66,11 @@ pub(super) fn shares(results: &Results, summary: &Summary) -> Vec<(String, Rate,
     shares
 }
 
-/// How far the verifier says of the paper's own replies what the paper says of them.
+/// Agreement of the verifier with the paper's judgement of the paper's own replies.
 pub(super) struct Agreement {
     pub(super) agree: usize,
     pub(super) of: usize,
-    /// What is compared: a cell of the table of trials, or an entry of the table of rounds.
+    /// The unit of comparison: a cell of the table of trials, or an entry of the table of rounds.
     pub(super) what: &'static str,
     /// The attempts that do not agree.
     pub(super) differing: Vec<String>,
@@ -86,7 +86,7 @@ impl Agreement {
     }
 }
 
-/// The agreement, for recorded replies. Of any other model the paper says nothing.
+/// The agreement, for recorded replies. The paper has no judgement of other models.
 pub(super) fn agreement(results: &Results) -> Option<Agreement> {
     if !is_paper(results) || !results.plan.model.contains("recorded replies") {
         return None;

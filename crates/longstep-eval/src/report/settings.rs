@@ -1,11 +1,11 @@
-//! What was run, value by value.
+//! The settings of a run.
 
 use serde_json::Value;
 
 use super::words::several;
 use crate::folder::Plan;
 
-/// Every value of a plan under its name, in the order of the plan's fields.
+/// The settings of a run with their names, in the order of the plan's fields.
 pub(crate) fn settings(plan: &Plan) -> Vec<(&'static str, String)> {
     let settings = &plan.settings;
     let word = |value: Value| {
@@ -59,7 +59,7 @@ pub(crate) fn settings(plan: &Plan) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// What was run, in a line.
+/// The main settings in one line.
 pub(super) fn line(plan: &Plan) -> String {
     let settings = self::settings(plan);
     let value = |name: &str| {

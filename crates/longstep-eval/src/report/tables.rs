@@ -1,4 +1,4 @@
-//! The tables of a page in which every attempt has its place.
+//! The page's tables of all attempts.
 
 use super::grid::{self, Grid, Row};
 use super::mark::Mark;
@@ -8,7 +8,7 @@ use crate::attempt::Attempt;
 use crate::folder::Results;
 use crate::rate::Rate;
 
-/// With more cases than this, a table with a column for each is no longer looked at.
+/// Largest number of cases for a table with a column for each; wider ones are unreadable.
 const COLUMNS: usize = 20;
 
 fn legend() -> String {
@@ -24,7 +24,7 @@ fn legend() -> String {
     format!("<ul class=\"legend\">{entries}</ul>\n")
 }
 
-/// Every attempt: as in the paper's table where it is a run of the paper's scenarios, by scene otherwise.
+/// All attempts: in the form of the paper's table for the paper's scenarios, by scene otherwise.
 pub(super) fn attempts(results: &Results) -> String {
     if results.attempts.is_empty() {
         return "<p>Nothing has been run yet.</p>\n".to_owned();
@@ -67,7 +67,7 @@ pub(super) fn attempts(results: &Results) -> String {
     legend() + &scrolling("Scenarios and trials", &table) + &note
 }
 
-/// Rows as in the paper's tables, with the paper's own below.
+/// Rows in the form of the paper's tables, with the paper's row at the end.
 fn table(
     grid: &Grid<'_>,
     corner: &str,
@@ -101,7 +101,7 @@ fn table(
     )
 }
 
-/// A small square for each attempt, those of a case together.
+/// A small square for each attempt, grouped by case.
 fn scenes(results: &Results) -> String {
     let square = |(place, attempt): &(usize, &Attempt)| detail::square(results, *place, attempt);
     let case = |(name, attempts): &(&str, Vec<(usize, &Attempt)>)| {
@@ -123,7 +123,7 @@ fn scenes(results: &Results) -> String {
     grid::scenes(results).into_iter().map(scene).collect()
 }
 
-/// Rounds by case, as in the paper's second table; of many cases, by how many rounds they needed.
+/// Rounds by case, in the form of the paper's second table; with many cases, the attempts by number of rounds.
 pub(super) fn rounds(results: &Results) -> String {
     let mut grid = grid::grid(results);
     let paper = paper::is_paper(results);
@@ -167,7 +167,7 @@ pub(super) fn rounds(results: &Results) -> String {
     scrolling("Rounds of feedback", &table) + note + &agreement(results)
 }
 
-/// Only the attempts that needed rounds: of many cases, most need none.
+/// The attempts that needed rounds: most of many cases need none.
 fn needed(results: &Results) -> String {
     let most = results.attempts.iter().map(|attempt| attempt.rounds).max().unwrap_or(0);
     let row = |rounds: u32| {

@@ -9,7 +9,7 @@ use crate::folder::{Plan, Results, VERSION};
 use crate::suite::PLAIN;
 use crate::suite::paper::{ROUNDS, TRIALS};
 
-/// A run of these attempts.
+/// The results of a run with these attempts.
 pub(crate) fn results(suite: &str, model: &str, attempts: Vec<Attempt>) -> Results {
     let timing = |(place, attempt): (usize, &Attempt)| {
         let timing = Timing {
@@ -46,7 +46,7 @@ pub(crate) fn results(suite: &str, model: &str, attempts: Vec<Attempt>) -> Resul
     }
 }
 
-/// An attempt that is right.
+/// A correct attempt.
 pub(crate) fn right(case: &str, trial: u32) -> Attempt {
     Attempt {
         key: Key {
@@ -79,7 +79,7 @@ pub(crate) fn right(case: &str, trial: u32) -> Attempt {
     }
 }
 
-/// An attempt of which nothing came.
+/// An attempt with an invalid plan.
 pub(crate) fn wrong(case: &str, trial: u32) -> Attempt {
     Attempt {
         outcome: Outcome::Invalid,
@@ -93,7 +93,7 @@ pub(crate) fn wrong(case: &str, trial: u32) -> Attempt {
     }
 }
 
-/// An attempt with something in every field, all of it hostile.
+/// An attempt with hostile text in every field.
 fn hostile() -> Attempt {
     let evil = "<script>alert('x')</script> & \"</pre>|`*".to_owned();
     Attempt {
@@ -150,7 +150,7 @@ fn mixed() -> Results {
     run
 }
 
-/// The paper's scenarios in so many trials, each as the paper says that it went.
+/// The paper's scenarios with results as in the paper, repeated for each trial.
 fn as_in_paper(trials: u32) -> Vec<Attempt> {
     let mut attempts = Vec::new();
     for trial in 1..=trials {
@@ -168,7 +168,7 @@ fn as_in_paper(trials: u32) -> Vec<Attempt> {
 #[test]
 fn data_is_never_markup() {
     let page = html(&mixed());
-    // The page's own script is the only one.
+    // The page contains only its own script.
     assert_eq!(page.matches("<script").count(), 1);
     assert_eq!(page.matches("</script").count(), 1);
     assert!(page.contains("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt; &amp; &quot;"));
@@ -242,7 +242,7 @@ fn recorded_trials_agree_with_the_paper() {
     );
     assert!(lines.lines().count() <= 25, "{lines}");
 
-    // The paper says nothing of other models.
+    // The paper has no judgement of other models.
     run.plan.model = "another".to_owned();
     assert!(!text(&run).contains("agree"));
 }

@@ -1,4 +1,4 @@
-//! A run in a few lines for the terminal.
+//! The report as text for the terminal.
 
 use super::grid::{self, Grid};
 use super::mark::Mark;
@@ -6,10 +6,10 @@ use super::{amount, duration, interval, measures, not_correct, paper, percent, s
 use crate::folder::Results;
 use crate::summary::Summary;
 
-/// How many kinds of failure are named.
+/// Number of kinds of failures to list.
 const KINDS: usize = 6;
 
-/// More rows would not be looked at in a terminal.
+/// Largest number of rows to list.
 const ROWS: usize = 5;
 
 pub(super) fn lines(results: &Results) -> Vec<String> {
@@ -43,7 +43,7 @@ pub(super) fn lines(results: &Results) -> Vec<String> {
     ));
     if !summary.failures.is_empty() {
         let mut failures = summary.failures.clone();
-        // The sort is stable: kinds that are equally common stay in their order.
+        // The sort is stable: equally frequent kinds keep their order.
         failures.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
         let named = failures.iter().take(KINDS);
         let named: Vec<String> = named.map(|(kind, count)| format!("{} {count}", kind.name())).collect();
@@ -59,7 +59,7 @@ pub(super) fn lines(results: &Results) -> Vec<String> {
     lines
 }
 
-/// The paper's table with ours above it.
+/// The table of trials, with the paper's row at its end.
 fn table(results: &Results) -> Vec<String> {
     let Grid { cases, rows } = grid::grid(results);
     let row = |name: &str, cells: Vec<String>| {

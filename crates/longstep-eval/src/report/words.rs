@@ -1,9 +1,9 @@
-//! Figures as people read them.
+//! Numbers in readable form.
 
 use crate::attempt::{Attempt, Wanted};
 use crate::rate::Rate;
 
-/// A share in per cent. With few attempts, more digits would only seem exact; with many, fewer would make 99.9 a 100.
+/// A share in per cent. More digits would suggest precision for few attempts; fewer would round 99.9 to 100 for many.
 pub(crate) fn percent(rate: Rate) -> String {
     match rate.of {
         0 => "none".to_owned(),
@@ -11,7 +11,7 @@ pub(crate) fn percent(rate: Rate) -> String {
     }
 }
 
-/// The 95 % interval of a share, in per cent.
+/// The 95 % confidence interval of a share, in per cent.
 pub(crate) fn interval(rate: Rate) -> String {
     let (low, high) = rate.interval();
     let digits = digits(rate.of);
@@ -21,7 +21,7 @@ pub(crate) fn interval(rate: Rate) -> String {
 /// A difference of shares in percentage points, with its sign.
 pub(crate) fn points(before: Rate, after: Rate) -> String {
     let difference = (after.share() - before.share()) * 100.0;
-    // No minus in front of nothing.
+    // No minus sign for zero.
     let shown = if difference.abs() < 0.05 { 0.0 } else { difference };
     format!("{shown:+.1} points")
 }
@@ -30,7 +30,7 @@ fn digits(of: usize) -> usize {
     usize::from(of >= 200)
 }
 
-/// A time from milliseconds.
+/// A duration given in milliseconds.
 pub(crate) fn duration(milliseconds: f64) -> String {
     match milliseconds {
         short if short < 0.95 => format!("{short:.2} ms"),
@@ -43,7 +43,7 @@ pub(crate) fn duration(milliseconds: f64) -> String {
     }
 }
 
-/// A count, with its thousands apart.
+/// A count with thousands separators.
 pub(crate) fn amount(count: u64) -> String {
     let digits = count.to_string();
     let mut grouped = String::new();
@@ -56,7 +56,7 @@ pub(crate) fn amount(count: u64) -> String {
     grouped
 }
 
-/// So many of something.
+/// A count with a noun in singular or plural.
 pub(super) fn several(count: u64, one: &str) -> String {
     match count {
         1 => format!("1 {one}"),
@@ -64,7 +64,7 @@ pub(super) fn several(count: u64, one: &str) -> String {
     }
 }
 
-/// What was expected, in words.
+/// The expected result.
 pub(super) fn expected(wanted: &Wanted) -> String {
     match wanted {
         Wanted::Plan(goals) => goals.join(", or "),
@@ -74,7 +74,7 @@ pub(super) fn expected(wanted: &Wanted) -> String {
     }
 }
 
-/// What came instead: what was understood, or else how it ended.
+/// The actual result: a question, the goals, or the outcome.
 pub(crate) fn came(attempt: &Attempt) -> String {
     if attempt.asked() {
         return format!("the question \u{201c}{}\u{201d}", attempt.question);
@@ -85,10 +85,10 @@ pub(crate) fn came(attempt: &Attempt) -> String {
     }
 }
 
-/// Why an attempt is not correct, in a line.
+/// The reasons why an attempt is not correct, in one line.
 pub(crate) fn reason(attempt: &Attempt) -> String {
     let whys = attempt.why.iter();
-    // "The plan is not valid" says little without what is wrong with it.
+    // The sentence "the plan is not valid" needs its first violation.
     let all: Vec<&str> = whys.chain(attempt.violations.first()).map(String::as_str).collect();
     all.join("; ")
 }

@@ -1,4 +1,4 @@
-//! From the files of a suite's folder to a [`Suite`].
+//! Loads a [`Suite`] from the files of its folder.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use crate::ablation::digest;
 /// The texts of a suite's folder.
 #[derive(Debug, Clone, Default)]
 pub struct Files {
-    /// The folder as faults name it, with a slash at its end.
+    /// The folder for error messages, with a slash at its end.
     pub folder: String,
     /// `suite.toml`.
     pub suite: String,
@@ -27,7 +27,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// SHA-256 of all of them.
+    /// SHA-256 of all files.
     pub fn sha256(&self) -> String {
         let suite = ("suite.toml", self.suite.as_str());
         let cases = self.cases.iter().map(|(name, text)| (name.as_str(), text.as_str()));
@@ -81,11 +81,11 @@ enum Goals {
     AnyOf(Vec<String>),
 }
 
-/// What a step is expected to come to, as it is written.
+/// The expected result of a step, as the file has it.
 struct Wished<'a> {
     goal: Option<&'a Spanned<Goals>>,
     expect: Option<&'a Spanned<String>>,
-    /// Where the step begins.
+    /// The position of the step.
     at: usize,
 }
 
@@ -96,7 +96,7 @@ fn parse<T: serde::de::DeserializeOwned>(file: &str, text: &str) -> Result<T, Di
     })
 }
 
-/// Which domain the suite is for: its name, or a folder relative to the suite's.
+/// The domain of the suite: its name, or a folder relative to the suite's.
 ///
 /// # Errors
 ///
@@ -111,8 +111,8 @@ pub fn domain_name(files: &Files) -> Result<String, Diagnostics> {
 ///
 /// # Errors
 ///
-/// Everything that is wrong with it, at once: files that are no TOML or no environment, ids that come twice, scenes
-/// that are not there, goals that name nothing, cases without an instruction or without what is meant by it.
+/// All faults at once: files that are not TOML or not an environment, duplicate ids, missing scenes, goals with unknown
+/// names, cases without an instruction or without an expected result.
 pub fn load(files: &Files, domain: &Domain) -> Result<Suite, Diagnostics> {
     let mut faults = Vec::new();
     let suite_file = format!("{}suite.toml", files.folder);
@@ -185,10 +185,10 @@ struct Loader<'a> {
     files: &'a Files,
     scenes: &'a BTreeMap<String, World>,
     faults: Vec<Diagnostic>,
-    /// The file at hand.
+    /// The current file.
     file: String,
     text: &'a str,
-    /// Where each id was met first.
+    /// The position of the first occurrence of each id.
     seen: BTreeMap<String, String>,
 }
 
@@ -216,7 +216,7 @@ impl Loader<'_> {
         }
         let scene = entry.scene.get_ref();
         let world = self.scenes.get(scene);
-        // A scene that cannot be read has been told of already.
+        // A fault in the scene's file has been reported already.
         if world.is_none() && !self.files.scenes.contains_key(scene) {
             let near = nearest(scene, self.files.scenes.keys().map(String::as_str));
             let hint = match near {

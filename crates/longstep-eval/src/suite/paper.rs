@@ -1,6 +1,6 @@
-//! The paper's fourteen scenarios, read from the recordings that belong to them.
+//! The paper's fourteen scenarios, read from their recordings.
 //!
-//! The recordings are not part of Longstep; whoever has them says where they are.
+//! The recordings are not part of Longstep; the user passes their folder.
 
 use std::collections::BTreeMap;
 
@@ -16,12 +16,12 @@ use super::{Case, Expected, Step, Suite};
 /// The wording by purpose ("Let's watch TV").
 pub const GOAL_LEVEL: &str = "goal_level";
 
-/// Which of fourteen scenarios the paper's model got right in each of five trials (table "Executability of the output
-/// action sequence across trials").
+/// The number of correct trials, of five, for each scenario in the paper (table "Executability of the output action
+/// sequence across trials").
 pub const TRIALS: [u8; 14] = [0, 0, 0, 0, 5, 5, 0, 5, 0, 0, 0, 5, 5, 0];
 
-/// How many rounds of feedback the paper's model needed for each scenario (table "The number of rounds of feedback needed
-/// to reach a successful sequence").
+/// The number of rounds of feedback for each scenario in the paper (table "The number of rounds of feedback needed to
+/// reach a successful sequence").
 pub const ROUNDS: [u32; 14] = [1, 1, 3, 1, 0, 0, 1, 0, 1, 2, 1, 0, 0, 1];
 
 #[derive(Debug, Deserialize)]
@@ -37,7 +37,7 @@ struct Scenario {
 ///
 /// # Errors
 ///
-/// Everything in it that is no scenario of this domain.
+/// All entries that are not scenarios of this domain.
 pub fn load(domain: &Domain, file: &str, text: &str) -> Result<Suite, Diagnostics> {
     let scenarios: Vec<Scenario> = serde_json::from_str(text)
         .map_err(|error| Diagnostics(vec![Diagnostic::whole(file, format!("no list of scenarios: {error}"))]))?;
@@ -47,7 +47,7 @@ pub fn load(domain: &Domain, file: &str, text: &str) -> Result<Suite, Diagnostic
         match read(domain, file, &scenario) {
             Ok((world, expected)) => {
                 let mut says = scenario.instruction;
-                // A sentence, as people write one.
+                // Starts with a capital letter.
                 if let Some(first) = says.get(..1) {
                     says.replace_range(..1, &first.to_uppercase());
                 }
@@ -94,7 +94,7 @@ fn read(domain: &Domain, file: &str, scenario: &Scenario) -> Result<(World, Expe
     Ok((world, Expected::Plan(goals)))
 }
 
-/// Every choice among the facts that are separated by `|`, in the goal words of the domain.
+/// All combinations of the alternatives that `|` separates, in goal words of the domain.
 fn alternatives(facts: &[String]) -> Vec<Vec<String>> {
     let mut all: Vec<Vec<String>> = vec![Vec::new()];
     for fact in facts {
@@ -108,7 +108,7 @@ fn alternatives(facts: &[String]) -> Vec<Vec<String>> {
     all
 }
 
-/// What the scenarios say of acts rather than of states.
+/// Maps the scenarios' words for acts to goal words.
 fn in_goal_words(fact: &str) -> String {
     match fact.split_once('(') {
         Some(("DRUNK", arguments)) => format!("drunk({arguments}"),

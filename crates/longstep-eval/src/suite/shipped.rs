@@ -1,4 +1,4 @@
-//! The suites that come with the library.
+//! The suites that are included in the library.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ pub fn shipped_names() -> Vec<&'static str> {
     names
 }
 
-/// The files of the shipped suite of that name, or none if there is none.
+/// The files of the shipped suite with this name.
 pub fn shipped(name: &str) -> Option<Files> {
     let folder = SHIPPED
         .get_dir(name)

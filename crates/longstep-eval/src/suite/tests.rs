@@ -1,4 +1,4 @@
-//! Suites that are right, and everything that is wrong with those that are not.
+//! Valid suites, and the faults of invalid ones.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ fn household() -> Domain {
     domain::shipped("household").unwrap().unwrap()
 }
 
-/// What is told of a suite with these cases; nothing if it is right.
+/// Checks the faults of a suite with these cases; none if it is valid.
 #[track_caller]
 fn check(cases: &str, expected: &[&str]) {
     let suite = "name = 'mine'\nabout = 'A pen.'\ndomain = 'household'";
@@ -111,8 +111,7 @@ fn load_shipped(name: &str) -> (Domain, Suite) {
     (domain, suite)
 }
 
-/// Every goal of the shipped suites can be reached, and something has to be done for it, in the world that the steps
-/// before it leave.
+/// Every goal of the shipped suites is reachable, and not trivially so, in the world after the steps before it.
 #[test]
 fn every_expected_goal_can_be_reached() {
     for name in shipped_names() {

