@@ -16,6 +16,18 @@ pub enum Said {
 }
 
 /// Parses a composition, as a script or as a JSON tree, with or without text around it.
+///
+/// ```
+/// use longstep::compose::{Said, read};
+/// let said = read("fetch_pear()\nif rotten(\"pear\"):\n    compost_pear()\n").unwrap();
+/// let Said::Composition(written) = said else { panic!("{said:?}") };
+/// assert_eq!(written.steps.len(), 2);
+/// assert_eq!(read("question: Which pear?").unwrap(), Said::Question("Which pear?".to_owned()));
+/// ```
+///
+/// # Errors
+///
+/// The text contains no plan, or its plan cannot be parsed.
 pub fn read(text: &str) -> Result<Said, Unreadable> {
     if let Some(question) = asks(text) {
         return Ok(Said::Question(question.to_owned()));

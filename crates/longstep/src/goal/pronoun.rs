@@ -11,7 +11,7 @@ const SEVERAL: [&str; 2] = ["them", "these"];
 /// An instruction whose pronoun is replaced by entities of an earlier one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SpelledOut {
-    /// The instruction.
+    /// The resolved instruction.
     pub text: String,
     /// The pronoun.
     pub pronoun: String,

@@ -23,7 +23,7 @@
 //! session.instruct("The pen belongs on the shelf")?;
 //! let Need::Model(prepared) = session.need(&mut EstimatedTokens::default())? else { panic!() };
 //! assert!(prepared.request.messages.last().unwrap().text.contains("The pen belongs on the shelf"));
-//! // Whoever holds the model sends the request; here is what came back.
+//! // The owner of the model sends the request; this is its reply.
 //! let text = r#"{"question": "", "goals": ["put(pen, shelf)"]}"#.to_owned();
 //! session.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default() }, 740.0)?;
 //!
