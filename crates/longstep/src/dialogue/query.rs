@@ -12,7 +12,7 @@ use crate::model::Domain;
 /// Renders `prompt/query.md`, the user message.
 ///
 /// Instruction and names are inserted as JSON strings that cannot end their context: line breaks, quotes, backticks and
-/// possible chat-template markers are escaped. This prevents prompt injection.
+/// possible chat-template markers are escaped. They cannot imitate another part of the prompt.
 ///
 /// ```
 /// use longstep::{domain, json, dialogue, environment};
