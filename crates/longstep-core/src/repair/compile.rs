@@ -1,4 +1,4 @@
-//! A draft as a task for search: how far it has been read is a fact like any other.
+//! Compilation of a draft to a search task: the position in the draft is a fact of the task.
 
 use std::cmp::Ordering;
 
@@ -12,51 +12,51 @@ use crate::plan::{DraftStep, Resolved};
 use crate::search::{Always, Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
 use crate::verify::{Candidate, Purpose, can_apply, candidates, claimed_places};
 
-/// What an operator does with the draft. Steps of the draft count from 0.
+/// Meaning of an operator for the draft. Steps of the draft count from 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Move {
-    /// Does a step as the draft has it.
+    /// Executes a step as written in the draft.
     Keep(usize, GroundAction),
-    /// Does something between the steps.
+    /// Executes a new step.
     Insert(GroundAction),
-    /// Does the same things with another verb, or by another actor.
+    /// Executes another action on the same objects, or lets another actor execute the step.
     Replace(usize, GroundAction),
-    /// Leaves a step out.
+    /// Skips a step.
     Drop(usize, Reason),
-    /// Lays a step aside.
+    /// Postpones a step.
     Postpone(usize),
-    /// Does the step that was laid aside.
+    /// Executes the postponed step.
     Resume(usize, GroundAction),
-    /// At the end, does without something that the draft says.
+    /// At the end, gives up a fact that the draft claims.
     Forgo(Fact),
 }
 
-/// Why a step is left out.
+/// Reason why a step is dropped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reason {
-    /// Its words mean nothing here.
+    /// The step cannot be resolved.
     Unknown,
-    /// It can never be done in this world.
+    /// The step can never be applicable in this world.
     Impossible,
-    /// It would change nothing.
+    /// The step would have no effect.
     Idle,
-    /// It cannot be had together with the rest.
+    /// The step conflicts with other requirements.
     Unwanted,
 }
 
-/// The task, but for what it is to reach.
+/// The compiled task without its goal.
 pub(super) struct Compiled<'a> {
     scope: &'a Scope,
     grounder: Grounder<'a>,
     operators: Vec<Operator>,
     moves: Vec<Move>,
     always: Always,
-    /// The whole draft has been read, and nothing is laid aside.
+    /// Holds if the whole draft has been processed and no step is postponed.
     arrived: Formula,
 }
 
 impl Compiled<'_> {
-    /// The task of going through the draft and ending as is meant.
+    /// Adds the goal: the end of the draft and the target of the repair.
     pub(super) fn task(mut self, domain: &Domain, meant: &Meant) -> (Task, Vec<Move>) {
         let costs = domain.repair;
         let mut goals = vec![self.arrived.clone(), self.grounder.goal(&meant.required)];
@@ -91,7 +91,8 @@ impl Compiled<'_> {
         self.grounder.formula(&wanted.condition, &mut wanted.bindings.clone())
     }
 
-    /// That something has been done without, which can be decided only at the end.
+    /// Adds an operator that gives up the fact at a cost, applicable only at the end; returns the formula for "given
+    /// up".
     fn forgone(&mut self, fact: Fact, cost: u32) -> Formula {
         let forgone = self.grounder.extra(false);
         self.operators.push(Operator {
@@ -107,7 +108,7 @@ impl Compiled<'_> {
     }
 }
 
-/// What a repair of the draft can need, and the things that it is about.
+/// Returns the requirements of a repair, and the entities that the draft and its target mention.
 pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked, Vec<EntityId>) {
     let mut asked = Asked::of(domain, &meant.required);
     let mut about = draft.objects.clone();
@@ -121,7 +122,7 @@ pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked,
         action
             .precondition
             .for_each_atom(&mut |atom, holds| asked.literal(atom.predicate, holds));
-        // Another verb for the same things changes some of the same facts.
+        // A replacement for the step changes some of the same facts.
         for effect in &action.effects {
             asked.literal(effect.atom.predicate, effect.adds);
             effect.condition.for_each_atom(&mut |atom, _| {
@@ -134,10 +135,10 @@ pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked,
     (asked, about)
 }
 
-/// Units that are charged for an operator besides its effects: its step and its condition are lists of their own.
+/// Work units for an operator besides its effects, for its step and its condition.
 const OPERATOR: usize = 12 * effort::KEPT;
 
-/// Writes the draft as a task over what is in scope.
+/// Compiles the draft to a task over the entities in scope.
 pub(super) fn compile<'a>(
     domain: &'a Domain,
     world: &'a World,
@@ -227,7 +228,7 @@ pub(super) fn compile<'a>(
     }
 }
 
-/// Which of two entities a step's explanation rather speaks of: greater if it is `one`.
+/// Compares how well a step's explanation matches two entities; greater if it prefers `one`.
 pub(super) fn spoken_of(world: &World, explanation: &str, one: EntityId, other: EntityId) -> Ordering {
     let words: Vec<String> = plain_words(explanation).iter().map(|word| singular(word)).collect();
     let named = |entity: EntityId| world.entity(entity).words_in(&words);
@@ -238,7 +239,7 @@ fn literal(fact: u32, holds: bool) -> Formula {
     Formula::Literal(Literal { fact, holds })
 }
 
-/// What an operator does that does nothing in the world.
+/// Placeholder action of an operator without an effect on the world.
 fn nothing() -> GroundAction {
     GroundAction {
         action: ActionId::new(0),
@@ -253,7 +254,7 @@ fn effect(fact: u32, holds: bool) -> GroundEffect {
     }
 }
 
-/// A step that is not to come back where it stood, nor anything that does the same.
+/// A step that the user removed; neither it nor a step with equal effects may return to its position.
 struct TakenOut {
     before: usize,
     anywhere: bool,
@@ -275,9 +276,9 @@ struct Writer<'a, 'b> {
     inserted: &'b [Operator],
     taken_out: &'b [TakenOut],
     pins: &'b Pins,
-    /// For each step, that the draft has been read up to it.
+    /// By position in the draft: the fact that it is the current position.
     reached: Vec<u32>,
-    /// Nothing is laid aside.
+    /// The fact that no step is postponed.
     free_handed: u32,
     operators: Vec<Operator>,
     moves: Vec<Move>,
@@ -293,17 +294,18 @@ impl Writer<'_, '_> {
         self.operators.push(operator);
     }
 
-    /// The operator, done at a step of the draft and going on to the next.
+    /// Makes the operator process a step of the draft: it advances from `index` to the next position.
     fn reading(&self, index: usize, mut operator: Operator) -> Operator {
         operator.precondition = Formula::and([literal(self.reached[index], true), operator.precondition]);
-        // A draft has an operator for each choice of its open arguments, and an effect for each entity that it may touch.
+        // Exact allocation, since there is an operator for each choice of implicit arguments and an effect for each
+        // entity that it may change.
         operator.effects.reserve_exact(2);
         operator.effects.push(effect(self.reached[index], false));
         operator.effects.push(effect(self.reached[index + 1], true));
         operator
     }
 
-    /// The operator, done anywhere but where the same was taken out.
+    /// Restricts the operator to positions where no equal step was removed.
     fn elsewhere(&self, operator: &Operator) -> Operator {
         let mut operator = operator.clone();
         let alike = self.taken_out.iter().filter(|taken_out| taken_out.is_like(&operator));
@@ -317,7 +319,7 @@ impl Writer<'_, '_> {
         operator
     }
 
-    /// An operator that does nothing in the world.
+    /// Returns an operator that processes a step without an effect on the world.
     fn pass(&self, index: usize, condition: Formula) -> Operator {
         let nothing = Operator {
             step: nothing(),
@@ -392,7 +394,7 @@ impl Writer<'_, '_> {
             self.drop(index, Reason::Impossible, Formula::TRUE, costs.drop_impossible);
             return;
         }
-        // What comes behind a step that was taken out stays there, or the step could come back behind it.
+        // A step after a removed one is not dropped or postponed, since the removed step could then return after it.
         if self.taken_out.iter().any(|out| out.before == index) {
             return;
         }
@@ -403,7 +405,7 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// The step done by another actor.
+    /// Adds operators that let other actors execute the step.
     fn by_others(&mut self, index: usize, step: &DraftStep, choices: &[Candidate], taken_out: &[&TakenOut]) {
         let Some(actor) = self.domain.action(step.action).actor else {
             return;

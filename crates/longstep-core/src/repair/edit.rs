@@ -1,4 +1,4 @@
-//! What was changed, and why.
+//! Edits of a repair with their reasons.
 
 use super::compile::{Move, Reason, spoken_of};
 use super::target::Meant;
@@ -7,42 +7,41 @@ use crate::plan::{Plan, Resolved, Step};
 use crate::search::GroundAction;
 use crate::verify::{Change, Purpose, Report, Violation, apply, broken_at_end, unmet};
 
-/// What kind of change an [`Edit`] is.
+/// Kind of an [`Edit`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum EditKind {
-    /// A step more.
+    /// A new step.
     Insert,
-    /// A step less.
+    /// A removed step.
     Drop,
-    /// Another step in its place.
+    /// A replaced step.
     Replace,
-    /// The same step later.
+    /// A step moved to a later position.
     Move,
 }
 
 /// One change to a draft.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Edit {
-    /// What kind of change.
+    /// The kind of change.
     pub kind: EditKind,
-    /// Where it shows in the repaired plan, counted from 0: the new place of a step, or the place where a dropped one
-    /// would stand.
+    /// Position in the repaired plan, from 0: that of the new step, or the one where a dropped step would be.
     pub at: usize,
-    /// The step of the draft, from 0, that it changes, or before which something is inserted; the number of steps for
-    /// the end.
+    /// The changed step of the draft, from 0, or the step before which a step is inserted; the number of steps for the
+    /// end.
     pub step: usize,
-    /// The call before.
+    /// The call before the change.
     pub before: Option<String>,
-    /// The call after.
+    /// The call after the change.
     pub after: Option<String>,
-    /// What the call after does, where the call itself hides what it is about.
+    /// Explanation of the new call, if the call omits arguments.
     pub about: Option<String>,
-    /// Why, for a person.
+    /// Reason for the user.
     pub why: String,
 }
 
 impl EditKind {
-    /// The kind, as `--json` names it.
+    /// The kind in `--json` output.
     pub fn name(self) -> &'static str {
         match self {
             Self::Insert => "insert",
@@ -54,7 +53,8 @@ impl EditKind {
 }
 
 impl Edit {
-    /// The change in a few words, with its place in a draft of `length` steps; steps are counted from 1.
+    /// Describes the change in a few words; `length` is the number of steps in the draft. Steps in the text count from
+    /// 1.
     pub fn told(&self, length: usize) -> String {
         let before = self.before.as_deref().unwrap_or("");
         let about = self.about.as_ref().map_or(String::new(), |about| format!(" ({about})"));
@@ -70,23 +70,23 @@ impl Edit {
     }
 }
 
-/// A change whose reason is still to be found.
+/// Origin of a step in the repaired plan.
 enum Origin {
     Kept,
-    /// Before this step of the draft.
+    /// Inserted before this step of the draft.
     Inserted(usize),
     Replaced(usize),
     Moved(usize),
 }
 
-/// The repaired plan with what each of its steps comes from, and what was left out before which step.
+/// The repaired plan with the origin of each step, and the dropped steps with their positions.
 pub(super) struct Script {
     steps: Vec<(Step, Origin)>,
     dropped: Vec<(usize, usize, Reason)>,
 }
 
 impl Script {
-    /// Follows the moves of a search.
+    /// Builds the plan from the moves of a search.
     pub(super) fn of(domain: &Domain, world: &World, draft: &Resolved, moves: &[Move]) -> Self {
         let mut script = Self {
             steps: Vec::new(),
@@ -99,7 +99,7 @@ impl Script {
             }
             step
         };
-        // Another actor was often meant all along, and the explanation says so.
+        // A new actor is often the one that the explanation already names; then the explanation is kept.
         let meant = |index: usize, ground: &GroundAction| {
             let written = draft.steps[index].as_ref().filter(|step| step.action == ground.action);
             let actor = domain.action(ground.action).actor;
@@ -134,12 +134,12 @@ impl Script {
         script
     }
 
-    /// The repaired plan.
+    /// Returns the repaired plan.
     pub(super) fn plan(&self) -> Plan {
         self.steps.iter().map(|(step, _)| step.clone()).collect()
     }
 
-    /// The edits, in the order of the plan.
+    /// Returns the edits, in plan order.
     pub(super) fn edits(
         &self,
         domain: &Domain,
@@ -197,7 +197,7 @@ impl Script {
     }
 }
 
-/// The state before each step, and after the last.
+/// Returns the states before each step and after the last one.
 fn states(domain: &Domain, world: &World, steps: &[Step]) -> Vec<State> {
     let mut state = world.state.clone();
     let mut states = vec![state.clone()];
@@ -218,8 +218,8 @@ struct Reasons<'a> {
 }
 
 impl Reasons<'_> {
-    /// What would fail without the step: the first later step that could not be done, or what would not hold at the
-    /// end.
+    /// Explains a step by what would fail without it: the first later step that would not be applicable, or a condition
+    /// on the final state.
     fn for_having(&self, at: usize) -> String {
         let steps = self.report.plan.steps();
         let changes: Vec<Change> = self
@@ -240,7 +240,7 @@ impl Reasons<'_> {
         for (step, before) in steps.iter().zip(&self.before).skip(at + 1) {
             let missing = self.lacking(step, &without(before));
             if !missing.is_empty() {
-                // Of the facts that are lacking without the step, those count that it alone decides.
+                // Prefer facts that alone decide whether the later step is applicable.
                 let decides = |change: &&Change| !self.lacking(step, &undo(before, &[**change])).is_empty();
                 let decisive = changes.iter().filter(decides);
                 let told: Vec<String> = decisive
@@ -255,14 +255,14 @@ impl Reasons<'_> {
         self.at_end(&end).unwrap_or_else(|| "the plan needs it".to_owned())
     }
 
-    /// What is wrong with a last state.
+    /// Describes what is wrong with a final state.
     fn at_end(&self, state: &State) -> Option<String> {
         let (domain, world) = (self.domain, self.world);
         if let Some(broken) = broken_at_end(domain, world, state, self.purpose).find(|broken| broken.binds) {
             let says = &domain.rules[broken.rule].says;
             return Some(says.fill(|slot| world.entity(broken.bindings[slot]).with_article()));
         }
-        // What holds after the repair and would not without the step.
+        // Facts that hold after the repair but would not without the step.
         let failing = |fact: &&Fact| self.report.ending().after.holds(**fact) && !state.holds(**fact);
         if let Some(fact) = self.meant.promised().find(failing) {
             let text = fact_text(domain, world, *fact, true);
@@ -292,8 +292,8 @@ impl Reasons<'_> {
             .collect()
     }
 
-    /// What a step of the draft lacks at a place of the repaired plan. What its call hides is as in the step that was
-    /// put in its place, if that is the same action.
+    /// Returns the missing preconditions of a draft step at a position of the repaired plan. Its implicit arguments are
+    /// those of the replacement `instead`, if that has the same action.
     fn draft_lacks(&self, draft: &Resolved, index: usize, at: usize, instead: Option<&Step>) -> Vec<String> {
         let Some(step) = &draft.steps[index] else {
             return Vec::new();

@@ -1,10 +1,10 @@
-//! The cheapest change that makes a plan valid.
+//! Repair: finds the cheapest change that makes a plan valid.
 //!
-//! A draft that fails mostly fails by a word: the wrong verb, a door that nobody opened. Its picture of the world
-//! afterwards is usually right, so [`repair`] looks for the cheapest way through the draft that ends there: a
-//! shortest path over how far the draft has been read and what the world is (`compile`), found by the same search
-//! that plans from goals. Keeping a step that can be done is free; what else is allowed, and at what cost, is in the
-//! domain ([`crate::domain::RepairCosts`]). The result is verified like any other plan, and every edit says why.
+//! Most invalid drafts contain a small error, such as a wrong action or a door that was not opened, while their final
+//! environment is usually right. [`repair`] therefore searches for the cheapest way through the draft that reaches this
+//! environment: a shortest path over draft position and world state (`compile`), with the search that also solves
+//! goals. Keeping an applicable step is free. Other edits have costs from the domain ([`crate::domain::RepairCosts`]).
+//! The result is verified like any other plan, and every edit states its reason.
 
 mod branches;
 mod compile;
@@ -28,72 +28,72 @@ use crate::plan::{Plan, Resolved};
 use crate::search::{Asked, Found, Scope, cheapest, greedy, reduce};
 use crate::verify::{Purpose, VerifiedPlan, Violation, bind_as_far, check};
 
-/// How far repair looks for the cheapest change, and as far again for any, in states looked at, so that the answer
-/// never depends on the speed of the machine.
+/// Maximum number of evaluated states for the cheapest repair, and again for any repair. Counting states makes the
+/// result independent of the speed of the machine.
 pub const LIMIT: usize = 6_000;
 
-/// Drafts with more steps than this are not repaired: no instruction needs as many, and each state would take long.
+/// Maximum number of steps in a draft; longer drafts are not repaired.
 const LONGEST: usize = 500;
 
-/// The units of work of one repair: binding, checking and searching, on all ways of a plan that branches.
+/// Work units of one repair: binding, verification and search, on all paths of a branching plan.
 const EFFORT: u64 = 50_000_000;
 
-/// The units of work of one part of the search: writing the draft as a task, and looking for the cheapest way.
+/// Work units of one part of the search: compilation and the search for the cheapest repair.
 const SEARCH_EFFORT: u64 = 24_000_000;
 
-/// How far it looks for something cheaper in the rest of the world, once it knows a way.
+/// Maximum number of states for a cheaper repair in the whole world, once a repair is known.
 const PROOF: usize = 200;
 
-/// What came of a repair.
+/// Result of a repair.
 #[derive(Debug, Clone)]
 pub enum Outcome {
-    /// The draft is a good plan as it is.
+    /// The draft is valid.
     Valid(VerifiedPlan),
-    /// A good plan, and how it was made.
+    /// A valid plan with its edits.
     Repaired(Box<Repaired>),
-    /// The draft does not say what is to be done: repairing it would be guessing.
+    /// The draft does not determine what to achieve, so a repair would be a guess.
     Unclear {
-        /// What is not clear, for a person.
+        /// The reason, for the user.
         why: String,
     },
-    /// No plan keeps the rules and reaches what is wanted, whatever is changed.
+    /// No plan keeps the rules and achieves the goal.
     ProvenUnsolvable {
         /// States expanded.
         expanded: usize,
     },
-    /// There may be a repair, and it was not found within the limits.
+    /// No repair was found; one may exist.
     GaveUp {
-        /// Which limit.
+        /// The limit that was reached.
         why: String,
         /// States expanded.
         expanded: usize,
     },
 }
 
-/// A plan that was made valid.
+/// A repaired plan.
 #[derive(Debug, Clone)]
 pub struct Repaired {
     /// The plan.
     pub plan: VerifiedPlan,
-    /// What was changed, in the order of the plan.
+    /// The edits, in plan order.
     pub edits: Vec<Edit>,
-    /// What the edits cost together.
+    /// Total cost of the edits.
     pub cost: u32,
-    /// Whether it is proven that no repair costs less.
+    /// True if it is proven that no repair costs less.
     pub cheapest: bool,
-    /// What the draft claims and no repair could reach, in order.
+    /// Claims of the draft that the plan does not fulfill.
     pub given_up: Vec<Fact>,
     /// States expanded.
     pub expanded: usize,
 }
 
-/// Makes a resolved draft valid at the least cost, or tells that it is valid already.
+/// Repairs a resolved draft at the least cost. Returns [`Outcome::Valid`] if it needs no repair.
 ///
-/// Of `purpose`, what is wanted and the rules bind. The claim is soft: what of it no action can bring about here, and
-/// what costs more than it is worth, is given up and listed. Where nothing is claimed, what the draft would do if
-/// every step worked takes its place.
+/// The goals and rules of `purpose` are hard constraints. The claim is a soft constraint: repair gives up claimed facts
+/// that no action can achieve or that cost too much, and lists them. Without a claim, the final state of the draft, as
+/// if every step were applicable, takes its place.
 ///
-/// The answer is a function of the arguments: of equally cheap repairs it is always the same one.
+/// The result is deterministic, also among equally cheap repairs.
 ///
 /// ```
 /// use longstep_core::plan::{TaskCohesion, resolve};
@@ -118,8 +118,7 @@ pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpos
     repair_pinned(domain, world, draft, purpose, &Pins::default())
 }
 
-/// The same, around what a person settled: no repair undoes a pin, and where none can be had without undoing one,
-/// there is none.
+/// Repairs a draft as [`repair`] does, but respects the decisions of the user: no repair violates a pin.
 pub fn repair_pinned(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
     let spent = effort::within(EFFORT, || repair_within(LIMIT, domain, world, draft, purpose, pins));
     match spent.result {
@@ -146,11 +145,11 @@ fn repair_within(
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
     let bound = bind_as_far(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
     let whole = draft.issues.is_empty() && bound.missing.is_none();
-    // What the draft would come to if every step worked.
+    // The final state of the draft as if every step were applicable.
     let as_if = match check(domain, world, Plan::sequence(bound.steps), purpose).into_verified() {
         Ok(plan) if whole => return Outcome::Valid(plan),
         Ok(plan) => plan.ending().after.clone(),
-        // What a check cannot see through, a repair of it cannot either.
+        // A draft that exceeds the work budget of verification cannot be repaired either.
         Err(report) if report.violations.contains(&Violation::TooMuchWork) => {
             return Outcome::GaveUp {
                 why: "checking the plan took all the work that a check may take".to_owned(),
@@ -205,8 +204,8 @@ fn repair_within(
     }
 }
 
-/// Why a repair would be guessing: the thing that is handled is not known, or steps mean nothing and no claim tells
-/// what they were for.
+/// Returns the reason why a repair would be a guess: the handled object is unknown, or steps cannot be resolved and no
+/// claim shows their purpose.
 fn unclear(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Option<String> {
     let unspoken = purpose.claim.is_none() && purpose.wanted.is_empty();
     let issue = draft.issues.iter().find(|issue| match issue {
@@ -228,17 +227,17 @@ struct Search<'a> {
     pins: &'a Pins,
     meant: &'a Meant,
     expanded: usize,
-    /// True if a part of the search took all the work that it may take.
+    /// True if a part of the search exhausted its budget.
     exhausted: bool,
 }
 
 impl Search<'_> {
-    /// A cheap way through the draft with what surrounds it, and then a proof that none is cheaper, or a cheaper one,
-    /// with everything that there is.
+    /// Finds a cheap repair with entities near the plan, then uses the whole world to prove that none is cheaper or to
+    /// find a cheaper one.
     fn way(&mut self, limit: usize, asked: &Asked, about: &[EntityId]) -> Found<Way> {
         let whole = Scope::whole(self.domain, self.world, asked);
         let near = whole.around(self.domain, self.world, asked, about, false);
-        // With little more in the world than that, there is nothing to gain by looking twice.
+        // In a small world, the first search would save nothing.
         let small = 2 * near.len() >= whole.len();
         let mut best = match small {
             true => Found::Limit,
@@ -251,7 +250,7 @@ impl Search<'_> {
                     best = self.within(&far, limit, None);
                 }
             }
-            // What surrounds the plan proves nothing about the rest.
+            // A search limited to some entities proves nothing about the others.
             return match best {
                 Found::Nothing => Found::Limit,
                 best => best,
@@ -269,7 +268,7 @@ impl Search<'_> {
         best
     }
 
-    /// The cheapest way with what is in scope; any, if looking for the cheapest takes too long.
+    /// Finds the cheapest repair in scope, or any repair if the limit is reached first.
     fn within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
         let spent = effort::within(SEARCH_EFFORT, || self.way_within(scope, limit, below));
         self.exhausted |= spent.exhausted;
@@ -308,16 +307,16 @@ impl Search<'_> {
     }
 }
 
-/// A way through a draft.
+/// The moves of a repair.
 #[derive(Debug, Clone)]
 struct Way {
     moves: Vec<Move>,
     cost: u32,
-    /// Whether it is proven that none costs less.
+    /// True if it is proven that no repair costs less.
     cheapest: bool,
 }
 
-/// The plan that a way leads to, if it verifies in the whole world.
+/// Returns the repaired plan if it is valid in the whole world.
 fn follow(
     domain: &Domain,
     world: &World,

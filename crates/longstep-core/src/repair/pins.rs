@@ -1,43 +1,43 @@
-//! What a repair leaves alone.
+//! Pins: constraints of the user on a repair.
 
 use crate::model::{ActionId, EntityId};
 use crate::search::GroundAction;
 
-/// What a person settled about a draft: repair works around it, and gives up rather than undo it.
+/// Decisions of the user about a draft. Repair respects them, and fails if no repair does.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Pins {
-    /// Steps of the draft, from 0, that may not be left out, done with another verb, or done later.
+    /// Steps of the draft, from 0, that must not be dropped, replaced or moved.
     pub kept: Vec<usize>,
-    /// What may not be put in.
+    /// Steps that must not be inserted.
     pub unwanted: Vec<Unwanted>,
 }
 
-/// A step that somebody took out, and that is not to come back.
+/// A step that the user removed and that must not return.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unwanted {
-    /// What it did.
+    /// Action of the step.
     pub action: ActionId,
-    /// To what.
+    /// Arguments of the step.
     pub arguments: Vec<EntityId>,
-    /// Before which step of the draft it stood; the number of steps for the end.
+    /// The step of the draft that followed it, from 0; the number of steps for the end.
     pub before: usize,
-    /// How much of its kind is not wanted either.
+    /// Scope of the prohibition.
     pub reach: Reach,
 }
 
-/// How far the wish reaches that a step should not be there.
+/// Scope of the prohibition of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reach {
-    /// Between these neighbours, nor anything else with the same effects. Elsewhere the plan has the same step still.
+    /// This step, or a step with equal effects, at the old position; the step remains elsewhere in the plan.
     Here,
-    /// Anywhere, nor anything else with the same effects. The plan has the same action with other things still.
+    /// This step, or a step with equal effects, anywhere; the action remains in the plan with other arguments.
     ThisStep,
-    /// The same, and the action whatever it is done to.
+    /// As [`Reach::ThisStep`], and the action with any arguments.
     ThisAction,
 }
 
 impl Unwanted {
-    /// The step.
+    /// Returns the step.
     pub(super) fn step(&self) -> GroundAction {
         GroundAction {
             action: self.action,
@@ -45,7 +45,7 @@ impl Unwanted {
         }
     }
 
-    /// Whether a step may not stand anywhere because of this.
+    /// Returns true if the step is prohibited at every position.
     pub(super) fn forbids(&self, action: ActionId, arguments: &[EntityId]) -> bool {
         self.action == action
             && match self.reach {

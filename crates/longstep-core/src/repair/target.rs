@@ -1,4 +1,4 @@
-//! What a repaired plan must come to.
+//! Target state of a repair.
 
 use rustc_hash::FxHashSet;
 
@@ -7,38 +7,37 @@ use crate::plan::Resolved;
 use crate::search::Wanted;
 use crate::verify::{Purpose, broken_at_end, can_be_brought_about, hides_places, places_claimed, wanted_at_end};
 
-/// What must hold at the end, and what should.
+/// Hard and soft constraints on the final state.
 pub(super) struct Meant {
-    /// What is wanted and what the rules ask: must.
+    /// Hard: the goals and the rules.
     pub(super) required: Vec<Wanted>,
-    /// What the draft says will have come about, in order: should.
+    /// Soft: changes that the draft claims or, where it claims none, would achieve.
     pub(super) promises: Vec<Promise>,
-    /// What the draft says will be as before, in order: should, with less weight.
+    /// Soft, at a lower cost: facts that the draft claims to be unchanged.
     pub(super) kept: Vec<Fact>,
-    /// What it says will have come about, and nothing here can come near.
+    /// Claimed changes that cannot be achieved even approximately.
     pub(super) impossible: Vec<Fact>,
 }
 
 impl Meant {
-    /// Everything that promises speak of.
+    /// All facts in the promises, including related ones.
     pub(super) fn promised(&self) -> impl Iterator<Item = &Fact> {
         let promises = self.promises.iter();
         promises.flat_map(|promise| [&promise.fact].into_iter().chain(&promise.related))
     }
 }
 
-/// A fact that a draft says will have come about.
+/// A change that the draft claims.
 pub(super) struct Promise {
     pub(super) fact: Fact,
-    /// Other relations between the same things: what is said to be in the sink may lie on it.
+    /// Other relations between the same entities: an object that is claimed to be in the sink may lie on it.
     pub(super) related: Vec<Fact>,
 }
 
-/// Takes for what is meant what the draft claims, and what it would do if every step worked where the claim is silent.
+/// Derives the target from the claims of the draft; where the claims are silent, from the effects of its steps.
 ///
-/// A claim that the draft's own steps contradict is stale and counts for nothing. What is said to stay as it was
-/// counts only of things that are not said to change in that respect: where they are (a relation), or how they are (a
-/// property).
+/// A claim that the draft's own steps contradict is outdated and ignored. Unchanged facts count only for entities
+/// without a claimed change in the same aspect: place (relations) or condition (properties).
 pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, as_if: &State) -> Meant {
     let done: Vec<Fact> = differences(domain, &world.state, as_if)
         .into_iter()
@@ -55,16 +54,16 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
             (claimed, claim.kept(domain, world))
         }
         None => {
-            // Nobody says that things stay where they are.
+            // Without a claim, nothing states that objects keep their places.
             let property = |fact: &Fact| !domain.is_relation(*fact);
             let before = differences(domain, &State::default(), &world.state).into_iter();
             let properties = before.map(|difference| difference.fact).filter(property);
             (done.clone(), properties.collect())
         }
     };
-    // What is said of a thing in one respect.
+    // The entity and the aspect of a fact.
     let respect = |fact: &Fact| (subject_of(domain, *fact), domain.is_relation(*fact));
-    // Where the claim says how a thing ends, or takes the opposite for granted, the draft's own steps say nothing more.
+    // If the claim covers an entity's final state, or is outdated for it, the effects of the draft's steps are ignored.
     let mut spoken_of: FxHashSet<EntityId> = claimed.iter().map(|fact| subject_of(domain, *fact)).collect();
     let contradicted = stays.iter().filter(|fact| !as_if.holds(**fact));
     spoken_of.extend(contradicted.map(|fact| subject_of(domain, *fact)));
@@ -72,7 +71,8 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
         .iter()
         .filter(|fact| !spoken_of.contains(&subject_of(domain, **fact)));
     let possible = |fact: &Fact| can_be_brought_about(domain, world, *fact);
-    // What a rule forbids at the end nobody promises: a hand that was left full is an oversight.
+    // A fact that violates a rule in the final state is not promised: a hand that still holds an object is an
+    // oversight.
     let broken = |state: &State| {
         broken_at_end(domain, world, state, purpose)
             .filter(|broken| broken.binds)
@@ -89,7 +89,7 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
     let mut impossible = Vec::new();
     for fact in claimed.iter().chain(unclaimed).copied() {
         let near = others(domain, world, fact);
-        // A relation that nothing can bring about is meant as another one only if the draft relates the two at all.
+        // An unachievable relation is replaced by another one only if the draft relates the two entities at all.
         if possible(&fact) || as_if.holds(fact) || near.iter().any(|other| as_if.holds(*other)) {
             let related = near.into_iter().filter(possible).collect();
             promises.push(Promise { fact, related });
@@ -112,7 +112,7 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
     }
 }
 
-/// The other relations that an environment can tell between the things of a fact.
+/// Returns the other relations that an environment can express between the arguments of a fact.
 fn others(domain: &Domain, world: &World, fact: Fact) -> Vec<Fact> {
     let arguments: Vec<EntityId> = domain.arguments(fact).collect();
     let mut others: Vec<Fact> = Vec::new();

@@ -1,4 +1,4 @@
-//! Drafts in, edits out; and repair against trying everything, on random domains.
+//! Tests from drafts to edits, and a comparison with exhaustive search on random domains.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -33,7 +33,7 @@ fn written(calls: &[&str]) -> TaskCohesion {
     }
 }
 
-/// The claim that differs from the world by these entries.
+/// Returns the claim with these changes to the world.
 fn claim(domain: &Domain, world: &World, entries: &[(&str, &str)]) -> Option<Claim> {
     let mut environment = world.environment.clone();
     for (identifier, word) in entries {
@@ -86,7 +86,7 @@ fn what_is_left_out_is_inserted() {
         &[],
         &["insert Open(<oven_2>) before step 2", "add Close(<oven_2>) at the end"],
     );
-    // Nothing but the claim says that there is more to do.
+    // Only the claim shows that more is to be done.
     check(
         &["Walktowards(<desk_1>)", "Grab(<pie_4>)"],
         &[("<pie_4>", "ON(<sink_3>)")],
@@ -107,7 +107,7 @@ fn the_wrong_verb_is_replaced() {
     ];
     let edit = ["in step 4, Put(<pie_4>, <sink_3>) instead of PutIn(<pie_4>, <sink_3>)"];
     check(&calls, &[], &edit);
-    // A claim that nothing can bring about is met as nearly as it can be.
+    // An unachievable claim is fulfilled as closely as possible.
     check(&calls, &[("<pie_4>", "INSIDE(<sink_3>)")], &edit);
 }
 
@@ -137,7 +137,7 @@ fn what_can_never_be_done_or_does_nothing_is_left_out() {
 
 #[test]
 fn nothing_is_guessed() {
-    // Nobody says what these were for.
+    // Without a claim, the purpose of these steps is unknown.
     check(
         &["Walktowards(<desk_1>)", "Juggle(<pie_4>)"],
         &[],
@@ -167,7 +167,7 @@ fn what_comes_too_early_is_done_later() {
 
 #[test]
 fn a_step_that_does_something_is_not_given_up() {
-    // Drinking changes nothing that an environment says.
+    // Drinking changes no state that an environment expresses.
     check(
         &["Walktowards(<desk_1>)", "Open(<desk_1>)", "Drink(<mug_5>)"],
         &[],
@@ -239,9 +239,9 @@ fn plans_with_hidden_arguments_are_repaired_too() {
     assert_eq!(after.object_states["<fridge_handle>"].as_slice(), ["closed()"]);
 }
 
-// --- against trying everything ---------------------------------------------------------------------------------
+// --- comparison with exhaustive search --------------------------------------------------------------------------
 
-/// The least cost of a repair, by looking at every draft position, step laid aside and state in order of cost.
+/// Computes the least cost of a repair with Dijkstra's algorithm over draft position, postponed step and state.
 fn least_cost(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, as_if: &State) -> Option<u32> {
     let meant = target::meant(domain, world, draft, purpose, as_if);
     let costs = domain.repair;
@@ -260,7 +260,7 @@ fn least_cost(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpos
         .flatten()
         .map(|step| (step.action, step.arguments.iter().copied().flatten().collect()))
         .collect();
-    // The facts that an action always makes true or false: these domains have no conditional effects.
+    // The unconditional effects of an action: these domains have no conditional effects.
     let brings = |(id, arguments): &(ActionId, Vec<EntityId>)| -> Vec<(Fact, bool)> {
         let effects = domain.action(*id).effects.iter();
         let all: Vec<_> = effects
@@ -370,11 +370,10 @@ fn all_actions(domain: &Domain, world: &World) -> Vec<(ActionId, Vec<EntityId>)>
     all
 }
 
-/// What an action needs and what it gives, each as a literal's number and whether it holds.
+/// Preconditions and effects of an action, as literal numbers with truth values.
 type RandomAction = (Vec<(u8, bool)>, Vec<(u8, bool)>);
 
-/// Three properties, a relation, and actions over them that look as `actions` say: what each literal is about and
-/// whether it holds.
+/// Returns a domain with three properties, a relation and the given actions.
 fn random_domain(actions: &[RandomAction]) -> Domain {
     let atom = |which: u8| ["(a ?x)", "(b ?x)", "(c ?x)", "(r ?x ?y)", "(a ?y)", "(s ?x)"][usize::from(which) % 6];
     let literal = |(which, holds): &(u8, bool)| match holds {
@@ -400,7 +399,7 @@ fn random_domain(actions: &[RandomAction]) -> Domain {
          [[state]]\nword = \"R(<y>)\"\nfact = \"(r ?self ?y)\"\nmeans = \"r\"\n",
     );
     for (index, (needs, gives)) in actions.iter().enumerate() {
-        // What never changes is never an effect.
+        // Static predicates cannot be effects.
         let gives: Vec<(u8, bool)> = gives.iter().map(|(which, holds)| (which % 5, *holds)).collect();
         pddl.push_str(&format!(
             "(:action act{index} :parameters (?x - thing ?y - thing) :precondition (and {}) :effect (and {}))\n",

@@ -1,52 +1,51 @@
-//! The plan while it is changed: parts in blocks, both by number.
+//! A draft during repair: nodes in numbered blocks.
 
 use super::super::EditKind;
 use crate::model::{Domain, EntityId, World};
 use crate::plan::{DraftStep, LaneItem, Node, Plan, Resolved, Step, StepId, Test};
 
-/// Steps, and blocks, that a plan may have once what follows a branch is written into both sides. Blocks count for
-/// themselves: branches with nothing in them double as well.
+/// Maximum number of steps and of blocks after unfolding. Blocks are limited too, since empty branches also double.
 const MOST: usize = 2_000;
 
-/// A step on its way to the repaired plan.
+/// A step of the draft during repair.
 #[derive(Debug, Clone)]
 pub(super) struct Item {
     pub(super) step: DraftStep,
-    /// What its open arguments were taken to be.
+    /// Bound values of its implicit arguments.
     pub(super) bound: Vec<EntityId>,
     pub(super) written: String,
-    /// Its number in the draft; for a step that is new, that of the one before which it was put in.
+    /// Its number in the draft; for a new step, the number of the step before which it was inserted.
     pub(super) from: usize,
-    /// How it came here; none for a step as the draft has it.
+    /// The edit that created it; none for a step as in the draft.
     pub(super) edit: Option<(EditKind, String)>,
-    /// Whether a way that was repaired already goes through it.
+    /// True if a repaired path contains it.
     pub(super) settled: bool,
 }
 
 impl Item {
-    /// The step's arguments; an open one is what it was taken to be. A step that no way goes through keeps its own.
+    /// Returns the step's arguments, with bound values for implicit ones. A step on no path keeps its own.
     pub(super) fn arguments(&self) -> Vec<EntityId> {
         let written = self.step.arguments.iter().zip(&self.bound);
         written.map(|(written, bound)| written.unwrap_or(*bound)).collect()
     }
 
-    /// Its number in the draft, if it stood there.
+    /// Returns its number in the draft; none for an inserted step.
     pub(super) fn drafted(&self) -> Option<usize> {
         let inserted = matches!(self.edit, Some((EditKind::Insert, _)));
         (!inserted).then_some(self.from)
     }
 }
 
-/// The plan while it is changed: its steps by number, whatever the order, and its tree.
+/// The draft during repair: numbered steps in any order, and the tree.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Draft {
     pub(super) items: Vec<Item>,
     pub(super) blocks: Vec<Vec<Part>>,
-    /// Steps that were left out: which, why, and the step before which they stood.
+    /// Dropped steps: number, call, reason, and the step before which they stood.
     pub(super) dropped: Vec<(usize, String, String, Option<usize>)>,
 }
 
-/// A part of a block; blocks go by number.
+/// A node of a block; blocks are referred to by number.
 #[derive(Debug, Clone)]
 pub(super) enum Part {
     Step(usize),
@@ -59,7 +58,7 @@ pub(super) enum Part {
 impl Draft {
     pub(super) fn of(domain: &Domain, world: &World, resolved: &Resolved, plan: &Plan) -> Self {
         let item = |(from, step): (usize, &Step)| Item {
-            // What the plan leaves open may be something else once it is repaired, but not what it asks about.
+            // Repair may change the implicit arguments of a step, but not those of a sensing step.
             step: match &resolved.steps[from] {
                 Some(draft) if domain.action(step.action).senses.is_empty() => draft.clone(),
                 _ => draft_step(step),
@@ -116,7 +115,7 @@ impl Draft {
         self.blocks.len() - 1
     }
 
-    /// Writes what follows a branch into both of its sides; false if that is too much.
+    /// Copies the nodes after each branch into both of its sides; returns false if the draft becomes too large.
     pub(super) fn unfold(&mut self, block: usize) -> bool {
         let Some(place) = self.blocks[block].iter().position(|part| matches!(part, Part::If(..))) else {
             return self.blocks[block].clone().iter().all(|part| match part {
@@ -134,7 +133,7 @@ impl Draft {
         self.items.len().max(self.blocks.len()) <= MOST && self.unfold(then) && self.unfold(otherwise)
     }
 
-    /// The same parts with steps of their own.
+    /// Copies the parts with new step numbers.
     fn copied(&mut self, parts: &[Part]) -> Vec<Part> {
         parts
             .iter()
@@ -177,7 +176,7 @@ impl Draft {
         }
     }
 
-    /// Puts what both sides of a branch end with behind it.
+    /// Moves the common end of both sides of a branch after the branch.
     pub(super) fn fold(&mut self, block: usize) {
         let mut parts = std::mem::take(&mut self.blocks[block]);
         if let Some(Part::If(_, then, otherwise)) = parts.last().cloned() {
@@ -207,7 +206,7 @@ impl Draft {
         }
     }
 
-    /// The tree of a block; its steps are added to `order`, and numbered so.
+    /// Converts a block to nodes; appends its steps to `order`, and numbers them accordingly.
     pub(super) fn nodes(&self, block: usize, order: &mut Vec<usize>) -> Vec<Node> {
         let mut nodes = Vec::new();
         for part in &self.blocks[block] {
@@ -257,7 +256,7 @@ pub(super) fn draft_step(step: &Step) -> DraftStep {
     }
 }
 
-/// The steps of lanes one after the other, as their sync points allow.
+/// Serializes the steps of lanes in an order that their synchronization points allow.
 fn in_turn(lanes: &[&[LaneItem]]) -> Vec<usize> {
     let mut places = vec![0; lanes.len()];
     let mut order = Vec::new();
@@ -274,7 +273,7 @@ fn in_turn(lanes: &[&[LaneItem]]) -> Vec<usize> {
                 moved = true;
             }
         }
-        // Every lane waits or is done: what they wait at is passed, whether or not it can be.
+        // All lanes wait or are done; passes their synchronization points, even in a deadlock.
         for (lane, items) in lanes.iter().enumerate() {
             if !moved && places[lane] < items.len() {
                 places[lane] += 1;

@@ -1,9 +1,9 @@
-//! Repair of a plan that branches.
+//! Repair of branching plans.
 //!
-//! The steps behind a branch are first written into both of its sides. Then every way through the plan is a plain list
-//! of steps that begins like the ones before it: each is repaired like any other draft, and what earlier ways settled
-//! is kept. What both sides of a branch end with stands behind it again afterwards, and the whole is verified as one
-//! plan. So every way is mended at the least cost, but not all of them together.
+//! First, the steps after a branch are copied into both of its sides. Then each execution path is a sequential draft
+//! that shares a prefix with earlier paths. Each path is repaired on its own, and keeps the steps that earlier paths
+//! have settled. Finally, the common end of both sides is moved after the branch again, and the whole plan is verified.
+//! So the cost is minimal for each path, but not for all together.
 
 mod draft;
 mod sensing;
@@ -22,7 +22,7 @@ use crate::model::{Fact, World};
 use crate::plan::{Plan, Resolved, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, bind_tree, binding_claims, check};
 
-/// Ways through a plan that are repaired; a plan with more is given up.
+/// Maximum number of paths; repair gives up on plans with more.
 const WAYS: usize = 64;
 
 pub(super) fn repair_branches(
@@ -64,7 +64,7 @@ pub(super) fn repair_branches(
         purpose,
         pins,
     };
-    // What the first way settles, the others have to live with: if they cannot, another one goes first.
+    // Later paths must keep the steps that the first path settles. If that fails, another path goes first.
     let first = task.way_by_way(draft.clone(), Order::FirstOutcome);
     match first {
         Outcome::Repaired(_) => first,
@@ -75,7 +75,7 @@ pub(super) fn repair_branches(
     }
 }
 
-/// A branching draft and what its repair has to keep to.
+/// A branching draft and the constraints of its repair.
 struct Task<'a> {
     limit: usize,
     domain: &'a Domain,
@@ -86,10 +86,10 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// Repairs one way after the other.
+    /// Repairs one path after the other.
     fn way_by_way(&self, mut draft: Draft, order: Order) -> Outcome {
         let (domain, world) = (self.domain, self.world);
-        // What the draft claims is the world of one ending; each way has its own.
+        // The claim describes one ending, but each path has its own.
         let each = Purpose {
             claim: None,
             step_claims: Vec::new(),
@@ -128,7 +128,7 @@ impl Task<'_> {
         }
     }
 
-    /// The repaired plan, if it is valid as a whole.
+    /// Returns the repaired plan if it is valid as a whole.
     fn whole(&self, draft: &Draft, cost: u32, expanded: usize) -> Outcome {
         let (domain, world) = (self.domain, self.world);
         let mut order = Vec::new();
@@ -158,8 +158,7 @@ impl Task<'_> {
         }))
     }
 
-    /// The plan if it is valid, with what it claims and no ending keeps: of the ending that comes nearest, that is given
-    /// up.
+    /// Returns the plan if it is valid, with the claims that the ending closest to the claim breaks.
     fn verified(&self, plan: Plan) -> Option<(VerifiedPlan, Vec<Fact>)> {
         let (domain, world) = (self.domain, self.world);
         let report = match check(domain, world, plan, self.purpose).into_verified() {
@@ -183,7 +182,7 @@ impl Task<'_> {
 }
 
 impl Draft {
-    /// What was changed, in the order of the plan.
+    /// Returns the edits, in plan order.
     fn edits(
         &self,
         domain: &Domain,
@@ -222,7 +221,7 @@ impl Draft {
                 about: None,
                 why: why.clone(),
             };
-            // A step behind a branch was left out of both of its sides.
+            // A step after a branch may have been dropped from both sides.
             if !edits
                 .iter()
                 .any(|known| known.kind == EditKind::Drop && known.step == *from)

@@ -1,4 +1,4 @@
-//! Sensing: what it tells on one way, and where it has to be put in.
+//! Sensing: its outcomes on one path, and insertion of sensing steps.
 
 use super::super::{Edit, EditKind, Pins, Repaired, Unwanted};
 use super::draft::{Draft, Item, Part, draft_step};
@@ -6,7 +6,7 @@ use crate::model::{Atom, Condition, Domain, Effect, EntityId, Fact, Term, Voice,
 use crate::plan::{Plan, Step, Test};
 use crate::verify::{Purpose, Violation, check};
 
-/// The domain in which sensing tells just this: on one way through a plan, it is an action like any other.
+/// Returns a domain in which sensing has exactly these outcomes, so that on one path it is an ordinary action.
 pub(super) fn with_outcomes(domain: &Domain, told: &[Fact]) -> Domain {
     domain.edited(|data| {
         for action in &mut data.actions {
@@ -29,8 +29,8 @@ pub(super) fn with_outcomes(domain: &Domain, told: &[Fact]) -> Domain {
     })
 }
 
-/// The steps and edits of a repaired way, with what was put in before sensing put behind it where that will do: there it
-/// concerns this way alone.
+/// Returns the steps and edits of a repaired path. Steps that were inserted before sensing are moved after it where
+/// possible, so that they affect this path only.
 pub(super) fn behind_sensing(
     domain: &Domain,
     told: &Domain,
@@ -42,11 +42,11 @@ pub(super) fn behind_sensing(
 ) -> (Vec<Step>, Vec<Edit>) {
     let mut steps = repaired.plan.steps().to_vec();
     let mut edits = repaired.edits;
-    // Behind sensing may be where a person took a step out.
+    // A moved step could end up where the user removed one.
     if !pins.unwanted.is_empty() {
         return (steps, edits);
     }
-    // Behind the head of a loop it would be done again and again.
+    // After a loop condition it would be executed in each iteration.
     let senses = |step: &Step| {
         let mut outcomes = domain
             .action(step.action)
@@ -82,7 +82,7 @@ pub(super) fn behind_sensing(
 }
 
 impl Draft {
-    /// Puts sensing before the conditions that ask what nothing has sensed, unless a person does not want it there.
+    /// Inserts sensing before conditions on unsensed facts, unless the user removed it there.
     pub(super) fn sense(&mut self, domain: &Domain, world: &World, violations: &[Violation], pins: &Pins) {
         for violation in violations {
             let plain = match violation {
@@ -138,7 +138,7 @@ impl Draft {
         }
     }
 
-    /// The number in the draft of the first step from a place on.
+    /// Returns the draft number of the first step at or after a place.
     fn number_from(&self, block: usize, place: usize) -> usize {
         let mut numbers = Vec::new();
         for part in &self.blocks[block][place..] {

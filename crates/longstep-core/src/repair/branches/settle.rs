@@ -1,4 +1,4 @@
-//! What a way has become, taken over into the draft.
+//! Transfer of a repaired path to the draft.
 
 use super::super::{Edit, EditKind};
 use super::draft::{Draft, Item, Part, draft_step};
@@ -6,7 +6,7 @@ use super::way::Way;
 use crate::plan::Step;
 
 impl Draft {
-    /// Takes over what a way has become.
+    /// Applies the edits of a repaired path to the draft.
     pub(super) fn settle(&mut self, way: &Way, steps: &[Step], edits: &[Edit]) {
         let place_of = |edit: &Edit| edit.step;
         let gone: Vec<usize> = edits
@@ -41,7 +41,7 @@ impl Draft {
                     Some(number)
                 }
                 Some(edit) => {
-                    // It goes before the next step of the way that stays where it is.
+                    // It goes before the next step of the path that keeps its position.
                     let next = kept.clone().next().map(|place| way.steps[place]);
                     let from = match edit.kind {
                         EditKind::Move => self.items[way.steps[edit.step].0].from,
@@ -69,7 +69,7 @@ impl Draft {
         }
     }
 
-    /// One past the last number of the draft.
+    /// Returns one more than the last step number of the draft.
     fn end(&self) -> usize {
         let own = self.items.iter().filter_map(Item::drafted);
         own.map(|number| number + 1).max().unwrap_or(0)
@@ -81,7 +81,7 @@ impl Draft {
         };
         let is_next = |part: &Part| match part {
             Part::Step(number) => *number == next,
-            // A step of a condition: what comes before it comes before the branch.
+            // For a step of a condition, the new step goes before the branch or loop.
             Part::If(test, ..) | Part::While(test, _) => test.steps().iter().any(|step| step.index() == next),
             Part::Repeat(..) | Part::Remark(_) => false,
         };

@@ -1,4 +1,4 @@
-//! Branching plans in, branching plans out.
+//! Tests from branching plans to branching plans.
 
 use proptest::prelude::*;
 
@@ -22,7 +22,7 @@ fn larder() -> (Domain, World) {
     (domain, world)
 }
 
-/// What a script is repaired to, and the edits in a few words.
+/// Checks the repaired script and the edits in brief.
 #[track_caller]
 fn check(text: &str, expected: &str, edits: &[&str]) {
     let (domain, world) = larder();
@@ -38,7 +38,7 @@ fn check(text: &str, expected: &str, edits: &[&str]) {
     let mut calls: Vec<String> = Vec::new();
     for line in script::write(&cohesion.written().unwrap()).lines() {
         let call = line.split("  #").next().unwrap_or_default();
-        // Hidden parameters are shown in the explanations.
+        // Omits implicit parameters; the explanations show them.
         let call = match call.find('(') {
             Some(at) if call.trim_end().ends_with(')') => format!("{}()", &call[..at]),
             Some(at) if call.trim_end().ends_with("):") => format!("{}():", &call[..at]),
@@ -153,7 +153,7 @@ release_object()
 #[test]
 fn branches_that_double_are_given_up() {
     let (domain, world) = larder();
-    // Nothing senses the date, so the plan is no plan; each branch doubles all that follow it, and none has a step.
+    // The date is never sensed, so the plan is invalid. Each branch doubles the following ones, and none has a step.
     let text = "if expired('<cheese>'):\n    pass\n".repeat(40);
     let draft = resolve(
         &domain,
@@ -215,7 +215,7 @@ else:
         .find(|edit| edit.kind == EditKind::Insert && edit.step == 4);
     let added = free.plan.plan().step(StepId::new(added.unwrap().at)).clone();
 
-    // What was taken out between two steps does not come back there, and neither does anything that does the same.
+    // A removed step does not return to its position, and neither does a step with equal effects.
     let unwanted = |reach| Pins {
         unwanted: vec![Unwanted {
             action: added.action,
@@ -237,7 +237,7 @@ else:
         }
     }
 
-    // What is kept is neither dropped nor replaced nor moved, on whichever way it stands.
+    // A pinned step is not dropped, replaced or moved on any path.
     for step in 0..draft.steps.len() {
         let pins = Pins {
             kept: vec![step],
@@ -285,7 +285,7 @@ const CALLS: [&str; 9] = [
     "move_object(to=\"<shelf>\")",
 ];
 
-/// Scripts of a few calls that hide their arguments, in branches and loops.
+/// Generates scripts with calls that omit their arguments, in branches and loops.
 fn scripts() -> impl Strategy<Value = String> {
     let call = prop::sample::select(CALLS.to_vec()).prop_map(|call| vec![call.to_owned()]);
     let nodes = call.prop_recursive(3, 12, 4, |inner| {

@@ -1,4 +1,4 @@
-//! One way through the draft, as a list of steps.
+//! Execution paths of a draft as sequential drafts.
 
 use super::super::{Pins, Reach, Unwanted};
 use super::draft::{Draft, Part};
@@ -6,30 +6,30 @@ use crate::model::{Domain, Fact, State, World};
 use crate::plan::{Node, Resolved, StepId, Test};
 use crate::verify::apply;
 
-/// Which outcome of sensing is followed first.
+/// Order in which sensing outcomes are followed.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Order {
     FirstOutcome,
     LastOutcome,
 }
 
-/// One way through the draft.
+/// One execution path of the draft.
 #[derive(Debug, Default)]
 pub(super) struct Way {
-    /// The steps with the blocks that they stand in; sensing steps of conditions with none.
+    /// The steps with their blocks; none for sensing steps of conditions.
     pub(super) steps: Vec<(usize, Option<usize>)>,
-    /// The block that the way ends in.
+    /// The block in which the path ends.
     pub(super) last: usize,
-    /// What sensing tells on it.
+    /// Sensing outcomes on the path, with the positions of the sensing steps.
     pub(super) told: Vec<(usize, Fact)>,
-    /// What is told at the head of a loop.
+    /// Sensing outcomes at loop conditions.
     pub(super) looped: Vec<Fact>,
-    /// Which of its sides each branch took, and how many there were.
+    /// For each decision, the chosen outcome and the number of outcomes.
     pub(super) decisions: Vec<(usize, usize)>,
 }
 
 impl Draft {
-    /// The way that takes these decisions and the first one wherever there are more, as if every step worked.
+    /// Follows the given decisions, then the first outcome of each further one, as if every step were applicable.
     pub(super) fn way(&self, domain: &Domain, world: &World, decisions: &[(usize, usize)], order: Order) -> Way {
         let mut follower = Follower {
             draft: self,
@@ -44,8 +44,8 @@ impl Draft {
         follower.way
     }
 
-    /// The way as a draft of its own, and what of it may not be changed: what other ways go through, sensing, and what a
-    /// person settled.
+    /// Converts the path to a sequential draft, with pins for its fixed steps: steps on settled paths, sensing steps,
+    /// and the user's pins.
     pub(super) fn linear(&self, resolved: &Resolved, way: &Way, pins: &Pins) -> (Resolved, Pins) {
         let items = || way.steps.iter().map(|(number, _)| &self.items[*number]);
         let body = (0..way.steps.len())
@@ -70,7 +70,7 @@ impl Draft {
         (linear, pins)
     }
 
-    /// A step that is not to come back, with its place on the way; none if it is not wanted at another place only.
+    /// Translates a prohibition to a position on the path; none if it concerns a position elsewhere.
     fn on(&self, way: &Way, unwanted: &Unwanted) -> Option<Unwanted> {
         let place_of = |drafted: usize| {
             let drafted = |(number, _): &(usize, Option<usize>)| self.items[*number].drafted() == Some(drafted);
@@ -89,7 +89,7 @@ impl Draft {
     }
 }
 
-/// Goes one way through a draft.
+/// Follows one execution path of a draft.
 struct Follower<'a> {
     draft: &'a Draft,
     domain: &'a Domain,
@@ -112,7 +112,7 @@ impl Follower<'_> {
                     let side = if self.test(test) { then } else { otherwise };
                     self.block(*side);
                 }
-                // Once round is enough to see what is wrong with it.
+                // One iteration suffices to find the errors in the body.
                 Part::While(test, body) => {
                     let before = self.way.told.len();
                     let goes_on = self.test(test);
@@ -134,7 +134,7 @@ impl Follower<'_> {
         }
     }
 
-    /// Does a step; returns which of its outcomes came, if it senses.
+    /// Executes a step; returns the index of its outcome if it senses.
     fn step(&mut self, number: usize, block: Option<usize>) -> Option<usize> {
         let item = &self.draft.items[number];
         let (action, arguments) = (self.domain.action(item.step.action), &item.bound);
