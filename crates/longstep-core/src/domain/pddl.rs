@@ -351,7 +351,7 @@ impl Reader<'_> {
                 self.condition(when, scope, names).negated(),
                 self.condition(then, scope, names),
             ]),
-            ("initially", [inner]) if self.written == Written::ForUs => initially(self.condition(inner, scope, names)),
+            ("initially", [inner]) if self.written == Written::ForUs => self.condition(inner, scope, names).initially(),
             ("forall" | "exists", [variables, inner]) => {
                 let outer = scope.len();
                 for variable in self.variables(variables.list().unwrap_or_default(), &names.types) {
@@ -420,8 +420,11 @@ impl Reader<'_> {
                     forall.push((scope.len(), variable.kind));
                     scope.push((variable.name, variable.kind));
                 }
-                // Slots of an enclosing `when` move behind the variables of the effect.
-                let when = when.clone().shifted(outer, scope.len() - outer);
+                // The variables of a `when` around it come behind those of the effect.
+                let own = scope.len() - outer;
+                let when = when
+                    .clone()
+                    .with_slots(&|slot| if slot < outer { slot } else { slot + own });
                 self.effect(inner, scope, forall, &when, names, effects);
                 scope.truncate(outer);
                 forall.truncate(quantified);
@@ -529,22 +532,6 @@ impl Reader<'_> {
                 None
             }
         }
-    }
-}
-
-/// Makes every atom refer to the initial state.
-fn initially(condition: Condition) -> Condition {
-    match condition {
-        Condition::And(all) => Condition::And(all.into_iter().map(initially).collect()),
-        Condition::Or(any) => Condition::Or(any.into_iter().map(initially).collect()),
-        Condition::Forall(slot, kind, inner) => Condition::Forall(slot, kind, Box::new(initially(*inner))),
-        Condition::Exists(slot, kind, inner) => Condition::Exists(slot, kind, Box::new(initially(*inner))),
-        Condition::Atom { atom, holds, .. } => Condition::Atom {
-            atom,
-            holds,
-            initially: true,
-        },
-        equal @ Condition::Equal { .. } => equal,
     }
 }
 

@@ -14,4 +14,4 @@ pub use crate::model::{
 };
 pub use claim::Claim;
 pub use read::read;
-pub use write::{fact_of, word_for, write};
+pub use write::{fact_of, write};

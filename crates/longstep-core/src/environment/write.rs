@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 
 use super::{EntityId, Environment, Fact, State, Words, World};
 use crate::call::Call;
-use crate::model::{Domain, StateWord, Term};
+use crate::model::{Domain, entries_of};
 
 /// Writes `state` as an environment, given the `world` with the initial state.
 ///
@@ -14,12 +14,7 @@ pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
     let as_list = environment.prefers_lists();
     let mut news: IndexMap<EntityId, Vec<String>> = IndexMap::new();
     for fact in state.iter().filter(|fact| !world.state.holds(*fact)) {
-        for word in domain
-            .states
-            .iter()
-            .filter(|word| word.atom.predicate == fact.predicate())
-        {
-            let (subject, text) = word_for(word, world, fact);
+        for (subject, text) in entries_of(domain, world, fact) {
             news.entry(subject).or_default().push(text);
         }
     }
@@ -79,21 +74,4 @@ pub fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) ->
         bindings.push(world.find(argument)?);
     }
     Some(crate::model::ground(&word.atom, &bindings))
-}
-
-/// Returns the entity under which a fact is listed, and the notation of the fact.
-pub fn word_for(word: &StateWord, world: &World, fact: Fact) -> (EntityId, String) {
-    let mut slots = vec![None; word.parameters.len() + 1];
-    for (place, term) in word.atom.terms.iter().enumerate() {
-        if let Term::Variable(slot) = term {
-            slots[*slot] = Some(fact.argument(place));
-        }
-    }
-    let subject = slots[0].unwrap_or(fact.argument(0));
-    let identifier = |slot: &Option<EntityId>| slot.map(|id| world.entity(id).identifier.clone());
-    let call = Call {
-        name: word.word.clone(),
-        arguments: slots[1..].iter().filter_map(identifier).collect(),
-    };
-    (subject, call.to_string())
 }

@@ -244,7 +244,7 @@ impl<'a> Joined<'a> {
         let all = bindings.len();
         let shift = |((fact, wanted), (offset, own)): ((GoalFact, Wanted), (usize, usize))| {
             let slot = |slot: usize| if slot < own { offset + slot } else { all + slot - own };
-            (fact, moved(wanted.condition, &slot))
+            (fact, wanted.condition.with_slots(&slot))
         };
         Self {
             domain,
@@ -265,7 +265,7 @@ impl<'a> Joined<'a> {
     /// Returns the condition that the goal does not hold, or held initially.
     fn not_brought_about(&self, fact: &GoalFact) -> Condition {
         let part = self.part(fact);
-        Condition::Or(vec![part.clone().negated(), asked_initially(part)])
+        Condition::Or(vec![part.clone().negated(), part.initially()])
     }
 
     /// Returns the condition that the outcome is known to hold, or to have held until an action changed it.
@@ -286,50 +286,5 @@ impl<'a> Joined<'a> {
             Some(past) => Condition::Or(vec![atom(outcome.predicate()), atom(past)]),
             None => atom(outcome.predicate()),
         }
-    }
-}
-
-/// Returns the condition with renumbered slots.
-fn moved(condition: Condition, slot: &impl Fn(usize) -> usize) -> Condition {
-    let term = |term: Term| match term {
-        Term::Variable(variable) => Term::Variable(slot(variable)),
-        constant => constant,
-    };
-    let all = |parts: Vec<Condition>| parts.into_iter().map(|part| moved(part, slot)).collect();
-    match condition {
-        Condition::And(parts) => Condition::And(all(parts)),
-        Condition::Or(parts) => Condition::Or(all(parts)),
-        Condition::Forall(own, kind, inner) => Condition::Forall(slot(own), kind, Box::new(moved(*inner, slot))),
-        Condition::Exists(own, kind, inner) => Condition::Exists(slot(own), kind, Box::new(moved(*inner, slot))),
-        Condition::Atom { atom, holds, initially } => Condition::Atom {
-            atom: Atom {
-                predicate: atom.predicate,
-                terms: atom.terms.into_iter().map(term).collect(),
-            },
-            holds,
-            initially,
-        },
-        Condition::Equal { left, right, holds } => Condition::Equal {
-            left: term(left),
-            right: term(right),
-            holds,
-        },
-    }
-}
-
-/// Returns the condition, evaluated in the initial state.
-fn asked_initially(condition: Condition) -> Condition {
-    let all = |parts: Vec<Condition>| parts.into_iter().map(asked_initially).collect();
-    match condition {
-        Condition::And(parts) => Condition::And(all(parts)),
-        Condition::Or(parts) => Condition::Or(all(parts)),
-        Condition::Forall(slot, kind, inner) => Condition::Forall(slot, kind, Box::new(asked_initially(*inner))),
-        Condition::Exists(slot, kind, inner) => Condition::Exists(slot, kind, Box::new(asked_initially(*inner))),
-        Condition::Atom { atom, holds, .. } => Condition::Atom {
-            atom,
-            holds,
-            initially: true,
-        },
-        equal @ Condition::Equal { .. } => equal,
     }
 }

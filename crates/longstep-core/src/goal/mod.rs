@@ -201,10 +201,8 @@ impl Goal {
             GoalFact::If(_) => true,
             GoalFact::Plain(fact) => domain.is_sensed(fact.predicate()),
             GoalFact::Word { word, .. } => {
-                let mut sensed = false;
-                let condition = &domain.goal_word(*word).condition;
-                condition.for_each_atom(&mut |atom, _| sensed |= domain.is_sensed(atom.predicate));
-                sensed
+                let mut atoms = domain.goal_word(*word).condition.atoms();
+                atoms.any(|(atom, _)| domain.is_sensed(atom.predicate))
             }
         })
     }

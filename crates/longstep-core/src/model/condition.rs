@@ -83,48 +83,92 @@ impl Condition {
     /// Returns the condition with every slot at or above `from` moved up by `by`. This makes room for variables between
     /// those bound outside the condition and its own.
     #[must_use]
-    pub(crate) fn shifted(self, from: Slot, by: usize) -> Self {
-        let slot = |slot: Slot| if slot < from { slot } else { slot + by };
+    pub(crate) fn with_slots(self, slot: &impl Fn(Slot) -> Slot) -> Self {
         let term = |term: Term| match term {
             Term::Variable(variable) => Term::Variable(slot(variable)),
             constant @ Term::Constant(_) => constant,
         };
-        let all = |parts: Vec<Self>| parts.into_iter().map(|part| part.shifted(from, by)).collect();
-        match self {
-            Self::And(parts) => Self::And(all(parts)),
-            Self::Or(parts) => Self::Or(all(parts)),
-            Self::Forall(variable, kind, inner) => {
-                Self::Forall(slot(variable), kind, Box::new(inner.shifted(from, by)))
-            }
-            Self::Exists(variable, kind, inner) => {
-                Self::Exists(slot(variable), kind, Box::new(inner.shifted(from, by)))
-            }
-            Self::Atom { atom, holds, initially } => Self::Atom {
-                atom: Atom {
-                    predicate: atom.predicate,
-                    terms: atom.terms.into_iter().map(term).collect(),
-                },
+        self.map(slot, &|literal| match literal {
+            Self::Atom {
+                mut atom,
                 holds,
                 initially,
-            },
+            } => {
+                atom.terms.iter_mut().for_each(|place| *place = term(*place));
+                Self::Atom { atom, holds, initially }
+            }
             Self::Equal { left, right, holds } => Self::Equal {
                 left: term(left),
                 right: term(right),
                 holds,
             },
+            other => other,
+        })
+    }
+
+    /// The condition, asked of the state in which the instruction was given.
+    #[must_use]
+    pub(crate) fn initially(self) -> Self {
+        self.map(&|slot| slot, &|literal| match literal {
+            Self::Atom { atom, holds, .. } => Self::Atom {
+                atom,
+                holds,
+                initially: true,
+            },
+            other => other,
+        })
+    }
+
+    /// Rebuilds the condition with another slot for each quantifier and another condition for each atom and equality.
+    fn map(self, slot: &impl Fn(Slot) -> Slot, literal: &impl Fn(Self) -> Self) -> Self {
+        let all = |parts: Vec<Self>| parts.into_iter().map(|part| part.map(slot, literal)).collect();
+        match self {
+            Self::And(parts) => Self::And(all(parts)),
+            Self::Or(parts) => Self::Or(all(parts)),
+            Self::Forall(own, kind, inner) => Self::Forall(slot(own), kind, Box::new(inner.map(slot, literal))),
+            Self::Exists(own, kind, inner) => Self::Exists(slot(own), kind, Box::new(inner.map(slot, literal))),
+            other => literal(other),
         }
     }
 
-    /// Calls `visit` for every atom, with `true` for a positive and `false` for a negated one.
-    pub fn for_each_atom(&self, visit: &mut impl FnMut(&Atom, bool)) {
+    /// The conditions directly inside this one: none inside an atom or an equality.
+    pub fn parts(&self) -> &[Condition] {
         match self {
-            Self::And(conditions) | Self::Or(conditions) => {
-                conditions.iter().for_each(|c| c.for_each_atom(visit));
-            }
-            Self::Forall(_, _, inner) | Self::Exists(_, _, inner) => inner.for_each_atom(visit),
-            Self::Atom { atom, holds, .. } => visit(atom, *holds),
-            Self::Equal { .. } => {}
+            Self::And(parts) | Self::Or(parts) => parts,
+            Self::Forall(_, _, inner) | Self::Exists(_, _, inner) => std::slice::from_ref(inner),
+            Self::Atom { .. } | Self::Equal { .. } => &[],
         }
+    }
+
+    /// Visits the condition and every condition inside it, each before its parts.
+    pub fn iter(&self) -> impl Iterator<Item = &Condition> {
+        let mut open = vec![self];
+        std::iter::from_fn(move || {
+            let next = open.pop()?;
+            open.extend(next.parts().iter().rev());
+            Some(next)
+        })
+    }
+
+    /// Every atom, with whether it must hold.
+    pub fn atoms(&self) -> impl Iterator<Item = (&Atom, bool)> {
+        self.iter().filter_map(|part| match part {
+            Self::Atom { atom, holds, .. } => Some((atom, *holds)),
+            _ => None,
+        })
+    }
+
+    /// The conditions that all have to hold, through nested `and`s.
+    pub fn conjuncts(&self) -> impl Iterator<Item = &Condition> {
+        let mut open = vec![self];
+        std::iter::from_fn(move || {
+            loop {
+                match open.pop()? {
+                    Self::And(parts) => open.extend(parts.iter().rev()),
+                    other => return Some(other),
+                }
+            }
+        })
     }
 }
 

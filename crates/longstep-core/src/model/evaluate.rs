@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Atom, Condition, EntityId, Fact, Slot, State, Term, TypeId, World};
+use super::{Atom, Condition, Domain, EntityId, Fact, Slot, State, Term, TypeId, World};
 use crate::effort;
 
 /// The entities bound to the slots of a condition.
@@ -234,6 +234,25 @@ pub(crate) fn for_matching(
 impl<'a> Moment<'a> {
     fn state_of(self, initially: bool) -> &'a State {
         if initially { &self.world.state } else { self.state }
+    }
+}
+
+/// The value that an equality, or an atom that no action changes, has in every state; none for any other condition.
+pub(crate) fn unchanging_value(
+    domain: &Domain,
+    world: &World,
+    condition: &Condition,
+    bindings: &[EntityId],
+) -> Option<bool> {
+    match condition {
+        Condition::Atom { atom, holds, initially } => {
+            let unchanging = *initially || !domain.words(atom.predicate).fluent;
+            unchanging.then(|| world.state.holds(ground(atom, bindings)) == *holds)
+        }
+        Condition::Equal { left, right, holds } => {
+            Some((grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds)
+        }
+        _ => None,
     }
 }
 

@@ -31,7 +31,7 @@ pub use domain::{
 };
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};
-pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term};
+pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term, unchanging_value};
 pub(crate) use fact::ChangedLists;
 pub use fact::{EntityId, Fact, FactSet, State};
 pub(crate) use id::id;
@@ -44,6 +44,6 @@ pub(crate) use simulate::{apply_onto, rests_on};
 pub use template::{Template, with_article};
 pub use trace::{Change, Ending, StepId, Trace};
 pub use wanted::Wanted;
-pub use wording::{state_word, subject_of, written_fact};
+pub use wording::{entries_of, state_word, subject_of, written_fact};
 pub(crate) use world::ENTITY_LIMIT;
 pub use world::{AssumptionSource, Entity, World};

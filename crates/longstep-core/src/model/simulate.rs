@@ -208,7 +208,5 @@ pub(crate) fn rests_on(
 
 /// Returns true if the condition has a positive atom.
 fn asks_for_facts(condition: &Condition) -> bool {
-    let mut asks = false;
-    condition.for_each_atom(&mut |_, holds| asks |= holds);
-    asks
+    condition.atoms().any(|(_, holds)| holds)
 }

@@ -1,10 +1,42 @@
 //! The notation of facts in an environment.
 
-use super::{Domain, EntityId, Fact, PredicateId, StateWord, Term};
+use super::{Domain, EntityId, Fact, PredicateId, StateWord, Term, World};
+use crate::call::Call;
+
+impl StateWord {
+    /// The places of the predicate's arguments in the order in which the word is called, the entity first in whose entry
+    /// it stands.
+    pub fn places(&self) -> impl Iterator<Item = Option<usize>> {
+        let place = |slot| self.atom.terms.iter().position(|term| *term == Term::Variable(slot));
+        (0..=self.parameters.len()).map(place)
+    }
+}
+
+/// The words with which an environment says a fact.
+fn state_words(domain: &Domain, predicate: PredicateId) -> impl Iterator<Item = &StateWord> {
+    let words = domain.states.iter();
+    words.filter(move |word| word.atom.predicate == predicate)
+}
 
 /// Returns the state word of a predicate; none for a predicate that environments do not write.
 pub fn state_word(domain: &Domain, predicate: PredicateId) -> Option<&StateWord> {
-    domain.states.iter().find(|word| word.atom.predicate == predicate)
+    state_words(domain, predicate).next()
+}
+
+/// Every way in which an environment says a fact: the entity in whose entry it is written, and how.
+pub fn entries_of(domain: &Domain, world: &World, fact: Fact) -> impl Iterator<Item = (EntityId, String)> {
+    state_words(domain, fact.predicate()).map(move |word| {
+        let mut entities = word.places().map(|place| place.map(|place| fact.argument(place)));
+        let subject = entities.next().flatten().unwrap_or(fact.argument(0));
+        let call = Call {
+            name: word.word.clone(),
+            arguments: entities
+                .flatten()
+                .map(|id| world.entity(id).identifier.clone())
+                .collect(),
+        };
+        (subject, call.to_string())
+    })
 }
 
 /// Writes a fact in the notation of an environment; `name` gives the name of each entity.
@@ -18,7 +50,6 @@ pub fn written_fact(domain: &Domain, fact: Fact, name: &dyn Fn(EntityId) -> Stri
 
 /// Returns the entity under which an environment lists the fact.
 pub fn subject_of(domain: &Domain, fact: Fact) -> EntityId {
-    let place = state_word(domain, fact.predicate())
-        .and_then(|word| word.atom.terms.iter().position(|term| *term == Term::Variable(0)));
+    let place = state_word(domain, fact.predicate()).and_then(|word| word.places().next()?);
     fact.argument(place.unwrap_or(0))
 }

@@ -7,9 +7,7 @@ use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::domain::pddl::{Reader, Semantics, Written};
 use crate::domain::sexpr::{self, Expression};
-use crate::model::{
-    Condition, Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, PredicateId, State, Words, World,
-};
+use crate::model::{Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, PredicateId, State, Words, World};
 use crate::search::Wanted;
 
 /// A planning task: a world and a goal.
@@ -149,7 +147,11 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
     for (section, items) in of(":goal") {
         goals += 1;
         if let [goal] = items {
-            conjuncts(reader.condition(goal, &mut Vec::new(), &names), &mut wanted);
+            let goal = reader.condition(goal, &mut Vec::new(), &names);
+            wanted.extend(goal.conjuncts().map(|condition| Wanted {
+                condition: condition.clone(),
+                bindings: Vec::new(),
+            }));
         } else {
             reader.report(section.position, "expected one condition");
         }
@@ -186,17 +188,6 @@ fn known_fact(
         bound.push(*numbers.get(argument.word()?)?);
     }
     Some(Fact::new(predicate, bound))
-}
-
-/// Splits a condition into its conjuncts, each a goal condition.
-fn conjuncts(condition: Condition, wanted: &mut Vec<Wanted>) {
-    match condition {
-        Condition::And(parts) => parts.into_iter().for_each(|part| conjuncts(part, wanted)),
-        condition => wanted.push(Wanted {
-            condition,
-            bindings: Vec::new(),
-        }),
-    }
 }
 
 /// Writes the state as an environment, without facts that have no arguments.

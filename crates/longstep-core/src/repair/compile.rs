@@ -119,16 +119,16 @@ pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked,
     about.extend(meant.promised().flat_map(|fact| domain.arguments(*fact)));
     for step in draft.steps.iter().flatten() {
         let action = domain.action(step.action);
-        action
-            .precondition
-            .for_each_atom(&mut |atom, holds| asked.literal(atom.predicate, holds));
+        for (atom, holds) in action.precondition.atoms() {
+            asked.literal(atom.predicate, holds);
+        }
         // A replacement for the step changes some of the same facts.
         for effect in &action.effects {
             asked.literal(effect.atom.predicate, effect.adds);
-            effect.condition.for_each_atom(&mut |atom, _| {
+            for (atom, _) in effect.condition.atoms() {
                 asked.literal(atom.predicate, true);
                 asked.literal(atom.predicate, false);
-            });
+            }
         }
         about.extend(step.arguments.iter().flatten());
     }

@@ -68,13 +68,8 @@ const TOO_MUCH: &str =
 /// assert!(shortest && plan.steps().len() == 6);
 /// ```
 pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
-    let mut sensed = false;
-    for wanted in wanted {
-        wanted
-            .condition
-            .for_each_atom(&mut |atom, _| sensed |= domain.is_sensed(atom.predicate));
-    }
-    if sensed {
+    let mut atoms = wanted.iter().flat_map(|wanted| wanted.condition.atoms());
+    if atoms.any(|(atom, _)| domain.is_sensed(atom.predicate)) {
         return contingent::solve(domain, world, wanted, limits);
     }
     let senses = || domain.actions.iter().any(|action| !action.senses.is_empty());

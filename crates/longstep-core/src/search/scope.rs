@@ -126,6 +126,11 @@ fn fixed(condition: &Condition, slot: usize) -> bool {
     }
 }
 
+/// The literals of a condition on the level of predicates.
+fn literals(condition: &Condition) -> impl Iterator<Item = (PredicateId, bool)> {
+    condition.atoms().map(|(atom, holds)| (atom.predicate, holds))
+}
+
 /// The requirements of a goal: literals by predicate, and the conditions themselves.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Asked {
@@ -148,9 +153,7 @@ impl Asked {
 
     /// Adds a condition whose first slots are bound.
     fn condition(&mut self, condition: &Condition, bindings: &[EntityId]) {
-        condition.for_each_atom(&mut |atom, holds| {
-            self.literals.insert((atom.predicate, holds));
-        });
+        self.literals.extend(literals(condition));
         self.conditions.push((condition.clone(), bindings.to_vec()));
     }
 
@@ -170,29 +173,21 @@ impl Asked {
                     if !asked.contains(&(effect.atom.predicate, effect.adds)) {
                         continue;
                     }
-                    effect.condition.for_each_atom(&mut |atom, holds| {
-                        asked.insert((atom.predicate, holds));
-                    });
+                    asked.extend(literals(&effect.condition));
                     if !std::mem::replace(matters, true) {
-                        action.precondition.for_each_atom(&mut |atom, holds| {
-                            asked.insert((atom.predicate, holds));
-                        });
+                        asked.extend(literals(&action.precondition));
                     }
                 }
                 let told = action.senses.iter().any(|atom| asked.contains(&(atom.predicate, true)));
                 if told && !std::mem::replace(matters, true) {
-                    action.precondition.for_each_atom(&mut |atom, holds| {
-                        asked.insert((atom.predicate, holds));
-                    });
+                    asked.extend(literals(&action.precondition));
                     // Sensing is applicable only while none of its outcomes is known.
                     asked.extend(action.senses.iter().map(|atom| (atom.predicate, false)));
                 }
                 // The conditions under which an effect deletes a required literal are relevant too.
                 for effect in action.effects.iter().filter(|_| *matters) {
                     if asked.contains(&(effect.atom.predicate, !effect.adds)) {
-                        effect.condition.for_each_atom(&mut |atom, holds| {
-                            asked.insert((atom.predicate, !holds));
-                        });
+                        asked.extend(literals(&effect.condition).map(|(predicate, holds)| (predicate, !holds)));
                     }
                 }
             }

@@ -9,8 +9,8 @@ use super::scope::{Asked, Scope};
 use super::{GroundAction, Wanted};
 use crate::effort;
 use crate::model::{
-    Action, Atom, Bindings, Condition, Domain, EntityId, Fact, Moment, RuleTime, Slot, TypeId, World, ever_candidates,
-    ground as ground_atom, grounded_term,
+    Action, Atom, Bindings, Condition, Domain, EntityId, Fact, Moment, RuleTime, Slot, Term, TypeId, World,
+    ever_candidates, ground as ground_atom, unchanging_value,
 };
 
 /// Work units for one node of a condition, which is stored and copied into smaller tasks.
@@ -160,31 +160,16 @@ fn ground_with(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted],
 
 /// Returns the parts of a conjunction, each with the number of parameters that must be bound to evaluate it.
 fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
-    match condition {
-        Condition::And(all) => all.iter().flat_map(conjuncts).collect(),
-        other => vec![(parameters_needed(other, usize::MAX), other)],
-    }
-}
-
-fn parameters_needed(condition: &Condition, bound: usize) -> usize {
-    use crate::model::Term;
-    let of = |term: &Term| match term {
-        Term::Variable(slot) if *slot < bound => slot + 1,
+    let needed = |term: &Term| match term {
+        Term::Variable(slot) => slot + 1,
+        Term::Constant(_) => 0,
+    };
+    let all_needed = |part: &Condition| match part {
+        Condition::Atom { atom, .. } => atom.terms.iter().map(needed).max().unwrap_or(0),
+        Condition::Equal { left, right, .. } => needed(left).max(needed(right)),
         _ => 0,
     };
-    match condition {
-        Condition::And(parts) | Condition::Or(parts) => parts
-            .iter()
-            .map(|part| parameters_needed(part, bound))
-            .max()
-            .unwrap_or(0),
-        // The quantified slot follows all parameters, so all of them must be bound.
-        Condition::Forall(slot, _, inner) | Condition::Exists(slot, _, inner) => {
-            (*slot).max(parameters_needed(inner, bound.min(*slot)))
-        }
-        Condition::Atom { atom, .. } => atom.terms.iter().map(of).max().unwrap_or(0),
-        Condition::Equal { left, right, .. } => of(left).max(of(right)),
-    }
+    condition.conjuncts().map(|part| (all_needed(part), part)).collect()
 }
 
 /// Numbers facts and grounds conditions.
@@ -256,27 +241,20 @@ impl<'a> Grounder<'a> {
         let mut operators: Vec<Operator> = Vec::new();
         let matters = self.domain.action_ids().zip(&self.scope.actions);
         for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && action.senses.is_empty()) {
-            let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
-            let mut arguments = Vec::with_capacity(action.parameters.len());
-            self.bind(
-                action,
-                &conjuncts,
-                &mut arguments,
-                &mut |grounder, arguments, precondition| {
-                    let step = GroundAction {
-                        action: id,
-                        arguments: arguments.to_vec(),
-                    };
-                    operators.push(Operator {
-                        effects: grounder.effects(action, arguments),
-                        step,
-                        cost: 1,
-                        tag: 0,
-                        told: None,
-                        precondition,
-                    });
-                },
-            );
+            self.each_binding(action, &mut |grounder, arguments, precondition| {
+                let step = GroundAction {
+                    action: id,
+                    arguments: arguments.to_vec(),
+                };
+                operators.push(Operator {
+                    effects: grounder.effects(action, arguments),
+                    step,
+                    cost: 1,
+                    tag: 0,
+                    told: None,
+                    precondition,
+                });
+            });
         }
         operators.sort_by_key(|operator| {
             let arguments = operator.step.arguments.iter();
@@ -291,43 +269,36 @@ impl<'a> Grounder<'a> {
         let mut operators: Vec<Operator> = Vec::new();
         let matters = self.domain.action_ids().zip(&self.scope.actions);
         for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && !action.senses.is_empty()) {
-            let conjuncts: Vec<(usize, &Condition)> = conjuncts(&action.precondition);
-            let mut arguments = Vec::with_capacity(action.parameters.len());
-            self.bind(
-                action,
-                &conjuncts,
-                &mut arguments,
-                &mut |grounder, arguments, precondition| {
-                    let outcomes: Vec<Fact> = action.senses.iter().map(|atom| ground_atom(atom, arguments)).collect();
-                    let numbers: Vec<u32> = outcomes.iter().map(|fact| grounder.number(*fact)).collect();
-                    let unknown = |fact: &u32| {
-                        Formula::Literal(Literal {
-                            fact: *fact,
-                            holds: false,
-                        })
-                    };
-                    let precondition = Formula::and(std::iter::once(precondition).chain(numbers.iter().map(unknown)));
-                    for (outcome, fact) in outcomes.iter().zip(&numbers) {
-                        operators.push(Operator {
-                            step: GroundAction {
-                                action: id,
-                                arguments: arguments.to_vec(),
+            self.each_binding(action, &mut |grounder, arguments, precondition| {
+                let outcomes: Vec<Fact> = action.senses.iter().map(|atom| ground_atom(atom, arguments)).collect();
+                let numbers: Vec<u32> = outcomes.iter().map(|fact| grounder.number(*fact)).collect();
+                let unknown = |fact: &u32| {
+                    Formula::Literal(Literal {
+                        fact: *fact,
+                        holds: false,
+                    })
+                };
+                let precondition = Formula::and(std::iter::once(precondition).chain(numbers.iter().map(unknown)));
+                for (outcome, fact) in outcomes.iter().zip(&numbers) {
+                    operators.push(Operator {
+                        step: GroundAction {
+                            action: id,
+                            arguments: arguments.to_vec(),
+                        },
+                        cost: 1,
+                        tag: 0,
+                        told: Some(*outcome),
+                        precondition: precondition.clone(),
+                        effects: vec![GroundEffect {
+                            condition: Formula::TRUE,
+                            literal: Literal {
+                                fact: *fact,
+                                holds: true,
                             },
-                            cost: 1,
-                            tag: 0,
-                            told: Some(*outcome),
-                            precondition: precondition.clone(),
-                            effects: vec![GroundEffect {
-                                condition: Formula::TRUE,
-                                literal: Literal {
-                                    fact: *fact,
-                                    holds: true,
-                                },
-                            }],
-                        });
-                    }
-                },
-            );
+                        }],
+                    });
+                }
+            });
         }
         operators
     }
@@ -366,6 +337,17 @@ impl<'a> Grounder<'a> {
         })
     }
 
+    /// Calls `found` with all arguments that the unchanging parts of the precondition allow.
+    fn each_binding(&mut self, action: &Action, found: &mut impl FnMut(&mut Self, &[EntityId], Formula)) {
+        let conjuncts = conjuncts(&action.precondition);
+        self.bind(
+            action,
+            &conjuncts,
+            &mut Vec::with_capacity(action.parameters.len()),
+            found,
+        );
+    }
+
     /// Binds the parameters from the next one on; backtracks as soon as a static precondition fails.
     fn bind(
         &mut self,
@@ -376,7 +358,7 @@ impl<'a> Grounder<'a> {
     ) {
         let bound = arguments.len();
         for (needed, condition) in conjuncts {
-            if *needed == bound && self.refutes(condition, arguments) {
+            if *needed == bound && unchanging_value(self.domain, self.world, condition, arguments) == Some(false) {
                 return;
             }
         }
@@ -399,20 +381,6 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    /// Returns true if a static atom or equality is false.
-    fn refutes(&self, condition: &Condition, bindings: &[EntityId]) -> bool {
-        match condition {
-            Condition::Atom { atom, holds, initially } => {
-                let unchanging = *initially || !self.domain.words(atom.predicate).fluent;
-                unchanging && self.world.state.holds(ground_atom(atom, bindings)) != *holds
-            }
-            Condition::Equal { left, right, holds } => {
-                (grounded_term(*left, bindings) == grounded_term(*right, bindings)) != *holds
-            }
-            _ => false,
-        }
-    }
-
     /// Grounds a condition and eliminates its quantifiers. Spends [`PART`] units for each node; the result is
     /// meaningless once the budget is exhausted.
     pub(crate) fn formula(&mut self, condition: &Condition, bindings: &mut Bindings) -> Formula {
@@ -420,28 +388,9 @@ impl<'a> Grounder<'a> {
             return Formula::FALSE;
         }
         match condition {
-            Condition::And(all) => {
-                let mut parts = Vec::with_capacity(all.len());
-                for part in all {
-                    let part = self.formula(part, bindings);
-                    if part.is_false() {
-                        return Formula::FALSE;
-                    }
-                    parts.push(part);
-                }
-                Formula::and(parts)
-            }
-            Condition::Or(any) => {
-                let mut parts = Vec::with_capacity(any.len());
-                for part in any {
-                    let part = self.formula(part, bindings);
-                    if part.is_true() {
-                        return Formula::TRUE;
-                    }
-                    parts.push(part);
-                }
-                Formula::or(parts)
-            }
+            // Both stop at the first part that decides.
+            Condition::And(all) => Formula::and(all.iter().map(|part| self.formula(part, bindings))),
+            Condition::Or(any) => Formula::or(any.iter().map(|part| self.formula(part, bindings))),
             Condition::Forall(slot, kind, inner) => {
                 let parts = self.instances((*slot, *kind), inner, false, bindings);
                 Formula::and(parts)
@@ -450,19 +399,13 @@ impl<'a> Grounder<'a> {
                 let parts = self.instances((*slot, *kind), inner, true, bindings);
                 Formula::or(parts)
             }
-            Condition::Atom { atom, holds, initially } => {
-                let fact = ground_atom(atom, bindings);
-                if *initially || !self.domain.words(atom.predicate).fluent {
-                    return constant(self.world.state.holds(fact) == *holds);
-                }
-                Formula::Literal(Literal {
-                    fact: self.number(fact),
+            literal => match (unchanging_value(self.domain, self.world, literal, bindings), literal) {
+                (None, Condition::Atom { atom, holds, .. }) => Formula::Literal(Literal {
+                    fact: self.number(ground_atom(atom, bindings)),
                     holds: *holds,
-                })
-            }
-            Condition::Equal { left, right, holds } => {
-                constant((grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds)
-            }
+                }),
+                (value, _) => constant(value == Some(true)),
+            },
         }
     }
 

@@ -4,7 +4,7 @@
 
 use crate::effort;
 use crate::model::{
-    ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, ground, grounded_term,
+    ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, unchanging_value,
 };
 
 /// Returns true if the condition can hold in some state of this world; fluent facts may have any value.
@@ -28,13 +28,7 @@ pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bi
                 _ => all.iter().any(&mut instance),
             }
         }
-        Condition::Atom { atom, holds, initially } => {
-            let free = domain.words(atom.predicate).fluent && !initially;
-            free || world.state.holds(ground(atom, bindings)) == *holds
-        }
-        Condition::Equal { left, right, holds } => {
-            (grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds
-        }
+        literal => unchanging_value(domain, world, literal, bindings).unwrap_or(true),
     }
 }
 

@@ -101,12 +101,10 @@ fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, Entit
     let entity = |term: &Term| about(term, given);
     let outcomes = action.senses.iter().map(|outcome| {
         let word = state_word(domain, outcome.predicate)?;
-        // Slot 0 is the entity whose environment entry holds the word.
-        let slots = 0..=word.parameters.len();
-        let things = slots.map(|slot| {
-            let place = word.atom.terms.iter().position(|term| *term == Term::Variable(slot))?;
-            Some(called(world.entity(entity(&outcome.terms[place])?)))
-        });
+        // The entry of the environment in which the word stands comes first.
+        let things = word
+            .places()
+            .map(|place| Some(called(world.entity(entity(&outcome.terms[place?])?))));
         Some((word.word.clone(), things.collect::<Option<Vec<_>>>()?))
     });
     let says = action.senses.iter().map(|outcome| {

@@ -10,7 +10,7 @@ use super::query::contained_json;
 use super::tree_schema::{TreeForms, TreeSchema, closed, in_schema, tree_schema};
 use crate::call::Call;
 use crate::environment::{EntityId, Environment, World};
-use crate::model::{Action, Domain, Term, TypeId};
+use crate::model::{Action, Domain, TypeId};
 use crate::plan::{PlanFile, TaskCohesion, write_tree};
 
 /// A whole answer with all keys.
@@ -248,12 +248,9 @@ fn told_states(domain: &Domain, world: &World) -> Vec<String> {
         let Some(word) = state_word(domain, outcome.predicate) else {
             continue;
         };
-        // Slot 0 is the entity whose entry holds the state.
-        let slots = 0..=word.parameters.len();
-        let kinds = slots.filter_map(|slot| {
-            let place = word.atom.terms.iter().position(|term| *term == Term::Variable(slot))?;
-            Some(domain.predicate(word.atom.predicate).parameters[place].kind)
-        });
+        // The thing in whose entry the state stands comes first.
+        let parameters = &domain.predicate(word.atom.predicate).parameters;
+        let kinds = word.places().flatten().map(|place| parameters[place].kind);
         let Some(choices) = choices(world, kinds) else { continue };
         all.extend(choices.into_iter().map(|arguments| written(&word.word, arguments)));
     }

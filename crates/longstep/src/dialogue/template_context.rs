@@ -140,10 +140,10 @@ fn told_action(domain: &Domain, action: &Action) -> Value {
 
 /// Splits a condition into short sentences that must all hold. `names` are the names of the variables, by slot.
 fn needs(domain: &Domain, condition: &Condition, names: &[String]) -> Vec<String> {
-    match condition {
-        Condition::And(parts) => parts.iter().flat_map(|part| needs(domain, part, names)).collect(),
-        other => vec![sentence(domain, other, names)],
-    }
+    condition
+        .conjuncts()
+        .map(|part| sentence(domain, part, names))
+        .collect()
 }
 
 fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String {

@@ -4,7 +4,7 @@
 //! door). Names that state the difference made such errors rarer.
 
 use super::places::{Place, Places};
-use super::reach::{Reach, conjuncts};
+use super::reach::Reach;
 use super::{Finding, Lint};
 use crate::model::{Action, Domain, Parameter, TypeId};
 use crate::model::{Atom, Condition};
@@ -130,19 +130,15 @@ fn tell_apart(domain: &Domain, left: Option<&Action>, right: Option<&Action>) ->
         return Some(format!("as in {} and {}", named(of_left), named(of_right)));
     }
     let only = |one: &Action, other: &Action| {
-        let mut others = Vec::new();
-        conjuncts(&other.precondition, &mut others);
-        let mut own = Vec::new();
-        conjuncts(&one.precondition, &mut own);
-        own.into_iter()
-            .filter(|part| !others.contains(part))
-            .find_map(|part| match part {
-                Condition::Atom { atom, holds: true, .. } => {
-                    let needed = &domain.predicate(atom.predicate).name;
-                    Some(format!("only `{}` needs `{needed}`", one.call))
-                }
-                _ => None,
-            })
+        let others: Vec<&Condition> = other.precondition.conjuncts().collect();
+        let own = one.precondition.conjuncts();
+        own.filter(|part| !others.contains(part)).find_map(|part| match part {
+            Condition::Atom { atom, holds: true, .. } => {
+                let needed = &domain.predicate(atom.predicate).name;
+                Some(format!("only `{}` needs `{needed}`", one.call))
+            }
+            _ => None,
+        })
     };
     only(right, left).or_else(|| only(left, right))
 }

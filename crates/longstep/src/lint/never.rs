@@ -1,7 +1,7 @@
 //! Lints about actions, goals, rules and facts that no environment and no plan can bring about.
 
 use super::places::Places;
-use super::reach::{Obstacle, Reach, conjuncts, kinds};
+use super::reach::{Obstacle, Reach, kinds};
 use super::reads::Reads;
 use super::{Finding, Lint, quoted};
 use crate::model::{Action, Domain, Parameter, PredicateId};
@@ -294,28 +294,21 @@ fn changes(domain: &Domain, predicate: PredicateId, adds: bool) -> bool {
 
 /// Returns true if some action can change a fact in favour of the condition.
 fn can_change(condition: &Condition, domain: &Domain) -> bool {
-    match condition {
-        Condition::And(parts) | Condition::Or(parts) => parts.iter().any(|part| can_change(part, domain)),
-        Condition::Forall(_, _, inner) | Condition::Exists(_, _, inner) => can_change(inner, domain),
-        Condition::Atom { atom, holds, initially } => !initially && changes(domain, atom.predicate, *holds),
-        Condition::Equal { .. } => false,
-    }
+    condition.iter().any(|part| {
+        matches!(part, Condition::Atom { atom, holds, initially: false } if changes(domain, atom.predicate, *holds))
+    })
 }
 
 /// Returns true if the condition requires the predicate to be false for all entities.
 fn needs_none(condition: &Condition, predicate: PredicateId) -> bool {
-    let mut parts = Vec::new();
-    conjuncts(condition, &mut parts);
-    parts.into_iter().any(|part| {
+    condition.conjuncts().any(|part| {
         let mut everything = Vec::new();
         let mut inner = part;
         while let Condition::Forall(slot, _, next) = inner {
             everything.push(Term::Variable(*slot));
             inner = next;
         }
-        let mut literals = Vec::new();
-        conjuncts(inner, &mut literals);
-        literals.into_iter().any(|literal| {
+        inner.conjuncts().any(|literal| {
             matches!(literal, Condition::Atom { atom, holds: false, initially: false }
                 if atom.predicate == predicate && atom.terms.iter().all(|term| everything.contains(term)))
         })

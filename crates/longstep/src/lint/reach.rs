@@ -155,10 +155,8 @@ impl<'a> Reach<'a> {
 
     /// Finds the obstacle to a condition, given the conditions in `known`.
     fn obstacle_beside(&self, condition: &Condition, kinds: &[TypeId], known: &[&Condition]) -> Option<Obstacle> {
-        let mut parts = Vec::new();
-        conjuncts(condition, &mut parts);
-        let (own, compound): (Vec<&Condition>, Vec<&Condition>) = parts
-            .into_iter()
+        let (own, compound): (Vec<&Condition>, Vec<&Condition>) = condition
+            .conjuncts()
             .partition(|part| matches!(part, Condition::Atom { .. } | Condition::Equal { .. }));
         for (index, literal) in own.iter().enumerate() {
             let obstacle = self.to_literal(literal, kinds);
@@ -210,13 +208,11 @@ impl<'a> Reach<'a> {
             inner = next;
         }
         let lowest = wild.first()?.0;
-        let mut parts = Vec::new();
-        conjuncts(inner, &mut parts);
-        let clashes = |general: &&Condition, literal: &&&Condition| {
+        let clashes = |general: &Condition, literal: &&&Condition| {
             speaks_below(literal, lowest) && self.is_instance_of_opposite(literal, general, &wild, kinds)
         };
-        parts
-            .iter()
+        inner
+            .conjuncts()
             .find_map(|general| literals.iter().find(|literal| clashes(general, literal)))
             .and_then(|literal| contradiction(literal, true))
     }
@@ -298,14 +294,6 @@ impl<'a> Reach<'a> {
 /// Returns the types of parameters.
 pub(super) fn kinds(parameters: &[Parameter]) -> Vec<TypeId> {
     parameters.iter().map(|parameter| parameter.kind).collect()
-}
-
-/// Collects the conjuncts of a condition, through nested `and`s.
-pub(super) fn conjuncts<'c>(condition: &'c Condition, parts: &mut Vec<&'c Condition>) {
-    match condition {
-        Condition::And(inner) => inner.iter().for_each(|part| conjuncts(part, parts)),
-        part => parts.push(part),
-    }
 }
 
 fn parts_of(literal: &Condition) -> Option<(&Atom, bool, bool)> {

@@ -17,7 +17,9 @@ impl Reads {
     pub(super) fn of(domain: &Domain) -> Self {
         let mut asked = vec![false; domain.predicates.len()];
         for_each_condition(domain, &mut |condition| {
-            condition.for_each_atom(&mut |atom, _| asked[atom.predicate.index()] = true);
+            condition
+                .atoms()
+                .for_each(|(atom, _)| asked[atom.predicate.index()] = true);
         });
         let mut shown: Vec<bool> = domain
             .predicate_words
@@ -225,7 +227,12 @@ fn types(domain: &Domain, places: &Places<'_>, findings: &mut Vec<Finding>) {
                 .map(|(_, kind)| *kind),
         );
     }
-    for_each_condition(domain, &mut |condition| quantified(condition, &mut used));
+    for_each_condition(domain, &mut |condition| {
+        used.extend(condition.iter().filter_map(|part| match part {
+            Condition::Forall(_, kind, _) | Condition::Exists(_, kind, _) => Some(*kind),
+            _ => None,
+        }));
+    });
     for index in 1..domain.types.names().count() {
         let kind = TypeId::new(index);
         if !used.iter().any(|used| domain.types.is_a(*used, kind)) {
@@ -238,16 +245,5 @@ fn types(domain: &Domain, places: &Places<'_>, findings: &mut Vec<Finding>) {
                 "use it for a parameter or in `[environment]`, or take it out",
             ));
         }
-    }
-}
-
-fn quantified(condition: &Condition, used: &mut Vec<TypeId>) {
-    match condition {
-        Condition::And(parts) | Condition::Or(parts) => parts.iter().for_each(|part| quantified(part, used)),
-        Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
-            used.push(*kind);
-            quantified(inner, used);
-        }
-        Condition::Atom { .. } | Condition::Equal { .. } => {}
     }
 }

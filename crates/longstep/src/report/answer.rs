@@ -2,6 +2,7 @@
 //!
 //! These types define the wire format, so the other types of the library can change freely.
 
+use longstep_core::model::entries_of;
 use serde::Serialize;
 
 use crate::environment::{self, Claim, Environment, State, Voice, World};
@@ -374,12 +375,7 @@ pub fn compare_claims(domain: &Domain, world: &World, claim: &Claim, simulated: 
 fn words_by_entity(domain: &Domain, world: &World, state: &State) -> Vec<Vec<String>> {
     let mut all = vec![Vec::new(); world.entities().count()];
     for fact in state.iter() {
-        for word in domain
-            .states
-            .iter()
-            .filter(|word| word.atom.predicate == fact.predicate())
-        {
-            let (subject, text) = environment::word_for(word, world, fact);
+        for (subject, text) in entries_of(domain, world, fact) {
             all[subject.index()].push(text);
         }
     }

@@ -65,13 +65,9 @@ impl Loader<'_> {
             .map(|atom| atom.predicate)
             .collect();
         let asks = |condition: &Condition| {
-            let mut asks = None;
-            condition.for_each_atom(&mut |atom, holds| {
-                if !holds && sensed.contains(&atom.predicate) {
-                    asks = Some(atom.predicate);
-                }
-            });
-            asks
+            let denied = condition.atoms().filter(|(_, holds)| !holds);
+            let denied = denied.map(|(atom, _)| atom.predicate);
+            denied.filter(|predicate| sensed.contains(predicate)).last()
         };
         let named = |name: &str| file.action.iter().find(|entry| entry.name.get_ref() == name);
         let of_actions = actions.iter().filter_map(|action| {
