@@ -420,7 +420,7 @@ impl Reader<'_> {
                     forall.push((scope.len(), variable.kind));
                     scope.push((variable.name, variable.kind));
                 }
-                // The variables of a `when` around it come behind those of the effect.
+                // Slots of an enclosing `when` move behind the variables of the effect.
                 let own = scope.len() - outer;
                 let when = when
                     .clone()

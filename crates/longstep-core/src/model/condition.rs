@@ -80,8 +80,7 @@ impl Condition {
         }
     }
 
-    /// Returns the condition with every slot at or above `from` moved up by `by`. This makes room for variables between
-    /// those bound outside the condition and its own.
+    /// Returns the condition with renumbered slots.
     #[must_use]
     pub(crate) fn with_slots(self, slot: &impl Fn(Slot) -> Slot) -> Self {
         let term = |term: Term| match term {
@@ -106,7 +105,7 @@ impl Condition {
         })
     }
 
-    /// The condition, asked of the state in which the instruction was given.
+    /// Returns the condition, evaluated in the initial state.
     #[must_use]
     pub(crate) fn initially(self) -> Self {
         self.map(&|slot| slot, &|literal| match literal {
@@ -119,7 +118,7 @@ impl Condition {
         })
     }
 
-    /// Rebuilds the condition with another slot for each quantifier and another condition for each atom and equality.
+    /// Rebuilds the condition: replaces the slot of each quantifier, and each atom and equality.
     fn map(self, slot: &impl Fn(Slot) -> Slot, literal: &impl Fn(Self) -> Self) -> Self {
         let all = |parts: Vec<Self>| parts.into_iter().map(|part| part.map(slot, literal)).collect();
         match self {
@@ -131,7 +130,7 @@ impl Condition {
         }
     }
 
-    /// The conditions directly inside this one: none inside an atom or an equality.
+    /// Returns the direct parts of the condition; atoms and equalities have none.
     pub fn parts(&self) -> &[Condition] {
         match self {
             Self::And(parts) | Self::Or(parts) => parts,
@@ -140,7 +139,7 @@ impl Condition {
         }
     }
 
-    /// Visits the condition and every condition inside it, each before its parts.
+    /// Iterates over the condition and everything inside it in preorder.
     pub fn iter(&self) -> impl Iterator<Item = &Condition> {
         let mut open = vec![self];
         std::iter::from_fn(move || {
@@ -150,7 +149,7 @@ impl Condition {
         })
     }
 
-    /// Every atom, with whether it must hold.
+    /// Returns every atom, with `true` for a positive and `false` for a negated one.
     pub fn atoms(&self) -> impl Iterator<Item = (&Atom, bool)> {
         self.iter().filter_map(|part| match part {
             Self::Atom { atom, holds, .. } => Some((atom, *holds)),
@@ -158,7 +157,7 @@ impl Condition {
         })
     }
 
-    /// The conditions that all have to hold, through nested `and`s.
+    /// Returns the conjuncts of the condition, through nested `and`s.
     pub fn conjuncts(&self) -> impl Iterator<Item = &Condition> {
         let mut open = vec![self];
         std::iter::from_fn(move || {

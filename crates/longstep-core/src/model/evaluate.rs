@@ -237,8 +237,8 @@ impl<'a> Moment<'a> {
     }
 }
 
-/// The value that an equality, or an atom that no action changes, has in every state; none for any other condition.
-pub(crate) fn unchanging_value(
+/// Returns the value of a static atom or an equality, the same in every state; none for any other condition.
+pub(crate) fn static_value(
     domain: &Domain,
     world: &World,
     condition: &Condition,

@@ -4,26 +4,25 @@ use super::{Domain, EntityId, Fact, PredicateId, StateWord, Term, World};
 use crate::call::Call;
 
 impl StateWord {
-    /// The places of the predicate's arguments in the order in which the word is called, the entity first in whose entry
-    /// it stands.
+    /// Returns the position in the atom of each argument of the word, the entity of the entry first.
     pub fn places(&self) -> impl Iterator<Item = Option<usize>> {
         let place = |slot| self.atom.terms.iter().position(|term| *term == Term::Variable(slot));
         (0..=self.parameters.len()).map(place)
     }
 }
 
-/// The words with which an environment says a fact.
+/// Returns every state word of a predicate.
 fn state_words(domain: &Domain, predicate: PredicateId) -> impl Iterator<Item = &StateWord> {
     let words = domain.states.iter();
     words.filter(move |word| word.atom.predicate == predicate)
 }
 
-/// Returns the state word of a predicate; none for a predicate that environments do not write.
+/// Returns the first state word of a predicate; none for a predicate that environments do not write.
 pub fn state_word(domain: &Domain, predicate: PredicateId) -> Option<&StateWord> {
     state_words(domain, predicate).next()
 }
 
-/// Every way in which an environment says a fact: the entity in whose entry it is written, and how.
+/// Returns every notation of a fact, with the entity under which an environment lists it.
 pub fn entries_of(domain: &Domain, world: &World, fact: Fact) -> impl Iterator<Item = (EntityId, String)> {
     state_words(domain, fact.predicate()).map(move |word| {
         let mut entities = word.places().map(|place| place.map(|place| fact.argument(place)));

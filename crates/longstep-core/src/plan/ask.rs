@@ -17,19 +17,8 @@ enum Meaning {
 }
 
 impl Resolver<'_> {
-    /// Resolves the condition; its sensing steps are numbered in reading order.
-    pub(super) fn test(&mut self, test: &Test<WrittenStep>) -> Test {
-        match test {
-            Test::Holds(asked) => self.asked(asked),
-            Test::Sense(step) => Test::Sense(*step),
-            Test::Not(inner) => Test::Not(Box::new(self.test(inner))),
-            Test::All(parts) => Test::All(parts.iter().map(|part| self.test(part)).collect()),
-            Test::Any(parts) => Test::Any(parts.iter().map(|part| self.test(part)).collect()),
-        }
-    }
-
     /// Resolves one call of a condition. An unresolvable call takes a step number, so that findings can refer to it.
-    fn asked(&mut self, asked: &WrittenStep) -> Test {
+    pub(super) fn asked(&mut self, asked: &WrittenStep) -> Test {
         let index = self.steps.len();
         let call = &asked.call;
         match self.meaning(asked) {

@@ -107,7 +107,7 @@ impl Writer<'_> {
     }
 
     fn asked(&mut self, word: &str, condition: &Test, depth: usize) {
-        let steps = condition.steps();
+        let steps: Vec<StepId> = condition.steps().collect();
         let explanations: Vec<&str> = steps
             .iter()
             .map(|id| self.plan.step(*id).explanation.as_str())

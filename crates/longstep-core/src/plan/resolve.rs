@@ -1,13 +1,13 @@
 //! Resolution of the names in a plan file to actions and entities.
 
-use super::tree::Lane;
-use super::written::{Written, WrittenNode, WrittenStep};
+use super::tree::{Lane, Rebuild};
+use super::written::{Written, WrittenStep};
 use super::{Assumption, StepClaim, Violation};
-use super::{LaneItem, Node, StepId, TaskCohesion, claims, fuzzy_names};
+use super::{Node, StepId, TaskCohesion, Test, claims, fuzzy_names};
 use crate::call::Call;
 use crate::diagnostic::nearest;
 use crate::environment::fact_of;
-use crate::model::{ActionId, Domain, EntityId, World};
+use crate::model::{ActionId, Domain, EntityId, Fact, World};
 
 /// A step whose implicit arguments may still be unknown.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -88,6 +88,7 @@ pub fn resolve(domain: &Domain, world: &World, written: &TaskCohesion) -> Resolv
     let mut resolver = Resolver {
         domain,
         world,
+        calls: written.task_tree.as_ref().map_or(&[], |tree| &tree.steps),
         steps: Vec::new(),
         written: Vec::new(),
         objects: Vec::new(),
@@ -120,6 +121,8 @@ pub fn resolve(domain: &Domain, world: &World, written: &TaskCohesion) -> Resolv
 pub(super) struct Resolver<'a> {
     pub(super) domain: &'a Domain,
     pub(super) world: &'a World,
+    /// The steps of the tree as written, by number.
+    calls: &'a [WrittenStep],
     pub(super) steps: Vec<Option<DraftStep>>,
     pub(super) written: Vec<String>,
     pub(super) objects: Vec<EntityId>,
@@ -127,6 +130,38 @@ pub(super) struct Resolver<'a> {
     ignored: Vec<String>,
     pub(super) issues: Vec<Violation>,
     readings: Vec<Assumption>,
+}
+
+impl Rebuild<WrittenStep, String> for Resolver<'_> {
+    type Fact = Fact;
+    type Actor = EntityId;
+
+    fn step(&mut self, step: StepId, nodes: &mut Vec<Node>) {
+        nodes.push(Node::Step(self.add(&self.calls[step.index()], None)));
+    }
+
+    /// Resolves the condition; its sensing steps are numbered in reading order.
+    fn condition(&mut self, condition: &Test<WrittenStep>) -> Test {
+        condition.map(&mut Test::Sense, &mut |asked| self.asked(asked))
+    }
+
+    fn lane(&mut self, lane: &Lane<String>) -> Lane {
+        let actor = self
+            .world
+            .find(&lane.actor)
+            .or_else(|| fuzzy_names::entity(self.world, &lane.actor));
+        if actor.is_none() {
+            let known = self.world.entities().map(|(_, entity)| entity.identifier.as_str());
+            self.issues.push(Violation::UnknownActor {
+                name: lane.actor.clone(),
+                near: nearest(&lane.actor, known).map(str::to_owned),
+            });
+        }
+        // An unknown actor is an issue, and then the tree is not used.
+        lane.map(actor.unwrap_or(EntityId::new(0)), |step| {
+            Some(self.add(&self.calls[step.index()], actor))
+        })
+    }
 }
 
 impl Resolver<'_> {
@@ -145,7 +180,7 @@ impl Resolver<'_> {
         for (index, text) in written.task_sequence.iter().enumerate() {
             let explanation = explanation(index).cloned().unwrap_or_default();
             let step = match Call::parse(text) {
-                Ok(call) => self.step(
+                Ok(call) => self.resolved(
                     &WrittenStep {
                         call,
                         implicit: Vec::new(),
@@ -170,7 +205,7 @@ impl Resolver<'_> {
         if self.objects.is_empty() {
             self.objects_of_claims(written.steps.iter().map(|step| step.explanation.as_str()));
         }
-        self.nodes(&written.body, written)
+        self.nodes(&written.body)
     }
 
     /// Sets the objects of a plan that lists none to the objects that its claims are about.
@@ -188,65 +223,9 @@ impl Resolver<'_> {
         }
     }
 
-    fn nodes(&mut self, nodes: &[WrittenNode], written: &Written) -> Vec<Node> {
-        nodes.iter().map(|node| self.node(node, written)).collect()
-    }
-
-    fn node(&mut self, node: &WrittenNode, written: &Written) -> Node {
-        match node {
-            Node::Step(id) => Node::Step(self.add(&written.steps[id.index()], None)),
-            // Struct fields are evaluated in written order, which is the order of the step numbers.
-            Node::If {
-                condition,
-                then,
-                otherwise,
-            } => Node::If {
-                condition: self.test(condition),
-                then: self.nodes(then, written),
-                otherwise: self.nodes(otherwise, written),
-            },
-            Node::While { condition, body } => Node::While {
-                condition: self.test(condition),
-                body: self.nodes(body, written),
-            },
-            Node::Repeat { times, body } => Node::Repeat {
-                times: *times,
-                body: self.nodes(body, written),
-            },
-            Node::Parallel { lanes } => Node::Parallel {
-                lanes: lanes.iter().map(|lane| self.lane(lane, written)).collect(),
-            },
-            Node::Remark(words) => Node::Remark(words.clone()),
-        }
-    }
-
-    fn lane(&mut self, lane: &Lane<String>, written: &Written) -> Lane {
-        let actor = self
-            .world
-            .find(&lane.actor)
-            .or_else(|| fuzzy_names::entity(self.world, &lane.actor));
-        if actor.is_none() {
-            let known = self.world.entities().map(|(_, entity)| entity.identifier.as_str());
-            self.issues.push(Violation::UnknownActor {
-                name: lane.actor.clone(),
-                near: nearest(&lane.actor, known).map(str::to_owned),
-            });
-        }
-        let items = lane.items.iter().map(|item| match item {
-            LaneItem::Step(id) => LaneItem::Step(self.add(&written.steps[id.index()], actor)),
-            other => other.clone(),
-        });
-        let items = items.collect();
-        Lane {
-            // An unknown actor is an issue, and then the tree is not used.
-            actor: actor.unwrap_or(EntityId::new(0)),
-            items,
-        }
-    }
-
     /// Adds a step. In a lane, the step's actor defaults to the lane's actor.
     pub(super) fn add(&mut self, written: &WrittenStep, actor: Option<EntityId>) -> StepId {
-        let step = self.step(written, &written.call.to_string(), actor);
+        let step = self.resolved(written, &written.call.to_string(), actor);
         self.steps.push(step);
         self.written.push(written.call.to_string());
         StepId::new(self.steps.len() - 1)
@@ -299,7 +278,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves the next step; `text` is its call as written.
-    fn step(&mut self, written: &WrittenStep, text: &str, actor: Option<EntityId>) -> Option<DraftStep> {
+    fn resolved(&mut self, written: &WrittenStep, text: &str, actor: Option<EntityId>) -> Option<DraftStep> {
         let index = self.steps.len();
         let call = &written.call;
         let id = self.action(index, call)?;

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::tree::{DEEPEST, Lane};
+use super::tree::{DEEPEST, Lane, fold};
 use super::written::{Written, WrittenNode, WrittenStep, is_argument, is_name, is_reserved};
 use super::{LaneItem, Node, StepId, Test};
 use crate::call::Call;
@@ -33,30 +33,13 @@ type Read<T> = Result<T, TreeError>;
 /// assert_eq!(read_tree(&tree, Vec::new(), &longstep_core::json::Path::default()), Ok(written));
 /// ```
 pub fn write_tree(plan: &Written) -> Value {
-    nodes_json(plan, &plan.body)
-}
-
-fn nodes_json(plan: &Written, nodes: &[WrittenNode]) -> Value {
-    nodes.iter().map(|node| node_json(plan, node)).collect()
-}
-
-fn node_json(plan: &Written, node: &WrittenNode) -> Value {
-    match node {
+    fold(&plan.body, &|node, [first, second]| match node {
         Node::Step(step) => step_json(plan, *step),
         Node::Remark(words) => json!({ "remark": words }),
-        Node::If {
-            condition,
-            then,
-            otherwise,
-        } => {
-            let mut node = json!({ "if": test_json(condition), "then": nodes_json(plan, then) });
-            if !otherwise.is_empty() {
-                node["else"] = nodes_json(plan, otherwise);
-            }
-            node
-        }
-        Node::While { condition, body } => json!({ "while": test_json(condition), "do": nodes_json(plan, body) }),
-        Node::Repeat { times, body } => json!({ "repeat": times, "do": nodes_json(plan, body) }),
+        Node::If { condition, .. } if second.is_empty() => json!({ "if": test_json(condition), "then": first }),
+        Node::If { condition, .. } => json!({ "if": test_json(condition), "then": first, "else": second }),
+        Node::While { condition, .. } => json!({ "while": test_json(condition), "do": first }),
+        Node::Repeat { times, .. } => json!({ "repeat": times, "do": first }),
         Node::Parallel { lanes } => {
             let item = |item: &LaneItem| match item {
                 LaneItem::Step(step) => step_json(plan, *step),
@@ -69,7 +52,8 @@ fn node_json(plan: &Written, node: &WrittenNode) -> Value {
             };
             json!({ "parallel": lanes.iter().map(lane).collect::<Value>() })
         }
-    }
+    })
+    .into()
 }
 
 fn step_json(plan: &Written, step: StepId) -> Value {

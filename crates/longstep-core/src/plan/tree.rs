@@ -82,150 +82,241 @@ pub enum Test<F = Fact> {
 }
 
 impl<F> Test<F> {
-    /// Returns the sensing steps of the condition, in reading order.
-    pub fn steps(&self) -> Vec<StepId> {
-        let mut steps = Vec::new();
-        self.collect_steps(&mut steps);
-        steps
+    /// Returns the direct parts of the condition; a sensing step and a fact have none.
+    pub fn parts(&self) -> &[Self] {
+        match self {
+            Self::Sense(_) | Self::Holds(_) => &[],
+            Self::Not(inner) => std::slice::from_ref(inner),
+            Self::All(parts) | Self::Any(parts) => parts,
+        }
     }
 
-    fn collect_steps(&self, steps: &mut Vec<StepId>) {
+    /// Iterates over the condition and everything inside it in preorder.
+    pub fn iter(&self) -> impl Iterator<Item = &Self> {
+        preorder(vec![self], |test| [test.parts(), &[]])
+    }
+
+    /// Returns the sensing steps of the condition, in reading order.
+    pub fn steps(&self) -> impl Iterator<Item = StepId> {
+        self.iter().filter_map(|test| match test {
+            Self::Sense(step) => Some(*step),
+            _ => None,
+        })
+    }
+
+    /// Returns the facts of the condition, in reading order.
+    pub fn facts(&self) -> impl Iterator<Item = &F> {
+        self.iter().filter_map(|test| match test {
+            Self::Holds(fact) => Some(fact),
+            _ => None,
+        })
+    }
+
+    /// Rebuilds the condition: replaces each sensing step and each fact, in reading order.
+    pub fn map<G>(&self, sense: &mut impl FnMut(StepId) -> Test<G>, holds: &mut impl FnMut(&F) -> Test<G>) -> Test<G> {
+        let mut all = |parts: &[Self]| parts.iter().map(|part| part.map(sense, holds)).collect();
         match self {
-            Self::Sense(step) => steps.push(*step),
-            Self::Holds(_) => {}
-            Self::Not(inner) => inner.collect_steps(steps),
-            Self::All(parts) | Self::Any(parts) => parts.iter().for_each(|part| part.collect_steps(steps)),
+            Self::Sense(step) => sense(*step),
+            Self::Holds(fact) => holds(fact),
+            Self::Not(inner) => Test::Not(Box::new(inner.map(sense, holds))),
+            Self::All(parts) => Test::All(all(parts)),
+            Self::Any(parts) => Test::Any(all(parts)),
         }
     }
 
     pub(super) fn depth(&self) -> usize {
         match self {
             Self::Sense(_) | Self::Holds(_) => 0,
-            Self::Not(inner) => 1 + inner.depth(),
-            Self::All(parts) | Self::Any(parts) => 1 + parts.iter().map(Self::depth).max().unwrap_or(0),
+            _ => 1 + self.parts().iter().map(Self::depth).max().unwrap_or(0),
         }
     }
 }
 
 impl Test {
-    /// Removes a step and renumbers the other steps with `number`; none if the condition contains the removed step.
-    fn without(&self, gone: StepId, number: &dyn Fn(&StepId) -> StepId) -> Option<Self> {
-        let all = |parts: &[Self]| {
-            parts
-                .iter()
-                .map(|part| part.without(gone, number))
-                .collect::<Option<Vec<_>>>()
-        };
-        Some(match self {
-            Self::Sense(id) if *id == gone => return None,
-            Self::Sense(id) => Self::Sense(number(id)),
-            Self::Holds(fact) => Self::Holds(*fact),
-            Self::Not(inner) => Self::Not(Box::new(inner.without(gone, number)?)),
-            Self::All(parts) => Self::All(all(parts)?),
-            Self::Any(parts) => Self::Any(all(parts)?),
-        })
+    /// Renumbers the sensing steps of the condition.
+    pub(crate) fn renumbered(&self, number: &mut impl FnMut(StepId) -> StepId) -> Self {
+        self.map(&mut |step| Self::Sense(number(step)), &mut |fact| Self::Holds(*fact))
     }
 }
 
-/// Returns the steps of the nodes, in reading order.
-pub fn steps<F, A>(nodes: &[Node<F, A>]) -> Vec<StepId> {
-    let mut found = Vec::new();
-    collect_steps(nodes, &mut found);
-    found
+impl<F, A> Node<F, A> {
+    /// Returns the condition of a branch or of a loop.
+    pub fn condition(&self) -> Option<&Test<F>> {
+        match self {
+            Self::If { condition, .. } | Self::While { condition, .. } => Some(condition),
+            _ => None,
+        }
+    }
+
+    /// Returns the blocks of the node: both sides of a branch, or the body of a loop and an empty block.
+    pub fn blocks(&self) -> [&[Self]; 2] {
+        match self {
+            Self::If { then, otherwise, .. } => [then, otherwise],
+            Self::While { body, .. } | Self::Repeat { body, .. } => [body, &[]],
+            Self::Step(_) | Self::Parallel { .. } | Self::Remark(_) => [&[], &[]],
+        }
+    }
+
+    /// Returns the steps of the node itself, without those in its blocks.
+    fn own_steps(&self) -> Vec<StepId> {
+        match self {
+            Self::Step(step) => vec![*step],
+            Self::If { condition, .. } | Self::While { condition, .. } => condition.steps().collect(),
+            Self::Parallel { lanes } => lanes.iter().flat_map(Lane::steps).collect(),
+            Self::Repeat { .. } | Self::Remark(_) => Vec::new(),
+        }
+    }
 }
 
-fn collect_steps<F, A>(nodes: &[Node<F, A>], found: &mut Vec<StepId>) {
-    for node in nodes {
-        match node {
-            Node::Step(step) => found.push(*step),
-            Node::If {
-                condition,
-                then,
-                otherwise,
-            } => {
-                condition.collect_steps(found);
-                collect_steps(then, found);
-                collect_steps(otherwise, found);
-            }
-            Node::While { condition, body } => {
-                condition.collect_steps(found);
-                collect_steps(body, found);
-            }
-            Node::Repeat { body, .. } => collect_steps(body, found),
-            Node::Parallel { lanes } => {
-                let items = lanes.iter().flat_map(|lane| &lane.items);
-                found.extend(items.filter_map(|item| match item {
-                    LaneItem::Step(step) => Some(*step),
-                    LaneItem::Sync(_) | LaneItem::Remark(_) => None,
-                }));
-            }
-            Node::Remark(_) => {}
+impl<A> Lane<A> {
+    /// Returns the steps of the lane, in order.
+    pub fn steps(&self) -> impl Iterator<Item = StepId> {
+        self.items.iter().filter_map(|item| match item {
+            LaneItem::Step(step) => Some(*step),
+            LaneItem::Sync(_) | LaneItem::Remark(_) => None,
+        })
+    }
+
+    /// Rebuilds the lane for `actor` with renumbered steps; steps without a new number are left out.
+    pub fn map<B>(&self, actor: B, mut step: impl FnMut(StepId) -> Option<StepId>) -> Lane<B> {
+        let item = |item: &LaneItem| match item {
+            LaneItem::Step(id) => step(*id).map(LaneItem::Step),
+            other => Some(other.clone()),
+        };
+        let items = self.items.iter().filter_map(item).collect();
+        Lane { actor, items }
+    }
+}
+
+/// Iterates over the roots and everything inside them in preorder.
+fn preorder<'t, T>(
+    roots: impl IntoIterator<Item = &'t T, IntoIter: DoubleEndedIterator>,
+    inside: fn(&'t T) -> [&'t [T]; 2],
+) -> impl Iterator<Item = &'t T> {
+    let mut open: Vec<&T> = roots.into_iter().rev().collect();
+    std::iter::from_fn(move || {
+        let next = open.pop()?;
+        let [first, second] = inside(next);
+        open.extend(second.iter().rev().chain(first.iter().rev()));
+        Some(next)
+    })
+}
+
+/// Iterates over the nodes and everything inside them in preorder, which is reading order.
+pub fn iter<F, A>(nodes: &[Node<F, A>]) -> impl Iterator<Item = &Node<F, A>> {
+    preorder(nodes, Node::blocks)
+}
+
+/// Returns the steps of the nodes, in reading order.
+pub fn steps<F, A>(nodes: &[Node<F, A>]) -> impl Iterator<Item = StepId> {
+    iter(nodes).flat_map(Node::own_steps)
+}
+
+/// Folds the nodes bottom-up: `value` gets each node with the values of its [`Node::blocks`]. Returns the values of the
+/// outermost nodes.
+pub fn fold<F, A, T>(nodes: &[Node<F, A>], value: &impl Fn(&Node<F, A>, [Vec<T>; 2]) -> T) -> Vec<T> {
+    let of = |node: &Node<F, A>| value(node, node.blocks().map(|block| fold(block, value)));
+    nodes.iter().map(of).collect()
+}
+
+/// A transformation of trees. It replaces steps, conditions and lanes, and is called for them in reading order.
+pub trait Rebuild<F, A> {
+    /// The facts of the new tree.
+    type Fact;
+    /// The actors of the new tree.
+    type Actor;
+
+    /// Adds the replacement of a step to `nodes`.
+    fn step(&mut self, step: StepId, nodes: &mut Vec<Node<Self::Fact, Self::Actor>>);
+
+    /// Returns the replacement of a condition.
+    fn condition(&mut self, condition: &Test<F>) -> Test<Self::Fact>;
+
+    /// Returns the replacement of a lane.
+    fn lane(&mut self, lane: &Lane<A>) -> Lane<Self::Actor>;
+
+    /// Rebuilds the nodes.
+    fn nodes(&mut self, nodes: &[Node<F, A>]) -> Vec<Node<Self::Fact, Self::Actor>> {
+        let mut rebuilt = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            let node = match node {
+                Node::Step(step) => {
+                    self.step(*step, &mut rebuilt);
+                    continue;
+                }
+                Node::If {
+                    condition,
+                    then,
+                    otherwise,
+                } => Node::If {
+                    condition: self.condition(condition),
+                    then: self.nodes(then),
+                    otherwise: self.nodes(otherwise),
+                },
+                Node::While { condition, body } => Node::While {
+                    condition: self.condition(condition),
+                    body: self.nodes(body),
+                },
+                Node::Repeat { times, body } => Node::Repeat {
+                    times: *times,
+                    body: self.nodes(body),
+                },
+                Node::Parallel { lanes } => Node::Parallel {
+                    lanes: lanes.iter().map(|lane| self.lane(lane)).collect(),
+                },
+                Node::Remark(text) => Node::Remark(text.clone()),
+            };
+            rebuilt.push(node);
         }
+        rebuilt
+    }
+}
+
+/// Removes a step from a tree and renumbers the later ones.
+struct Without(StepId);
+
+impl Without {
+    fn number(&self, step: StepId) -> Option<StepId> {
+        (step != self.0).then(|| StepId::new(step.index() - usize::from(step > self.0)))
+    }
+}
+
+impl Rebuild<Fact, EntityId> for Without {
+    type Fact = Fact;
+    type Actor = EntityId;
+
+    fn step(&mut self, step: StepId, nodes: &mut Vec<Node>) {
+        nodes.extend(self.number(step).map(Node::Step));
+    }
+
+    fn condition(&mut self, condition: &Test) -> Test {
+        condition.renumbered(&mut |step| self.number(step).unwrap_or(step))
+    }
+
+    fn lane(&mut self, lane: &Lane) -> Lane {
+        lane.map(lane.actor, |step| self.number(step))
     }
 }
 
 /// Removes a step and renumbers the later ones; none if a condition contains the removed step.
 pub(super) fn without(nodes: &[Node], gone: StepId) -> Option<Vec<Node>> {
-    let number = |id: &StepId| StepId::new(id.index() - usize::from(*id > gone));
-    let test = |condition: &Test| condition.without(gone, &number);
-    let item = |item: &LaneItem| match item {
-        LaneItem::Step(id) if *id == gone => None,
-        LaneItem::Step(id) => Some(LaneItem::Step(number(id))),
-        other => Some(other.clone()),
-    };
-    let node = |node: &Node| {
-        Some(match node {
-            Node::Step(id) => Node::Step(number(id)),
-            Node::If {
-                condition,
-                then,
-                otherwise,
-            } => Node::If {
-                condition: test(condition)?,
-                then: without(then, gone)?,
-                otherwise: without(otherwise, gone)?,
-            },
-            Node::While { condition, body } => Node::While {
-                condition: test(condition)?,
-                body: without(body, gone)?,
-            },
-            Node::Repeat { times, body } => Node::Repeat {
-                times: *times,
-                body: without(body, gone)?,
-            },
-            Node::Parallel { lanes } => Node::Parallel {
-                lanes: lanes
-                    .iter()
-                    .map(|lane| Lane {
-                        actor: lane.actor,
-                        items: lane.items.iter().filter_map(item).collect(),
-                    })
-                    .collect(),
-            },
-            Node::Remark(text) => Node::Remark(text.clone()),
-        })
-    };
-    let stays = |node: &&Node| !matches!(node, Node::Step(id) if *id == gone);
-    nodes.iter().filter(stays).map(node).collect()
+    let mut asked = iter(nodes).filter_map(Node::condition).flat_map(Test::steps);
+    (!asked.any(|step| step == gone)).then(|| Without(gone).nodes(nodes))
 }
 
 /// Returns the nesting depth of branches, loops and conditions.
 pub fn depth<F, A>(nodes: &[Node<F, A>]) -> usize {
-    let of = |node: &Node<F, A>| match node {
+    let levels = fold(nodes, &|node, inside| match node {
         Node::Step(_) | Node::Remark(_) => 0,
-        Node::If {
-            condition,
-            then,
-            otherwise,
-        } => 1 + condition.depth().max(depth(then)).max(depth(otherwise)),
-        Node::While { condition, body } => 1 + condition.depth().max(depth(body)),
-        Node::Repeat { body, .. } => 1 + depth(body),
-        Node::Parallel { .. } => 1,
-    };
-    nodes.iter().map(of).max().unwrap_or(0)
+        _ => {
+            let inside = inside.into_iter().flatten();
+            1 + inside.chain(node.condition().map(Test::depth)).max().unwrap_or(0)
+        }
+    });
+    levels.into_iter().max().unwrap_or(0)
 }
 
 /// Returns true if the nodes contain the steps `0..count` once each, in order, and are no deeper than [`DEEPEST`].
 pub(super) fn is_sound<F, A>(nodes: &[Node<F, A>], count: usize) -> bool {
-    depth(nodes) <= DEEPEST && steps(nodes).into_iter().map(StepId::index).eq(0..count)
+    depth(nodes) <= DEEPEST && steps(nodes).map(StepId::index).eq(0..count)
 }

@@ -1,9 +1,9 @@
 //! Written plans: the common form of all notations (JSON tree, Python script) before resolution.
 
-use super::tree::{self, Lane, LaneItem, Node, Test};
+use super::tree::{self, Lane, Node, Rebuild, Test};
 use super::{Plan, StepId};
 use crate::call::Call;
-use crate::model::{Domain, EntityId, Fact, Term, World, state_word};
+use crate::model::{Domain, EntityId, Fact, World, state_word};
 
 /// A plan before resolution: its steps in reading order, and the tree over them.
 ///
@@ -71,6 +71,31 @@ struct Writer<'a> {
     steps: Vec<WrittenStep>,
 }
 
+impl Rebuild<Fact, EntityId> for Writer<'_> {
+    type Fact = WrittenStep;
+    type Actor = String;
+
+    fn step(&mut self, step: StepId, nodes: &mut Vec<WrittenNode>) {
+        nodes.push(Node::Step(self.add(step, None)));
+    }
+
+    fn condition(&mut self, condition: &Test) -> Test<WrittenStep> {
+        condition.map(&mut |step| Test::Holds(self.words(step, None)), &mut |fact| {
+            Test::Holds(WrittenStep {
+                call: self.asked(*fact),
+                implicit: Vec::new(),
+                explanation: String::new(),
+            })
+        })
+    }
+
+    fn lane(&mut self, lane: &Lane) -> Lane<String> {
+        lane.map(self.identifier(lane.actor), |step| {
+            Some(self.add(step, Some(lane.actor)))
+        })
+    }
+}
+
 impl Writer<'_> {
     fn identifier(&self, entity: EntityId) -> String {
         self.world.entity(entity).identifier.clone()
@@ -94,68 +119,10 @@ impl Writer<'_> {
         }
     }
 
-    fn step(&mut self, id: StepId, actor: Option<EntityId>) -> StepId {
+    fn add(&mut self, id: StepId, actor: Option<EntityId>) -> StepId {
         let words = self.words(id, actor);
         self.steps.push(words);
         StepId::new(self.steps.len() - 1)
-    }
-
-    fn nodes(&mut self, nodes: &[Node]) -> Vec<WrittenNode> {
-        nodes.iter().map(|node| self.node(node)).collect()
-    }
-
-    fn node(&mut self, node: &Node) -> WrittenNode {
-        match node {
-            Node::Step(id) => Node::Step(self.step(*id, None)),
-            Node::If {
-                condition,
-                then,
-                otherwise,
-            } => Node::If {
-                condition: self.test(condition),
-                then: self.nodes(then),
-                otherwise: self.nodes(otherwise),
-            },
-            Node::While { condition, body } => Node::While {
-                condition: self.test(condition),
-                body: self.nodes(body),
-            },
-            Node::Repeat { times, body } => Node::Repeat {
-                times: *times,
-                body: self.nodes(body),
-            },
-            Node::Parallel { lanes } => Node::Parallel {
-                lanes: lanes.iter().map(|lane| self.lane(lane)).collect(),
-            },
-            Node::Remark(words) => Node::Remark(words.clone()),
-        }
-    }
-
-    fn lane(&mut self, lane: &Lane) -> Lane<String> {
-        let item = |item: &LaneItem| match item {
-            LaneItem::Step(id) => LaneItem::Step(self.step(*id, Some(lane.actor))),
-            other => other.clone(),
-        };
-        let items = lane.items.iter().map(item).collect();
-        Lane {
-            actor: self.identifier(lane.actor),
-            items,
-        }
-    }
-
-    fn test(&self, test: &Test) -> Test<WrittenStep> {
-        let parts = |parts: &[Test]| parts.iter().map(|part| self.test(part)).collect();
-        match test {
-            Test::Sense(id) => Test::Holds(self.words(*id, None)),
-            Test::Holds(fact) => Test::Holds(WrittenStep {
-                call: self.asked(*fact),
-                implicit: Vec::new(),
-                explanation: String::new(),
-            }),
-            Test::Not(inner) => Test::Not(Box::new(self.test(inner))),
-            Test::All(all) => Test::All(parts(all)),
-            Test::Any(any) => Test::Any(parts(any)),
-        }
     }
 
     /// Returns the call for a state predicate. It has the environment's state word with the entity of the entry first,
@@ -171,19 +138,10 @@ impl Writer<'_> {
                     .collect(),
             };
         };
-        let mut slots = vec![None; word.parameters.len() + 1];
-        for (place, term) in word.atom.terms.iter().enumerate() {
-            if let Term::Variable(slot) = term {
-                slots[*slot] = Some(fact.argument(place));
-            }
-        }
+        let entities = word.places().flatten().map(|place| fact.argument(place));
         Call {
             name: word.word.clone(),
-            arguments: slots
-                .into_iter()
-                .flatten()
-                .map(|entity| self.identifier(entity))
-                .collect(),
+            arguments: entities.map(|entity| self.identifier(entity)).collect(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::fmt;
 
-use crate::plan::{Lane, LaneItem, Node, Plan, StepId, Test};
+use crate::plan::{Lane, LaneItem, Node, Plan, StepId, Test, tree};
 
 /// The makespan of a plan, in units of time: every step takes one unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,33 +61,26 @@ impl fmt::Display for Makespan {
 /// assert_eq!(makespan(&Plan::default()), Makespan::Exact(0));
 /// ```
 pub fn makespan(plan: &Plan) -> Makespan {
-    of_nodes(plan.body())
-}
-
-fn of_nodes(nodes: &[Node]) -> Makespan {
-    nodes.iter().map(of_node).fold(Makespan::NOTHING, Makespan::then)
-}
-
-fn of_node(node: &Node) -> Makespan {
-    match node {
+    let nodes = tree::fold(plan.body(), &|node, [first, second]| match node {
         Node::Step(_) => Makespan::Exact(1),
-        Node::If {
-            condition,
-            then,
-            otherwise,
-        } => of_test(condition).then(of_nodes(then).longer(of_nodes(otherwise))),
-        Node::While { condition, body } => {
-            let turn = of_test(condition).then(of_nodes(body)).then(of_test(condition));
+        Node::If { condition, .. } => of_test(condition).then(in_turn(first).longer(in_turn(second))),
+        Node::While { condition, .. } => {
+            let turn = of_test(condition).then(in_turn(first)).then(of_test(condition));
             Makespan::AtLeast(turn.units())
         }
-        Node::Repeat { times, body } => of_nodes(body).with(Makespan::Exact(u64::from(*times)), u64::saturating_mul),
+        Node::Repeat { times, .. } => in_turn(first).with(Makespan::Exact(u64::from(*times)), u64::saturating_mul),
         Node::Parallel { lanes } => Makespan::Exact(of_lanes(lanes)),
         Node::Remark(_) => Makespan::NOTHING,
-    }
+    });
+    in_turn(nodes)
+}
+
+fn in_turn(parts: Vec<Makespan>) -> Makespan {
+    parts.into_iter().fold(Makespan::NOTHING, Makespan::then)
 }
 
 fn of_test(test: &Test) -> Makespan {
-    Makespan::Exact(test.steps().len() as u64)
+    Makespan::Exact(test.steps().count() as u64)
 }
 
 fn of_lanes(lanes: &[Lane]) -> u64 {

@@ -69,7 +69,7 @@ fn work_that_can_be_shared_is() {
 #[track_caller]
 fn check_units(body: Vec<Node>, expected: &str) {
     let (domain, world) = room(ROOM);
-    let count = crate::plan::tree::steps(&body).len();
+    let count = crate::plan::tree::steps(&body).count();
     let mug = world.find("<mug>").unwrap();
     let (wait, _) = domain.action_ids().find(|(_, action)| action.name == "grasp").unwrap();
     let step = Step::explained(&domain, &world, wait, vec![world.find("right").unwrap(), mug]);

@@ -126,7 +126,7 @@ fn fixed(condition: &Condition, slot: usize) -> bool {
     }
 }
 
-/// The literals of a condition on the level of predicates.
+/// Returns the literals of a condition by predicate.
 fn literals(condition: &Condition) -> impl Iterator<Item = (PredicateId, bool)> {
     condition.atoms().map(|(atom, holds)| (atom.predicate, holds))
 }

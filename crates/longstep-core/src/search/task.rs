@@ -10,7 +10,7 @@ use super::{GroundAction, Wanted};
 use crate::effort;
 use crate::model::{
     Action, Atom, Bindings, Condition, Domain, EntityId, Fact, Moment, RuleTime, Slot, Term, TypeId, World,
-    ever_candidates, ground as ground_atom, unchanging_value,
+    ever_candidates, ground as ground_atom, static_value,
 };
 
 /// Work units for one node of a condition, which is stored and copied into smaller tasks.
@@ -158,7 +158,7 @@ fn ground_with(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted],
     }
 }
 
-/// Returns the parts of a conjunction, each with the number of parameters that must be bound to evaluate it.
+/// Returns the conjuncts of a condition; atoms and equalities with the number of parameters to bind before evaluation.
 fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
     let needed = |term: &Term| match term {
         Term::Variable(slot) => slot + 1,
@@ -337,7 +337,7 @@ impl<'a> Grounder<'a> {
         })
     }
 
-    /// Calls `found` with all arguments that the unchanging parts of the precondition allow.
+    /// Calls `found` for every binding that the static preconditions allow.
     fn each_binding(&mut self, action: &Action, found: &mut impl FnMut(&mut Self, &[EntityId], Formula)) {
         let conjuncts = conjuncts(&action.precondition);
         self.bind(
@@ -358,7 +358,7 @@ impl<'a> Grounder<'a> {
     ) {
         let bound = arguments.len();
         for (needed, condition) in conjuncts {
-            if *needed == bound && unchanging_value(self.domain, self.world, condition, arguments) == Some(false) {
+            if *needed == bound && static_value(self.domain, self.world, condition, arguments) == Some(false) {
                 return;
             }
         }
@@ -388,7 +388,7 @@ impl<'a> Grounder<'a> {
             return Formula::FALSE;
         }
         match condition {
-            // Both stop at the first part that decides.
+            // Both stop at the first part that decides the value.
             Condition::And(all) => Formula::and(all.iter().map(|part| self.formula(part, bindings))),
             Condition::Or(any) => Formula::or(any.iter().map(|part| self.formula(part, bindings))),
             Condition::Forall(slot, kind, inner) => {
@@ -399,7 +399,7 @@ impl<'a> Grounder<'a> {
                 let parts = self.instances((*slot, *kind), inner, true, bindings);
                 Formula::or(parts)
             }
-            literal => match (unchanging_value(self.domain, self.world, literal, bindings), literal) {
+            literal => match (static_value(self.domain, self.world, literal, bindings), literal) {
                 (None, Condition::Atom { atom, holds, .. }) => Formula::Literal(Literal {
                     fact: self.number(ground_atom(atom, bindings)),
                     holds: *holds,

@@ -205,9 +205,12 @@ impl Chooser<'_> {
 
     /// Decides which branch the path takes: true for `then`.
     fn choose(&self, condition: &Test, then: &[Node], otherwise: &[Node]) -> bool {
-        effort::spend(self.decided.len() + tree::steps(then).len() + tree::steps(otherwise).len());
-        let leads = |nodes: &[Node]| self.target.is_some_and(|target| tree::steps(nodes).contains(&target));
-        let news = |nodes: &[Node]| tree::steps(nodes).iter().any(|step| !self.done[step.index()]);
+        effort::spend(self.decided.len() + tree::steps(then).chain(tree::steps(otherwise)).count());
+        let leads = |nodes: &[Node]| {
+            self.target
+                .is_some_and(|target| tree::steps(nodes).any(|step| step == target))
+        };
+        let news = |nodes: &[Node]| tree::steps(nodes).any(|step| !self.done[step.index()]);
         if leads(then) || leads(otherwise) {
             return leads(then);
         }
@@ -248,7 +251,7 @@ impl Chooser<'_> {
 
     /// Adds the sensing steps of a condition, and assumes its value.
     fn test(&mut self, condition: &Test, holds: bool, way: &mut Way) {
-        condition.steps().into_iter().for_each(|step| way.step(step));
+        condition.steps().for_each(|step| way.step(step));
         self.assume(condition, holds, way);
     }
 

@@ -19,7 +19,7 @@ impl Walk<'_> {
             if lanes[..number].iter().any(|other| other.actor == lane.actor) {
                 self.wrong(Violation::LaneTwice { actor: lane.actor }, Vec::new());
             }
-            for step in steps(lane) {
+            for step in lane.steps() {
                 if self.plan.step(step).actor(self.domain) != Some(lane.actor) {
                     let (step, actor) = (step.index(), lane.actor);
                     self.wrong(Violation::WrongActor { step, actor }, Vec::new());
@@ -146,14 +146,6 @@ impl Walk<'_> {
             self.wrong(violation, self.when(&one));
         }
     }
-}
-
-fn steps(lane: &Lane) -> Vec<StepId> {
-    let step = |item: &LaneItem| match item {
-        LaneItem::Step(step) => Some(*step),
-        LaneItem::Sync(_) | LaneItem::Remark(_) => None,
-    };
-    lane.items.iter().filter_map(step).collect()
 }
 
 /// Returns the items of a lane without remarks.

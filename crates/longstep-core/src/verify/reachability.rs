@@ -4,7 +4,7 @@
 
 use crate::effort;
 use crate::model::{
-    ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, unchanging_value,
+    ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, static_value,
 };
 
 /// Returns true if the condition can hold in some state of this world; fluent facts may have any value.
@@ -28,7 +28,7 @@ pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bi
                 _ => all.iter().any(&mut instance),
             }
         }
-        literal => unchanging_value(domain, world, literal, bindings).unwrap_or(true),
+        literal => static_value(domain, world, literal, bindings).unwrap_or(true),
     }
 }
 

@@ -524,7 +524,7 @@ impl Heads {
 
 /// Returns the first step in a node, from 0; none if it has no steps.
 fn first_of(node: &Node) -> Option<usize> {
-    tree::steps(std::slice::from_ref(node)).first().map(|step| step.index())
+    tree::steps(std::slice::from_ref(node)).next().map(StepId::index)
 }
 
 /// Returns the work units for storing a state: the part that is not shared with the initial state.

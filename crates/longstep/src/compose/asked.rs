@@ -101,7 +101,7 @@ fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, Entit
     let entity = |term: &Term| about(term, given);
     let outcomes = action.senses.iter().map(|outcome| {
         let word = state_word(domain, outcome.predicate)?;
-        // The entry of the environment in which the word stands comes first.
+        // The entity of the environment entry comes first.
         let things = word
             .places()
             .map(|place| Some(called(world.entity(entity(&outcome.terms[place?])?))));

@@ -7,8 +7,8 @@ use super::{Misfit, Recalled, Stored};
 use crate::diagnostic::nearest;
 use crate::dialogue::actors;
 use crate::environment::World;
-use crate::model::Domain;
-use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Test};
+use crate::model::{Action, Domain};
+use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Rebuild, Test};
 use crate::plan::{StepId, Written, WrittenNode, WrittenStep};
 
 /// Maximum number of steps after inlining. Without it, a script of 20 kB could call a plan of 1,000 steps 2,000 times.
@@ -103,193 +103,29 @@ struct Inliner<'a> {
     misfits: Vec<Misfit>,
 }
 
-impl<'a> Inliner<'a> {
-    fn nodes(&mut self, nodes: &[WrittenNode]) -> Vec<WrittenNode> {
-        nodes.iter().flat_map(|node| self.node(node)).collect()
-    }
+impl Rebuild<WrittenStep, String> for Inliner<'_> {
+    type Fact = WrittenStep;
+    type Actor = String;
 
-    fn node(&mut self, node: &WrittenNode) -> Vec<WrittenNode> {
-        let node = match node {
-            Node::Step(id) => {
-                let step = &self.composition.steps[id.index()];
-                let Some((name, recalled)) = self.meant(step) else {
-                    return self.own(step).map(Node::Step).into_iter().collect();
-                };
-                return self.spliced(&name, &recalled);
-            }
-            Node::If {
-                condition,
-                then,
-                otherwise,
-            } => Node::If {
-                condition: self.condition(condition),
-                then: self.nodes(then),
-                otherwise: self.nodes(otherwise),
-            },
-            Node::While { condition, body } => Node::While {
-                condition: self.condition(condition),
-                body: self.nodes(body),
-            },
-            Node::Repeat { times, body } => Node::Repeat {
-                times: *times,
-                body: self.nodes(body),
-            },
-            Node::Parallel { lanes } => Node::Parallel {
-                lanes: lanes.iter().map(|lane| self.lane(lane)).collect(),
-            },
-            Node::Remark(text) => Node::Remark(text.clone()),
-        };
-        vec![node]
-    }
-
-    /// Finds the stored plan that a call names. Returns none for the call of an action; a misuse of a stored plan is
-    /// recorded as a misfit.
-    fn meant(&mut self, step: &WrittenStep) -> Option<(String, Rc<Recalled>)> {
-        let name = &step.call.name;
-        let (plan, recalled) = self.recalled.iter().find(|(plan, _)| plan.name == *name)?;
-        if !step.call.arguments.is_empty() || !step.implicit.is_empty() {
-            self.misfits.push(Misfit::Arguments { name: name.clone() });
-        }
-        match recalled {
-            Ok(recalled) => Some((plan.name.clone(), Rc::clone(recalled))),
-            Err(misfit) => {
-                self.misfits.push(misfit.clone());
-                Some((plan.name.clone(), Rc::default()))
-            }
-        }
-    }
-
-    /// Adds a step that belongs to the composition itself.
-    fn own(&mut self, step: &WrittenStep) -> Option<StepId> {
-        let calls = self.domain.actions.iter().map(|action| action.call.as_str());
-        if !calls.clone().any(|call| call == step.call.name) {
-            let plans = self.recalled.iter().map(|(plan, _)| plan.name.as_str());
-            let near = nearest(&step.call.name, plans.chain(calls)).map(str::to_owned);
-            self.misfits.push(Misfit::UnknownPlan {
-                name: step.call.name.clone(),
-                near,
-            });
-            return None;
-        }
-        let step = spelled_out(self.domain, self.world, step);
-        Some(self.push(step, None))
-    }
-
-    fn push(&mut self, step: WrittenStep, origin: Option<&str>) -> StepId {
-        self.steps.push(step);
-        self.origins.push(origin.map(str::to_owned));
-        StepId::new(self.steps.len() - 1)
-    }
-
-    /// Returns the nodes of a stored plan with its steps renumbered for the result.
-    fn spliced(&mut self, name: &str, recalled: &Recalled) -> Vec<WrittenNode> {
-        let before = self.steps.len();
-        if before + recalled.written.steps.len() > LONGEST {
-            self.misfits.push(Misfit::TooLong { limit: LONGEST });
-            return Vec::new();
-        }
-        self.steps.extend(recalled.written.steps.iter().cloned());
-        let mut body = vec![Node::Remark(recalled.remark(name))];
-        for node in &recalled.written.body {
-            body.push(self.renumbered(node, before, name));
-        }
-        body
-    }
-
-    fn renumbered(&mut self, node: &WrittenNode, before: usize, name: &str) -> WrittenNode {
-        let all = |inliner: &mut Self, nodes: &[WrittenNode]| -> Vec<WrittenNode> {
-            nodes
-                .iter()
-                .map(|node| inliner.renumbered(node, before, name))
-                .collect()
-        };
-        match node {
-            Node::Step(id) => {
-                self.origins.push(Some(name.to_owned()));
-                Node::Step(StepId::new(before + id.index()))
-            }
-            Node::If {
-                condition,
-                then,
-                otherwise,
-            } => {
-                self.note_sensing(condition, Some(name));
-                Node::If {
-                    condition: condition.clone(),
-                    then: all(self, then),
-                    otherwise: all(self, otherwise),
-                }
-            }
-            Node::While { condition, body } => {
-                self.note_sensing(condition, Some(name));
-                Node::While {
-                    condition: condition.clone(),
-                    body: all(self, body),
-                }
-            }
-            Node::Repeat { times, body } => Node::Repeat {
-                times: *times,
-                body: all(self, body),
-            },
-            Node::Parallel { lanes } => {
-                let lanes = lanes.iter().map(|lane| {
-                    let items = lane.items.iter().map(|item| match item {
-                        LaneItem::Step(id) => {
-                            self.origins.push(Some(name.to_owned()));
-                            LaneItem::Step(StepId::new(before + id.index()))
-                        }
-                        other => other.clone(),
-                    });
-                    Lane {
-                        items: items.collect(),
-                        actor: lane.actor.clone(),
-                    }
-                });
-                Node::Parallel { lanes: lanes.collect() }
-            }
-            Node::Remark(text) => Node::Remark(text.clone()),
+    fn step(&mut self, step: StepId, nodes: &mut Vec<WrittenNode>) {
+        let step = &self.composition.steps[step.index()];
+        match self.meant(step) {
+            Some((name, recalled)) => nodes.extend(self.spliced(&name, &recalled)),
+            None => nodes.extend(self.own(step).map(Node::Step)),
         }
     }
 
     /// Converts a condition of the composition itself.
     fn condition(&mut self, condition: &Test<WrittenStep>) -> Test<WrittenStep> {
-        let condition = self.asked(condition);
+        let condition = condition.map(&mut Test::Sense, &mut |step| {
+            if self.recalled.iter().any(|(plan, _)| plan.name == step.call.name) {
+                let name = step.call.name.clone();
+                self.misfits.push(Misfit::Asked { name });
+            }
+            Test::Holds(spelled_out(self.domain, self.world, step))
+        });
         self.note_sensing(&condition, None);
         condition
-    }
-
-    fn asked(&mut self, condition: &Test<WrittenStep>) -> Test<WrittenStep> {
-        let mut all = |parts: &[Test<WrittenStep>]| parts.iter().map(|part| self.asked(part)).collect();
-        match condition {
-            Test::All(parts) => Test::All(all(parts)),
-            Test::Any(parts) => Test::Any(all(parts)),
-            Test::Not(inner) => Test::Not(Box::new(self.asked(inner))),
-            Test::Holds(step) => {
-                if self.recalled.iter().any(|(plan, _)| plan.name == step.call.name) {
-                    let name = step.call.name.clone();
-                    self.misfits.push(Misfit::Asked { name });
-                }
-                Test::Holds(spelled_out(self.domain, self.world, step))
-            }
-            // A plan before resolution has no such condition.
-            Test::Sense(step) => Test::Sense(*step),
-        }
-    }
-
-    /// Resolution turns each sensing call in a condition into a step, numbered at the position of the condition.
-    fn note_sensing(&mut self, condition: &Test<WrittenStep>, origin: Option<&str>) {
-        match condition {
-            Test::Holds(step) => {
-                let senses =
-                    |action: &&crate::model::Action| action.call == step.call.name && !action.senses.is_empty();
-                if self.domain.actions.iter().find(senses).is_some() {
-                    self.origins.push(origin.map(str::to_owned));
-                }
-            }
-            Test::Not(inner) => self.note_sensing(inner, origin),
-            Test::All(parts) | Test::Any(parts) => parts.iter().for_each(|part| self.note_sensing(part, origin)),
-            Test::Sense(_) => {}
-        }
     }
 
     fn lane(&mut self, lane: &Lane<String>) -> Lane<String> {
@@ -341,6 +177,75 @@ impl<'a> Inliner<'a> {
             items,
         }
     }
+}
+
+impl Inliner<'_> {
+    /// Finds the stored plan that a call names. Returns none for the call of an action; a misuse of a stored plan is
+    /// recorded as a misfit.
+    fn meant(&mut self, step: &WrittenStep) -> Option<(String, Rc<Recalled>)> {
+        let name = &step.call.name;
+        let (plan, recalled) = self.recalled.iter().find(|(plan, _)| plan.name == *name)?;
+        if !step.call.arguments.is_empty() || !step.implicit.is_empty() {
+            self.misfits.push(Misfit::Arguments { name: name.clone() });
+        }
+        match recalled {
+            Ok(recalled) => Some((plan.name.clone(), Rc::clone(recalled))),
+            Err(misfit) => {
+                self.misfits.push(misfit.clone());
+                Some((plan.name.clone(), Rc::default()))
+            }
+        }
+    }
+
+    /// Adds a step that belongs to the composition itself.
+    fn own(&mut self, step: &WrittenStep) -> Option<StepId> {
+        let calls = self.domain.actions.iter().map(|action| action.call.as_str());
+        if !calls.clone().any(|call| call == step.call.name) {
+            let plans = self.recalled.iter().map(|(plan, _)| plan.name.as_str());
+            let near = nearest(&step.call.name, plans.chain(calls)).map(str::to_owned);
+            self.misfits.push(Misfit::UnknownPlan {
+                name: step.call.name.clone(),
+                near,
+            });
+            return None;
+        }
+        let step = spelled_out(self.domain, self.world, step);
+        Some(self.push(step, None))
+    }
+
+    fn push(&mut self, step: WrittenStep, origin: Option<&str>) -> StepId {
+        self.steps.push(step);
+        self.origins.push(origin.map(str::to_owned));
+        StepId::new(self.steps.len() - 1)
+    }
+
+    /// Returns the nodes of a stored plan with its steps renumbered for the result.
+    fn spliced(&mut self, name: &str, recalled: &Recalled) -> Vec<WrittenNode> {
+        let before = self.steps.len();
+        if before + recalled.written.steps.len() > LONGEST {
+            self.misfits.push(Misfit::TooLong { limit: LONGEST });
+            return Vec::new();
+        }
+        self.steps.extend(recalled.written.steps.iter().cloned());
+        let mut body = vec![Node::Remark(recalled.remark(name))];
+        let mut splice = Splice {
+            inliner: self,
+            name,
+            before,
+        };
+        body.extend(splice.nodes(&recalled.written.body));
+        body
+    }
+
+    /// Resolution turns each sensing call in a condition into a step, numbered at the position of the condition.
+    fn note_sensing(&mut self, condition: &Test<WrittenStep>, origin: Option<&str>) {
+        for step in condition.facts() {
+            let senses = |action: &Action| action.call == step.call.name && !action.senses.is_empty();
+            if self.domain.actions.iter().any(senses) {
+                self.origins.push(origin.map(str::to_owned));
+            }
+        }
+    }
 
     /// Returns the actor of a stored plan in a lane, or none if the plan has no steps.
     fn doer(
@@ -370,5 +275,39 @@ impl<'a> Inliner<'a> {
                 actors: several.to_vec(),
             }),
         }
+    }
+}
+
+/// Renumbers the nodes of a stored plan for the result.
+struct Splice<'i, 'a> {
+    inliner: &'i mut Inliner<'a>,
+    /// The stored plan's name.
+    name: &'i str,
+    /// The number of steps before its own.
+    before: usize,
+}
+
+impl Splice<'_, '_> {
+    fn number(&mut self, step: StepId) -> StepId {
+        self.inliner.origins.push(Some(self.name.to_owned()));
+        StepId::new(self.before + step.index())
+    }
+}
+
+impl Rebuild<WrittenStep, String> for Splice<'_, '_> {
+    type Fact = WrittenStep;
+    type Actor = String;
+
+    fn step(&mut self, step: StepId, nodes: &mut Vec<WrittenNode>) {
+        nodes.push(Node::Step(self.number(step)));
+    }
+
+    fn condition(&mut self, condition: &Test<WrittenStep>) -> Test<WrittenStep> {
+        self.inliner.note_sensing(condition, Some(self.name));
+        condition.clone()
+    }
+
+    fn lane(&mut self, lane: &Lane<String>) -> Lane<String> {
+        lane.map(lane.actor.clone(), |step| Some(self.number(step)))
     }
 }

@@ -248,7 +248,7 @@ fn told_states(domain: &Domain, world: &World) -> Vec<String> {
         let Some(word) = state_word(domain, outcome.predicate) else {
             continue;
         };
-        // The thing in whose entry the state stands comes first.
+        // The entity of the environment entry comes first.
         let parameters = &domain.predicate(word.atom.predicate).parameters;
         let kinds = word.places().flatten().map(|place| parameters[place].kind);
         let Some(choices) = choices(world, kinds) else { continue };

@@ -166,14 +166,9 @@ impl Draft {
         self.items.len() - 1
     }
 
+    /// Copies the condition with its sensing steps.
     fn test(&mut self, test: &Test) -> Test {
-        match test {
-            Test::Sense(step) => Test::Sense(StepId::new(self.another(step.index()))),
-            Test::Holds(fact) => Test::Holds(*fact),
-            Test::Not(inner) => Test::Not(Box::new(self.test(inner))),
-            Test::All(parts) => Test::All(parts.iter().map(|part| self.test(part)).collect()),
-            Test::Any(parts) => Test::Any(parts.iter().map(|part| self.test(part)).collect()),
-        }
+        test.renumbered(&mut |step| StepId::new(self.another(step.index())))
     }
 
     /// Moves the common end of both sides of a branch after the branch.
@@ -235,17 +230,12 @@ impl Draft {
     }
 }
 
+/// Adds the sensing steps of the condition to `order` and renumbers them.
 fn numbered(test: &Test, order: &mut Vec<usize>) -> Test {
-    match test {
-        Test::Sense(step) => {
-            order.push(step.index());
-            Test::Sense(StepId::new(order.len() - 1))
-        }
-        Test::Holds(fact) => Test::Holds(*fact),
-        Test::Not(inner) => Test::Not(Box::new(numbered(inner, order))),
-        Test::All(parts) => Test::All(parts.iter().map(|part| numbered(part, order)).collect()),
-        Test::Any(parts) => Test::Any(parts.iter().map(|part| numbered(part, order)).collect()),
-    }
+    test.renumbered(&mut |step| {
+        order.push(step.index());
+        StepId::new(order.len() - 1)
+    })
 }
 
 pub(super) fn draft_step(step: &Step) -> DraftStep {

@@ -3,7 +3,7 @@
 use super::super::{Edit, EditKind, Pins, Repaired, Unwanted};
 use super::draft::{Draft, Item, Part, draft_step};
 use crate::model::{Atom, Condition, Domain, Effect, EntityId, Fact, Term, Voice, World};
-use crate::plan::{Plan, Step, Test};
+use crate::plan::{Plan, Step, StepId};
 use crate::verify::{Purpose, Violation, check};
 
 /// Returns a domain in which sensing has exactly these outcomes, so that on one path it is an ordinary action.
@@ -107,8 +107,7 @@ impl Draft {
             let step = Step::explained(domain, world, action, complete);
             let asked = Voice::Person.fact(domain, world, *fact, true);
             for block in 0..self.blocks.len() {
-                let asks =
-                    |part: &Part| matches!(part, Part::If(test, ..) | Part::While(test, _) if holds_in(test, *fact));
+                let asks = |part: &Part| matches!(part, Part::If(test, ..) | Part::While(test, _) if test.facts().any(|other| other == fact));
                 let Some(place) = self.blocks[block].iter().position(asks) else {
                     continue;
                 };
@@ -155,25 +154,16 @@ impl Draft {
         match part {
             Part::Step(number) => numbers.push(*number),
             Part::If(test, then, otherwise) => {
-                numbers.extend(test.steps().iter().map(|step| step.index()));
+                numbers.extend(test.steps().map(StepId::index));
                 block(*then, numbers);
                 block(*otherwise, numbers);
             }
             Part::While(test, body) => {
-                numbers.extend(test.steps().iter().map(|step| step.index()));
+                numbers.extend(test.steps().map(StepId::index));
                 block(*body, numbers);
             }
             Part::Repeat(_, body) => block(*body, numbers),
             Part::Remark(_) => {}
         }
-    }
-}
-
-fn holds_in(test: &Test, fact: Fact) -> bool {
-    match test {
-        Test::Sense(_) => false,
-        Test::Holds(other) => *other == fact,
-        Test::Not(inner) => holds_in(inner, fact),
-        Test::All(parts) | Test::Any(parts) => parts.iter().any(|part| holds_in(part, fact)),
     }
 }

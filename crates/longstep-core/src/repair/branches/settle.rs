@@ -82,7 +82,7 @@ impl Draft {
         let is_next = |part: &Part| match part {
             Part::Step(number) => *number == next,
             // For a step of a condition, the new step goes before the branch or loop.
-            Part::If(test, ..) | Part::While(test, _) => test.steps().iter().any(|step| step.index() == next),
+            Part::If(test, ..) | Part::While(test, _) => test.steps().any(|step| step.index() == next),
             Part::Repeat(..) | Part::Remark(_) => false,
         };
         let blocks = match block {

@@ -122,8 +122,8 @@ fn longest(nodes: &[Node]) -> u32 {
             condition,
             then,
             otherwise,
-        } => condition.steps().len() as u32 + longest(then).max(longest(otherwise)),
-        Node::While { condition, body } => condition.steps().len() as u32 + longest(body),
+        } => condition.steps().count() as u32 + longest(then).max(longest(otherwise)),
+        Node::While { condition, body } => condition.steps().count() as u32 + longest(body),
         _ => 0,
     };
     nodes.iter().map(of).sum()

@@ -28,15 +28,8 @@ impl Condition {
     }
 
     /// Replaces call indices by the calls.
-    fn whole(&self, test: Test<usize>) -> Test<WrittenStep> {
-        let parts = |parts: Vec<Test<usize>>| parts.into_iter().map(|part| self.whole(part)).collect();
-        match test {
-            Test::Holds(call) => Test::Holds(self.calls[call].clone()),
-            Test::Sense(step) => Test::Sense(step),
-            Test::Not(inner) => Test::Not(Box::new(self.whole(*inner))),
-            Test::All(all) => Test::All(parts(all)),
-            Test::Any(any) => Test::Any(parts(any)),
-        }
+    fn whole(&self, test: &Test<usize>) -> Test<WrittenStep> {
+        test.map(&mut Test::Sense, &mut |call| Test::Holds(self.calls[*call].clone()))
     }
 }
 
@@ -55,7 +48,7 @@ impl Parser<'_> {
             }
             first.explanation.insert_str(0, &words);
         }
-        let test = condition.whole(test);
+        let test = condition.whole(&test);
         if self.depth + 1 + test.depth() > DEEPEST {
             return fault(
                 start,
