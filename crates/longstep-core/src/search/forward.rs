@@ -7,8 +7,8 @@ use rustc_hash::FxHashMap;
 
 use super::bits::Bits;
 use super::dominance::Dominance;
-use super::formula::Literal;
 use super::landmark_cut::LandmarkCut;
+use super::node::{Node, path, start, successor};
 use super::relevance;
 use super::task::Task;
 use super::{GroundAction, Outcome};
@@ -214,17 +214,6 @@ pub(crate) enum Found<P> {
     Limit,
 }
 
-struct Node {
-    state: Bits,
-    parent: Option<(u32, u32)>,
-    /// Cost from the start state.
-    depth: u32,
-    /// Lower bound on the cost to the goal; inherited from the parent until the node is evaluated.
-    estimate: u32,
-    estimated: bool,
-    expanded: bool,
-}
-
 /// Ordered by f-value, then heuristic value, then preferred operators, then order of discovery.
 type Entry = Reverse<(u32, u32, bool, u32)>;
 
@@ -268,15 +257,8 @@ impl<'a> Search<'a> {
 
     /// Searches until a plan is found, no node is left, or the limit or the budget is reached.
     fn run(mut self) -> (Found<Vec<u32>>, usize) {
-        let mut start = Bits::none(self.task.initial.len());
-        for (fact, holds) in self.task.initial.iter().enumerate() {
-            start.set(Literal {
-                fact: fact as u32,
-                holds: *holds,
-            });
-        }
         let (mut expanded, mut estimated) = (0, 0);
-        self.discover(start, None, 0, 0, false);
+        self.discover(start(self.task), None, 0, 0, false);
         while let Some(Reverse((promise, _, _, number))) = self.open.pop() {
             if !effort::spend(1) {
                 return (Found::Limit, expanded);
@@ -290,7 +272,7 @@ impl<'a> Search<'a> {
                 return (Found::Nothing, expanded);
             }
             if self.task.goal.holds(&|literal| node.state.is(literal)) {
-                return (Found::Path(self.path(number)), expanded);
+                return (Found::Path(path(&self.nodes, number)), expanded);
             }
             if !node.estimated {
                 if estimated == self.limit {
@@ -351,23 +333,9 @@ impl<'a> Search<'a> {
             if !effort::spend(1 + task.initial.len() / 256) {
                 return;
             }
-            let mut next = node.state.clone();
-            let fires = |holds: bool| {
-                operator.effects.iter().filter(move |effect| {
-                    effect.literal.holds == holds && effect.condition.holds(&|literal| node.state.is(literal))
-                })
-            };
-            // As in PDDL, a fact that is both deleted and added holds afterwards.
-            for effect in fires(false).chain(fires(true)) {
-                next.set(effect.literal);
-            }
-            let allowed = |before: &Bits| {
-                task.always
-                    .allows(&|literal| before.is(literal), &|literal| next.is(literal))
-            };
-            if next == node.state || !allowed(&node.state) {
+            let Some(next) = successor(task, &node.state, operator) else {
                 continue;
-            }
+            };
             let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));
             let is_preferred = preferred.binary_search(&(index as u32)).is_ok();
             self.discover(next, Some((number, index as u32)), depth, estimate, is_preferred);
@@ -376,12 +344,7 @@ impl<'a> Search<'a> {
 
     fn discover(&mut self, state: Bits, parent: Option<(u32, u32)>, depth: u32, estimate: u32, preferred: bool) {
         if let Some(number) = self.known.get(&state).copied() {
-            let node = &mut self.nodes[number as usize];
-            if depth < node.depth {
-                node.depth = depth;
-                node.parent = parent;
-                // With an inconsistent heuristic, the node may have been expanded too early.
-                node.expanded = false;
+            if self.nodes[number as usize].improve(parent, depth) {
                 self.open.push(self.entry(number, preferred));
             }
             return;
@@ -394,26 +357,7 @@ impl<'a> Search<'a> {
         }
         effort::spend(Bits::units(self.task.initial.len()));
         self.known.insert(state.clone(), number);
-        self.nodes.push(Node {
-            state,
-            parent,
-            depth,
-            estimate,
-            estimated: false,
-            expanded: false,
-        });
+        self.nodes.push(Node::new(state, parent, depth, estimate));
         self.open.push(self.entry(number, preferred));
-    }
-
-    /// Returns the operators on the path to a node.
-    fn path(&self, number: u32) -> Vec<u32> {
-        let mut path = Vec::new();
-        let mut at = number;
-        while let Some((parent, operator)) = self.nodes[at as usize].parent {
-            path.push(operator);
-            at = parent;
-        }
-        path.reverse();
-        path
     }
 }

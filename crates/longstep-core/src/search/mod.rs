@@ -10,6 +10,7 @@ mod dominance;
 mod formula;
 mod forward;
 mod landmark_cut;
+mod node;
 mod outcome;
 mod relaxed;
 mod relevance;

@@ -3,9 +3,7 @@
 //! The tests are one-sided: false is certain, true means that no static fact contradicts.
 
 use crate::effort;
-use crate::model::{
-    ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, static_value,
-};
+use crate::model::{ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, static_value};
 
 /// Returns true if the condition can hold in some state of this world; fluent facts may have any value.
 pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {

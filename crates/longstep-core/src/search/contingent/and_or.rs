@@ -11,13 +11,13 @@ use std::rc::Rc;
 use indexmap::IndexMap;
 use rustc_hash::FxHashMap;
 
-use super::bound::{Bounds, outcome};
+use super::bound::Bounds;
 use super::policy::{Course, Then};
 use crate::effort;
 use crate::search::GroundAction;
 use crate::search::bits::Bits;
 use crate::search::dominance::Dominance;
-use crate::search::formula::Literal;
+use crate::search::node::{Node, after, path, start, successor};
 use crate::search::task::Task;
 
 /// Maximum nesting depth of sensing.
@@ -60,15 +60,6 @@ pub(super) struct Search<'a> {
     heads: Vec<Bits>,
     /// Number of started searches; they count against the limit like states.
     begun: usize,
-}
-
-struct Node {
-    state: Bits,
-    parent: Option<(u32, u32)>,
-    depth: u32,
-    estimate: u32,
-    estimated: bool,
-    expanded: bool,
 }
 
 /// An entry of the open list.
@@ -136,12 +127,7 @@ impl<'a> Search<'a> {
 
     /// Returns the best policy from the initial state with a worst case of fewer steps than `below`, if there is one.
     pub(super) fn run(&mut self, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
-        let mut start = Bits::none(self.task.initial.len());
-        for (fact, holds) in self.task.initial.iter().enumerate() {
-            let fact = fact as u32;
-            start.set(Literal { fact, holds: *holds });
-        }
-        self.best(&start, below)
+        self.best(&start(self.task), below)
     }
 
     fn best(&mut self, start: &Bits, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
@@ -295,14 +281,9 @@ impl<'a> Search<'a> {
             if !effort::spend(1 + task.initial.len() / 256) {
                 return;
             }
-            let next = after(task, &node.state, index as u32);
-            let allowed = |before: &Bits| {
-                task.always
-                    .allows(&|literal| before.is(literal), &|literal| next.is(literal))
-            };
-            if next == node.state || !allowed(&node.state) {
+            let Some(next) = successor(task, &node.state, operator) else {
                 continue;
-            }
+            };
             let (depth, estimate) = (node.depth + operator.cost, node.estimate.saturating_sub(operator.cost));
             let is_preferred = preferred.binary_search(&(index as u32)).is_ok();
             self.discover(
@@ -337,14 +318,9 @@ impl<'a> Search<'a> {
     ) {
         let number = match nodes.numbers.get(&state).copied() {
             Some(number) => {
-                let node = &mut nodes.all[number as usize];
-                if depth >= node.depth {
+                if !nodes.all[number as usize].improve(parent, depth) {
                     return;
                 }
-                node.depth = depth;
-                node.parent = parent;
-                // With an inconsistent heuristic, the node may have been expanded too early.
-                node.expanded = false;
                 number
             }
             None => {
@@ -355,14 +331,7 @@ impl<'a> Search<'a> {
                 let number = nodes.all.len() as u32;
                 effort::spend(Bits::units(self.task.initial.len()));
                 nodes.numbers.insert(state.clone(), number);
-                nodes.all.push(Node {
-                    state,
-                    parent,
-                    depth,
-                    estimate,
-                    estimated: false,
-                    expanded: false,
-                });
+                nodes.all.push(Node::new(state, parent, depth, estimate));
                 number
             }
         };
@@ -375,7 +344,7 @@ impl<'a> Search<'a> {
     fn outcomes_at_least(&mut self, state: &Bits, look: u32) -> Result<Option<(u32, u32)>, TooFar> {
         let (mut worst, mut sum) = (0, 0);
         for operator in self.looks[look as usize].clone() {
-            let told = after(self.task, state, operator);
+            let told = after(state, &self.task.operators[operator as usize]);
             let Some(cost) = self.estimate(&told, false)?.cost else {
                 return Ok(None);
             };
@@ -394,7 +363,7 @@ impl<'a> Search<'a> {
         let mut outcomes = Vec::new();
         self.heads.push(node.state.clone());
         for operator in self.looks[look as usize].clone() {
-            let told = after(self.task, &node.state, operator);
+            let told = after(&node.state, &self.task.operators[operator as usize]);
             match self.best(&told, left)? {
                 Some(course) => outcomes.push((operator, course)),
                 None => break,
@@ -410,7 +379,7 @@ impl<'a> Search<'a> {
         let worst = outcomes.iter().map(|(_, course)| course.worst).max().unwrap_or(0);
         let total: u32 = outcomes.iter().map(|(_, course)| course.total).sum();
         Ok(Some(Course {
-            path: nodes.path(number),
+            path: path(&nodes.all, number),
             then: Then::Look(outcomes),
             worst: node.depth + 1 + worst,
             total: node.depth + 1 + total,
@@ -419,44 +388,14 @@ impl<'a> Search<'a> {
 }
 
 impl Nodes {
-    /// Returns the operators on the path to a node.
-    fn path(&self, number: u32) -> Vec<u32> {
-        let mut path = Vec::new();
-        let mut at = number;
-        while let Some((parent, operator)) = self.all[at as usize].parent {
-            path.push(operator);
-            at = parent;
-        }
-        path.reverse();
-        path
-    }
-
     /// Returns the policy that consists of the path to a node.
     fn straight(&self, number: u32, then: Then) -> Course {
         let depth = self.all[number as usize].depth;
         Course {
-            path: self.path(number),
+            path: path(&self.all, number),
             then,
             worst: depth,
             total: depth,
         }
     }
-}
-
-/// Returns the state after an operator.
-fn after(task: &Task, state: &Bits, operator: u32) -> Bits {
-    let operator = &task.operators[operator as usize];
-    debug_assert!(operator.told.is_none() || outcome(operator).is_some());
-    let mut next = state.clone();
-    let fires = |holds: bool| {
-        operator
-            .effects
-            .iter()
-            .filter(move |effect| effect.literal.holds == holds && effect.condition.holds(&|literal| state.is(literal)))
-    };
-    // As in PDDL, a fact that is both deleted and added holds afterwards.
-    for effect in fires(false).chain(fires(true)) {
-        next.set(effect.literal);
-    }
-    next
 }

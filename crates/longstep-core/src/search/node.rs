@@ -1,0 +1,90 @@
+//! Nodes of a state space search.
+
+use super::bits::Bits;
+use super::formula::Literal;
+use super::task::{Operator, Task};
+
+/// A state that a search has reached, with the cheapest known path to it.
+pub(super) struct Node {
+    pub(super) state: Bits,
+    /// The numbers of the preceding node and of the operator that leads here from it.
+    pub(super) parent: Option<(u32, u32)>,
+    /// Cost from the start state.
+    pub(super) depth: u32,
+    /// Lower bound on the cost to the goal; inherited from the parent until the node is evaluated.
+    pub(super) estimate: u32,
+    pub(super) estimated: bool,
+    pub(super) expanded: bool,
+}
+
+impl Node {
+    pub(super) fn new(state: Bits, parent: Option<(u32, u32)>, depth: u32, estimate: u32) -> Self {
+        Self {
+            state,
+            parent,
+            depth,
+            estimate,
+            estimated: false,
+            expanded: false,
+        }
+    }
+
+    /// Replaces the path to the node if the new one is cheaper; returns true if it is.
+    pub(super) fn improve(&mut self, parent: Option<(u32, u32)>, depth: u32) -> bool {
+        let cheaper = depth < self.depth;
+        if cheaper {
+            self.depth = depth;
+            self.parent = parent;
+            // With an inconsistent heuristic, the node may have been expanded too early.
+            self.expanded = false;
+        }
+        cheaper
+    }
+}
+
+/// Returns the initial state of a task.
+pub(super) fn start(task: &Task) -> Bits {
+    let mut start = Bits::none(task.initial.len());
+    for (fact, holds) in task.initial.iter().enumerate() {
+        let fact = fact as u32;
+        start.set(Literal { fact, holds: *holds });
+    }
+    start
+}
+
+/// Returns the state after an operator.
+pub(super) fn after(state: &Bits, operator: &Operator) -> Bits {
+    let mut next = state.clone();
+    let fires = |holds: bool| {
+        operator
+            .effects
+            .iter()
+            .filter(move |effect| effect.literal.holds == holds && effect.condition.holds(&|literal| state.is(literal)))
+    };
+    // As in PDDL, a fact that is both deleted and added holds afterwards.
+    for effect in fires(false).chain(fires(true)) {
+        next.set(effect.literal);
+    }
+    next
+}
+
+/// Returns the state after an operator; none if it equals `state` or breaks a rule that holds in it.
+pub(super) fn successor(task: &Task, state: &Bits, operator: &Operator) -> Option<Bits> {
+    let next = after(state, operator);
+    let allows = || {
+        let always = &task.always;
+        always.allows(&|literal| state.is(literal), &|literal| next.is(literal))
+    };
+    (next != *state && allows()).then_some(next)
+}
+
+/// Returns the numbers of the operators on the path to a node.
+pub(super) fn path(nodes: &[Node], mut number: u32) -> Vec<u32> {
+    let mut path = Vec::new();
+    while let Some((parent, operator)) = nodes[number as usize].parent {
+        path.push(operator);
+        number = parent;
+    }
+    path.reverse();
+    path
+}
