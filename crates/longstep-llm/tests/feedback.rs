@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use longstep::dialogue::{GoalDialogue, Round};
+use longstep::dialogue::{GoalDialogue, GoalInput, Round};
 use longstep::domain::{self, Domain, Files};
 use longstep::environment::{self, Claim, Environment, World};
 use longstep::feedback::{self, Amended, FeedbackDialogue, StepWish, Wish, amend};
@@ -154,8 +154,13 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
                 replied: text("goal").to_owned(),
                 said: text("says").to_owned(),
             }];
-            let mut dialogue =
-                GoalDialogue::again(&domain, &world, text("instruction"), &rounds, model.constraint_kind());
+            let mut dialogue = GoalDialogue::again(GoalInput {
+                domain: &domain,
+                world: &world,
+                instruction: text("instruction"),
+                rounds: &rounds,
+                kind: model.constraint_kind(),
+            });
             let understood = understand(model, &domain, &world, &mut dialogue, &mut |_: Progress| {});
             told = format!("{told} -> {}", dialogue.answer());
             let expected = goal::parse(&domain, &world, text("then")).unwrap();

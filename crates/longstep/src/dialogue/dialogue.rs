@@ -122,30 +122,52 @@ pub struct GoalDialogue {
     pub usage: Usage,
 }
 
+/// The inputs of a goal dialogue.
+#[derive(Debug, Clone, Copy)]
+pub struct GoalInput<'a> {
+    /// The domain with its prompts.
+    pub domain: &'a Domain,
+    /// The world shown to the model.
+    pub world: &'a World,
+    /// The instruction of the person.
+    pub instruction: &'a str,
+    /// The earlier answers of the model, each with the reply of the person.
+    pub rounds: &'a [Round],
+    /// The kind of constraint that the model supports.
+    pub kind: ConstraintKind,
+}
+
 impl GoalDialogue {
     /// Starts a dialogue about `instruction`.
     pub fn new(domain: &Domain, world: &World, instruction: &str, kind: ConstraintKind) -> Self {
-        Self::again(domain, world, instruction, &[], kind)
+        Self::again(GoalInput {
+            domain,
+            world,
+            instruction,
+            rounds: &[],
+            kind,
+        })
     }
 
     /// Continues a dialogue after feedback on the answer or an answer to its question.
     ///
     /// Mentions come from the instruction and the later utterances, which take precedence: entities that they exclude
     /// ("not that plate") and answers that they reject are no longer offered.
-    pub fn again(domain: &Domain, world: &World, instruction: &str, rounds: &[Round], kind: ConstraintKind) -> Self {
-        let mut dialogue = Self::before(domain, world, instruction, rounds, kind);
-        dialogue.begin(domain, world);
+    pub fn again(input: GoalInput<'_>) -> Self {
+        let mut dialogue = Self::before(input);
+        dialogue.begin(input.domain, input.world);
         dialogue
     }
 
     /// Creates the dialogue before the possible goals are enumerated.
-    pub(super) fn before(
-        domain: &Domain,
-        world: &World,
-        instruction: &str,
-        rounds: &[Round],
-        kind: ConstraintKind,
-    ) -> Self {
+    pub(super) fn before(input: GoalInput<'_>) -> Self {
+        let GoalInput {
+            domain,
+            world,
+            instruction,
+            rounds,
+            kind,
+        } = input;
         let mut messages = fixed_turns(domain, kind);
         let fixed = messages.len();
         let mut heard = Correction::of(domain, world, instruction);

@@ -1,10 +1,9 @@
 //! Goal dialogues for worlds that may be too large for a prompt.
 
 use super::dialogue::ANSWER_TOKENS;
-use super::{ConstraintKind, GoalDialogue, OverBudget, PartCost, PromptError, Round, TokenCounter, focus};
+use super::{GoalDialogue, GoalInput, OverBudget, PartCost, PromptError, TokenCounter, focus};
 use crate::effort;
 use crate::environment::World;
-use crate::model::Domain;
 
 /// Maximum entities of a scene, unless the instruction names more. Goals are offered for pairs of entities: with a
 /// hundred entities, none of them named, a grammar has about 70 KiB, and a longer scene makes models less accurate.
@@ -40,14 +39,19 @@ impl GoalDialogue {
     /// ([`focus`]).
     ///
     /// ```
-    /// use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue};
+    /// use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue, GoalInput};
     /// use longstep::{domain, json, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
     /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
-    /// let (text, kind) = ("Put the cup on the table", ConstraintKind::JsonSchema);
-    /// let mut counter = EstimatedTokens::default();
-    /// let fitted = GoalDialogue::fitted(&household, &world, text, &[], kind, Some(4000), &mut counter).unwrap();
+    /// let input = GoalInput {
+    ///     domain: &household,
+    ///     world: &world,
+    ///     instruction: "Put the cup on the table",
+    ///     rounds: &[],
+    ///     kind: ConstraintKind::JsonSchema,
+    /// };
+    /// let fitted = GoalDialogue::fitted(input, Some(4000), &mut EstimatedTokens::default()).unwrap();
     /// let request = fitted.dialogue.request(&household, fitted.world(&world));
     /// assert!(request.messages.last().unwrap().text.contains("cup"));
     /// ```
@@ -56,18 +60,14 @@ impl GoalDialogue {
     ///
     /// Even the required entities exceed the token budget, or enumerating the possible goals exceeds the work budget.
     pub fn fitted(
-        domain: &Domain,
-        world: &World,
-        instruction: &str,
-        rounds: &[Round],
-        kind: ConstraintKind,
+        input: GoalInput<'_>,
         context: Option<u64>,
         counter: &mut dyn TokenCounter,
     ) -> Result<FittedDialogue, PromptError> {
-        let fitted = || Self::fitted_within(domain, world, instruction, rounds, kind, context, counter);
+        let fitted = || Self::fitted_within(input, context, counter);
         let mut fitted = effort::within(EFFORT, fitted).result?;
-        let seen = fitted.narrowed.as_ref().unwrap_or(world);
-        fitted.dialogue.begin(domain, seen);
+        let seen = fitted.narrowed.as_ref().unwrap_or(input.world);
+        fitted.dialogue.begin(input.domain, seen);
         if fitted.dialogue.is_exhausted() {
             return Err(PromptError::TooMuchWork);
         }
@@ -75,17 +75,14 @@ impl GoalDialogue {
     }
 
     fn fitted_within(
-        domain: &Domain,
-        world: &World,
-        instruction: &str,
-        rounds: &[Round],
-        kind: ConstraintKind,
+        input: GoalInput<'_>,
         context: Option<u64>,
         counter: &mut dyn TokenCounter,
     ) -> Result<FittedDialogue, PromptError> {
         let room = context.map_or(u64::MAX, |context| context.saturating_sub(ANSWER_TOKENS.into()));
+        let GoalInput { domain, world, .. } = input;
         let mut attempt = |shown: &World| {
-            let dialogue = GoalDialogue::before(domain, shown, instruction, rounds, kind);
+            let dialogue = GoalDialogue::before(GoalInput { world: shown, ..input });
             let costs = dialogue.costs(counter);
             let needed = costs.iter().map(|cost| cost.tokens).sum();
             if needed > room {
@@ -107,8 +104,8 @@ impl GoalDialogue {
                 costs,
             });
         }
-        let said = rounds.iter().map(|round| round.said.as_str());
-        let words: Vec<&str> = std::iter::once(instruction).chain(said).collect();
+        let said = input.rounds.iter().map(|round| round.said.as_str());
+        let words: Vec<&str> = std::iter::once(input.instruction).chain(said).collect();
         let words = words.join(" ");
         let focus = focus(domain, world, &words);
         let (part, (dialogue, costs)) = focus.most(SCENE, |keep| {

@@ -31,7 +31,7 @@ pub use crate::usage::Usage;
 pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
 pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Round};
 pub use count::{Counting, EstimatedTokens, TokenCounter};
-pub use dialogue::{DialogueError, GoalDialogue, Turn};
+pub use dialogue::{DialogueError, GoalDialogue, GoalInput, Turn};
 pub(crate) use dialogue::{object, one_line, whole};
 pub use direct::{Prepared, direct_request};
 pub(crate) use example::{check_example, render_goal_prompt};

@@ -3,7 +3,8 @@
 use super::asking::{Asking, What, unusable};
 use super::{Event, Proposal, Session, Stage, Stuck, Trouble, Turn, sentence};
 use crate::dialogue::{
-    DialogueError, GoalDialogue, PartCost, Prepared, PromptError, Reply, Round, TokenCounter, Turn as DialogueTurn,
+    DialogueError, GoalDialogue, GoalInput, PartCost, Prepared, PromptError, Reply, Round, TokenCounter,
+    Turn as DialogueTurn,
 };
 use crate::environment::World;
 use crate::feedback::{Amended, StepWish, amend};
@@ -32,11 +33,9 @@ impl Session {
         let asking = match goal {
             Some(asking) => asking,
             None => {
-                let context = self.model.context;
-                let (domain, world) = (&self.domain, &self.world);
-                let (instruction, rounds) = (self.spelled_out(turn), &turn.rounds);
-                let fitted =
-                    GoalDialogue::fitted(domain, world, &instruction, rounds, self.model.kind, context, counter)?;
+                let instruction = self.spelled_out(turn);
+                let input = self.goal_input(turn, &self.world, &instruction);
+                let fitted = GoalDialogue::fitted(input, self.model.context, counter)?;
                 if let Some(seen) = &fitted.narrowed {
                     let kept = seen.entities().map(|(_, entity)| entity.identifier.clone());
                     self.events.push(Event::Focus { kept: kept.collect() });
@@ -58,6 +57,16 @@ impl Session {
         })
     }
 
+    fn goal_input<'a>(&'a self, turn: &'a Turn, world: &'a World, instruction: &'a str) -> GoalInput<'a> {
+        GoalInput {
+            domain: &self.domain,
+            world,
+            instruction,
+            rounds: &turn.rounds,
+            kind: self.model.kind,
+        }
+    }
+
     /// Returns the instruction with an open pronoun replaced by the entities of the last plan.
     fn spelled_out(&self, turn: &Turn) -> String {
         let spelled = self.pronoun(&turn.instruction);
@@ -77,7 +86,7 @@ impl Session {
             world.narrowed(domain, &kept)
         });
         let told = seen.as_ref().unwrap_or(world);
-        let dialogue = GoalDialogue::again(domain, told, &self.spelled_out(turn), &turn.rounds, self.model.kind);
+        let dialogue = GoalDialogue::again(self.goal_input(turn, told, &self.spelled_out(turn)));
         GoalAsking {
             dialogue,
             seen,

@@ -1,6 +1,6 @@
 //! Goals: read, solved, offered to a model; instructions, and the prompts for them.
 
-use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue, direct_request};
+use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue, GoalInput, direct_request};
 use longstep::domain::Domain;
 use longstep::environment::World;
 use longstep::goal::{self, Spoken};
@@ -37,7 +37,14 @@ fn instruct(domain: &str, environment: &Value, text: String) -> Work {
 fn requests(domain: &Domain, world: &World, text: &str) {
     let mut counter = EstimatedTokens::default();
     for kind in [ConstraintKind::Grammar, ConstraintKind::JsonSchema] {
-        if let Ok(fitted) = GoalDialogue::fitted(domain, world, text, &[], kind, Some(8_000), &mut counter) {
+        let input = GoalInput {
+            domain,
+            world,
+            instruction: text,
+            rounds: &[],
+            kind,
+        };
+        if let Ok(fitted) = GoalDialogue::fitted(input, Some(8_000), &mut counter) {
             fitted.dialogue.request(domain, fitted.world(world));
         }
     }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, EstimatedTokens, Finish, GoalDialogue, Reply, TokenCounter, Turn, Usage,
+    ChatRequest, ConstraintKind, EstimatedTokens, Finish, GoalDialogue, GoalInput, Reply, TokenCounter, Turn, Usage,
     direct_request, focus,
 };
 use crate::domain::{Domain, shipped};
@@ -60,16 +60,14 @@ fn check_fits(request: &ChatRequest) {
 #[track_caller]
 fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answer: &str) {
     let mut counter = EstimatedTokens::default();
-    let mut fitted = GoalDialogue::fitted(
+    let input = GoalInput {
         domain,
-        depot,
+        world: depot,
         instruction,
-        &[],
-        ConstraintKind::JsonSchema,
-        Some(ROOM),
-        &mut counter,
-    )
-    .unwrap();
+        rounds: &[],
+        kind: ConstraintKind::JsonSchema,
+    };
+    let mut fitted = GoalDialogue::fitted(input, Some(ROOM), &mut counter).unwrap();
     let part = fitted.narrowed.clone().unwrap();
     assert_eq!(fitted.left_out, 5_000 - part.entities().count());
     assert!(fitted.left_out > 4_000);
