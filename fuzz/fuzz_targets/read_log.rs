@@ -53,7 +53,7 @@ fn take_up(log: &Log) {
         .result
         .expect("a session that was resumed can be resumed again")
         .session;
-    assert_eq!(again.world().environment, resumed.world().environment);
+    assert_eq!(again.world().environment(), resumed.world().environment());
     assert_eq!(again.accepted().len(), resumed.accepted().len());
     drop(resumed.need(&mut EstimatedTokens::default()));
 }

@@ -39,7 +39,7 @@ pub fn plan(scene: &Scene, bytes: &mut Unstructured<'_>) -> Result<PlanFile> {
 
 /// The scene's environment with one object elsewhere.
 fn claimed(scene: &Scene, bytes: &mut Unstructured<'_>) -> Result<Environment> {
-    let mut after = scene.world.environment.clone();
+    let mut after = scene.world.environment().clone();
     let object = bytes.choose(&after.objects)?.clone();
     let place = bytes.choose(&after.assets)?.clone();
     let word = *bytes.choose(&["on_something", "inside_something"])?;

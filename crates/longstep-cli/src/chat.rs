@@ -230,9 +230,9 @@ impl Chat<'_> {
                 ))
                 .into());
         };
-        let before = self.session.world().environment.clone();
+        let before = self.session.world().environment().clone();
         self.session.ended(number - 1)?;
-        show::changes(&before, &self.session.world().environment);
+        show::changes(&before, self.session.world().environment());
         output::blank();
         Ok(())
     }

@@ -14,6 +14,7 @@
 //!   PDDL problems.
 
 pub mod call;
+pub mod cursor;
 pub mod diagnostic;
 pub mod domain;
 pub mod effort;

@@ -185,7 +185,7 @@ fn hundred() {
                 // Another goal that comes to the same is as good; that something was drunk or moved leaves no trace.
                 let same_goal = session.accepted()[last].goal.as_ref() == Some(&drawn.goal);
                 let leaves_trace = !["drunk(ITEM)", "moved(ITEM)"].contains(&drawn.kind.as_str());
-                let same_end = leaves_trace && session.world().environment == wanted.environment;
+                let same_end = leaves_trace && session.world().environment() == wanted.environment;
                 (same_goal || same_end, asked.wrote)
             }
             Need::Answer(question) => {

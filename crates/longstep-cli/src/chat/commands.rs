@@ -105,7 +105,7 @@ impl Chat<'_> {
             screen::notice("given up; nothing has changed");
             return Ok(());
         }
-        let after = self.session.world().environment.clone();
+        let after = self.session.world().environment().clone();
         let number = self
             .session
             .undo()
@@ -113,7 +113,7 @@ impl Chat<'_> {
         // The undo is saved before it is reported.
         self.folder.keep(&mut self.session)?;
         screen::notice(&format!("plan {number} is taken back"));
-        show::changes(&after, &self.session.world().environment);
+        show::changes(&after, self.session.world().environment());
         Ok(())
     }
 

@@ -66,7 +66,7 @@ fn ended(session: &Session, endings: &[Ended]) {
             false => ending.when.join(", and "),
         };
         print_line!("  {} {when}", format!("{}.", number + 1).bold());
-        show::changes(&session.world().environment, &ending.environment);
+        show::changes(session.world().environment(), &ending.environment);
     }
     output::blank();
 }
@@ -122,7 +122,7 @@ pub(super) fn accepted(session: &Session) {
     if !endings.is_empty() {
         return ended(session, &endings);
     }
-    show::changes(&last.before.environment, &session.world().environment);
+    show::changes(last.before.environment(), session.world().environment());
     output::blank();
 }
 
@@ -159,7 +159,7 @@ pub(super) fn plan(session: &Session) {
 
 /// Prints the world, one line an entity.
 pub(super) fn environment(session: &Session) {
-    let environment = &session.world().environment;
+    let environment = session.world().environment();
     let all = environment.assets.iter().chain(&environment.objects);
     let width = all
         .clone()

@@ -1,5 +1,7 @@
 //! The reader: converts an environment to a world of entities, facts and assumptions.
 
+use std::sync::Arc;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{AssumptionSource, Bindings, Entity, EntityId, Environment, Fact, Moment, Words, World, holds};
@@ -178,7 +180,7 @@ impl EnvironmentReader<'_> {
                 if holds(moment, &default.when, &mut bindings) {
                     let fact = ground(&default.atom, &bindings);
                     if world.state.set(fact, true) {
-                        world.assumed.insert(fact, AssumptionSource::Default);
+                        Arc::make_mut(&mut world.assumed).insert(fact, AssumptionSource::Default);
                     }
                 }
             }
@@ -189,7 +191,7 @@ impl EnvironmentReader<'_> {
                 for entity in world.of_kind(predicate.parameters[0].kind).to_vec() {
                     let fact = Fact::new(crate::model::PredicateId::new(index), [entity]);
                     if !denied.contains(&fact) && world.state.set(fact, true) {
-                        world.assumed.insert(fact, AssumptionSource::Unknown);
+                        Arc::make_mut(&mut world.assumed).insert(fact, AssumptionSource::Unknown);
                     }
                 }
             }
@@ -353,7 +355,7 @@ impl EnvironmentReader<'_> {
                     .iter()
                     .map(|entity| &world.entity(*entity).identifier)
                     .find_map(|identifier| {
-                        let states = &world.environment;
+                        let states = world.environment();
                         ["object_states", "asset_states"]
                             .into_iter()
                             .zip([&states.object_states, &states.asset_states])
@@ -420,7 +422,7 @@ fn derive(
     let open = |fact: &Fact| !denied.contains(fact) && !told.contains(&fact.predicate().index());
     for (fact, _) in follows.iter().filter(|(fact, holds)| *holds && open(fact)) {
         if world.state.set(*fact, true) {
-            world.assumed.insert(*fact, AssumptionSource::Derived);
+            Arc::make_mut(&mut world.assumed).insert(*fact, AssumptionSource::Derived);
         }
     }
     follows

@@ -1,5 +1,7 @@
 //! Restriction of a world to some of its entities.
 
+use std::sync::Arc;
+
 use indexmap::IndexMap;
 use rustc_hash::FxHashSet;
 
@@ -23,7 +25,7 @@ impl World {
     /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
     /// let keep = ["<cup_2>", "<table>"].map(|identifier| world.find(identifier).unwrap());
     /// let part = world.narrowed(&household, &keep);
-    /// assert_eq!(part.environment.objects, ["<cup_2>"]);
+    /// assert_eq!(part.environment().objects, ["<cup_2>"]);
     /// assert_eq!(part.entity(part.find("<cup_2>").unwrap()).name, "cup 2");
     /// ```
     #[must_use]
@@ -48,9 +50,8 @@ impl World {
             part.state.set(fact, true);
         }
         let assumed = self.assumed.iter();
-        part.assumed = assumed
-            .filter_map(|(fact, ground)| Some((carried(*fact)?, *ground)))
-            .collect();
+        let assumed = assumed.filter_map(|(fact, source)| Some((carried(*fact)?, *source)));
+        part.assumed = Arc::new(assumed.collect());
         part
     }
 }
@@ -130,7 +131,7 @@ mod tests {
         .unwrap();
         let ids: Vec<EntityId> = keep.iter().map(|identifier| whole.find(identifier).unwrap()).collect();
         let part = whole.narrowed(&domain, &ids);
-        assert_eq!(serde_json::to_string(&part.environment).unwrap(), environment);
+        assert_eq!(serde_json::to_string(part.environment()).unwrap(), environment);
         let relations = part.state.iter().filter(|fact| domain.is_relation(*fact));
         let told: Vec<String> = relations.map(|fact| fact_text(&domain, &part, fact, true)).collect();
         assert_eq!(told, facts);

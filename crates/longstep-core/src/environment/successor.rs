@@ -1,5 +1,7 @@
 //! The successor world: the world after a plan, in which the next instruction is given.
 
+use std::sync::Arc;
+
 use super::write;
 use crate::model::{Domain, Ending, World, state_word};
 
@@ -14,7 +16,7 @@ impl World {
     pub fn after(&self, domain: &Domain, ending: &Ending) -> Self {
         let said = |predicate| state_word(domain, predicate).is_some();
         let mut next = self.clone();
-        next.environment = write(domain, self, &ending.after);
+        next.environment = Arc::new(write(domain, self, &ending.after));
         let before = self.state.iter().filter(|fact| said(fact.predicate()));
         for fact in before.filter(|fact| !ending.after.holds(*fact)) {
             next.state.set(fact, false);
@@ -24,7 +26,7 @@ impl World {
         }
         // A fact that a step changed is no longer assumed.
         for change in ending.trace.changes() {
-            next.assumed.remove(&change.fact);
+            Arc::make_mut(&mut next.assumed).remove(&change.fact);
         }
         next
     }
@@ -70,11 +72,11 @@ mod tests {
             let plan = plan(&household, &world, goal);
             world = world.after(&household, plan.ending());
             assert_eq!(
-                world.environment.object_states["<pen>"].as_slice(),
+                world.environment().object_states["<pen>"].as_slice(),
                 [expected],
                 "{goal}"
             );
-            let again = read(&household, &world.environment);
+            let again = read(&household, world.environment());
             let lost: Vec<_> = again.state.iter().filter(|fact| !world.state.holds(*fact)).collect();
             assert!(lost.is_empty(), "{goal}: {lost:?}");
         }

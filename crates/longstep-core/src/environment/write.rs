@@ -10,7 +10,7 @@ use crate::model::{Domain, entries_of};
 ///
 /// Only changes are written: assumed facts stay implicit, and order and style of the initial environment are preserved.
 pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
-    let mut environment = world.environment.clone();
+    let mut environment = world.environment().clone();
     let as_list = environment.prefers_lists();
     let mut news: IndexMap<EntityId, Vec<String>> = IndexMap::new();
     for fact in state.iter().filter(|fact| !world.state.holds(*fact)) {

@@ -44,9 +44,9 @@ pub struct World {
     /// The initial state, assumptions included.
     pub state: State,
     /// The assumed facts of the state, with their reasons.
-    pub(crate) assumed: rustc_hash::FxHashMap<Fact, AssumptionSource>,
+    pub(crate) assumed: Arc<rustc_hash::FxHashMap<Fact, AssumptionSource>>,
     /// The environment from which the world was read.
-    pub environment: Environment,
+    pub(crate) environment: Arc<Environment>,
 }
 
 impl World {
@@ -69,9 +69,14 @@ impl World {
             entities: entities.into(),
             by_identifier: Arc::new(by_identifier),
             state: State::default(),
-            assumed: rustc_hash::FxHashMap::default(),
-            environment,
+            assumed: Arc::default(),
+            environment: Arc::new(environment),
         }
+    }
+
+    /// The environment that the world was read from.
+    pub fn environment(&self) -> &Environment {
+        &self.environment
     }
 
     /// The domain that the world was read with.
@@ -124,7 +129,7 @@ impl World {
     /// Returns the initial state without the facts assumed only because the environment does not give them.
     pub fn known(&self) -> State {
         let mut known = self.state.clone();
-        for (fact, ground) in &self.assumed {
+        for (fact, ground) in self.assumed.iter() {
             if *ground == AssumptionSource::Unknown {
                 known.set(*fact, false);
             }

@@ -35,7 +35,7 @@ fn written(calls: &[&str]) -> TaskCohesion {
 
 /// Returns the claim with these changes to the world.
 fn claim(domain: &Domain, world: &World, entries: &[(&str, &str)]) -> Option<Claim> {
-    let mut environment = world.environment.clone();
+    let mut environment = world.environment().clone();
     for (identifier, word) in entries {
         let states = match environment.assets.iter().any(|asset| asset == identifier) {
             true => &mut environment.asset_states,

@@ -11,7 +11,7 @@ mod lanes;
 mod reachability;
 mod rules;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod walk;
 
 pub use bind::bind;
@@ -52,6 +52,8 @@ pub struct Purpose {
 /// Result of verification.
 #[derive(Debug, Clone)]
 pub struct Report {
+    /// The world in which the plan was simulated.
+    pub world: World,
     /// The plan with all arguments bound.
     pub plan: Plan,
     /// The possible endings, at least one; with sensing there can be several, sorted by sensing outcomes.
@@ -75,6 +77,11 @@ pub struct VerifiedPlan {
 }
 
 impl VerifiedPlan {
+    /// The world that the plan begins in.
+    pub fn world(&self) -> &World {
+        &self.report.world
+    }
+
     /// The plan.
     pub fn plan(&self) -> &Plan {
         &self.report.plan
@@ -185,6 +192,7 @@ fn simulated(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> R
     };
     let (violations, warnings) = walk.findings();
     Report {
+        world: world.clone(),
         endings,
         claimed: as_claimed,
         violations,

@@ -23,7 +23,7 @@ impl<'a> Composed<'a> {
     pub fn new(domain: &'a Domain, world: &'a World, inlined: Inlined, instruction: &str) -> Self {
         let file = PlanFile {
             task_cohesion: TaskCohesion::from_written(inlined.written),
-            environment_before: Some(world.environment.clone()),
+            environment_before: Some(world.environment().clone()),
             environment_after: None,
             endings: Vec::new(),
             instruction_summary: instruction.to_owned(),

@@ -59,9 +59,9 @@ pub fn direct_request(
 ) -> Result<Prepared, PromptError> {
     let fixed = fixed_parts(domain)?;
     // If the query can be rendered for this world, it can be rendered for every part of it.
-    query_text(domain, &world.environment, instruction).map_err(|finding| Diagnostics(vec![finding]))?;
+    query_text(domain, world.environment(), instruction).map_err(|finding| Diagnostics(vec![finding]))?;
     let attempt = |shown: &World, history: &[Exchange], counter: &mut dyn TokenCounter| {
-        let query = query_text(domain, &shown.environment, instruction).unwrap_or_default();
+        let query = query_text(domain, shown.environment(), instruction).unwrap_or_default();
         let turns: Vec<&str> = std::iter::once(query.as_str())
             .chain(rounds.iter().map(|round| round.said.as_str()))
             .collect();
@@ -115,6 +115,6 @@ fn prepared(
 
 /// Returns the token budget of an answer: two environments and the steps.
 fn answer_tokens(shown: &World, counter: &mut dyn TokenCounter) -> u64 {
-    let lists = contained_json(&StateLists::of(&shown.environment));
+    let lists = contained_json(&StateLists::of(shown.environment()));
     2 * counter.message_tokens(&Message::new(Role::Assistant, lists)) + STEP_TOKENS
 }

@@ -27,7 +27,7 @@ use crate::model::Domain;
 ///
 /// The domain's `query.md` cannot be rendered.
 pub fn query(domain: &Domain, world: &World, instruction: &str) -> Result<String, PromptError> {
-    query_text(domain, &world.environment, instruction).map_err(|finding| Diagnostics(vec![finding]).into())
+    query_text(domain, world.environment(), instruction).map_err(|finding| Diagnostics(vec![finding]).into())
 }
 
 pub(super) fn query_text(domain: &Domain, environment: &Environment, instruction: &str) -> Result<String, Diagnostic> {

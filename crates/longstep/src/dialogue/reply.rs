@@ -105,7 +105,7 @@ impl AnswerText {
     ) -> Self {
         Self {
             task_cohesion: Cohesion::of(domain, steps),
-            environment_before: StateLists::of(&world.environment),
+            environment_before: StateLists::of(world.environment()),
             environment_after: after,
             instruction_summary: summary.to_owned(),
             question: question.to_owned(),
@@ -152,7 +152,7 @@ const BYTES: usize = 12_000;
 /// assert_eq!(calls[0], "move_object()");
 /// ```
 pub fn direct_schema(domain: &Domain, world: &World) -> Value {
-    let Environment { assets, objects, .. } = &world.environment;
+    let Environment { assets, objects, .. } = world.environment();
     let listed = assets.len() + objects.len();
     let bytes: usize = assets.iter().chain(objects).map(String::len).sum();
     // Each entity has an entry before and after, and may be the object.

@@ -106,7 +106,7 @@ fn answer(domain: &Domain, source: &Source, entry: &Entry) -> Result<AnswerText,
 
 /// Returns the answer with a question.
 fn asking(domain: &Domain, world: &World, summary: &str, question: &str) -> AnswerText {
-    let before = StateLists::of(&world.environment);
+    let before = StateLists::of(world.environment());
     AnswerText::new(domain, &TaskCohesion::default(), world, before, summary, question)
 }
 

@@ -204,8 +204,8 @@ impl Answer {
             status,
             plan: PlanFile {
                 task_cohesion: TaskCohesion::default(),
-                environment_before: Some(world.environment.clone()),
-                environment_after: Some(world.environment.clone()),
+                environment_before: Some(world.environment().clone()),
+                environment_after: Some(world.environment().clone()),
                 endings: Vec::new(),
                 instruction_summary: summary.to_owned(),
                 question: question.to_owned(),

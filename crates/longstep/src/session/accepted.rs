@@ -23,11 +23,11 @@ pub struct Accepted {
 impl Accepted {
     /// Returns the plan in its saved form, with all possible final environments.
     pub(super) fn file(&self, domain: &Domain) -> PlanFile {
-        let environment = |ending: &Ending| self.before.after(domain, ending).environment;
+        let environment = |ending: &Ending| self.before.after(domain, ending).environment().clone();
         let (environment_after, endings) = plan::endings(domain, &self.before, self.plan.endings(), environment);
         PlanFile {
             task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.plan()),
-            environment_before: Some(self.before.environment.clone()),
+            environment_before: Some(self.before.environment().clone()),
             environment_after,
             endings,
             instruction_summary: self.instruction.clone(),

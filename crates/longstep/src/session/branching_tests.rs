@@ -39,7 +39,7 @@ fn log(events: &[Event]) -> Log {
 }
 
 fn where_is_the_cheese(session: &Session) -> Vec<String> {
-    let states = &session.world().environment.object_states["<cheese>"];
+    let states = &session.world().environment().object_states["<cheese>"];
     states.as_slice().to_vec()
 }
 
@@ -75,7 +75,7 @@ fn the_next_instruction_begins_where_the_plan_is_told_to_have_ended() {
     assert!(where_is_the_cheese(&session).contains(&"inside_something(<trash_bin>)".to_owned()));
     events.extend(session.take_events());
     let resumed = Session::resume(checks(), &log(&events), || 0.0).unwrap().session;
-    assert_eq!(resumed.world().environment, session.world().environment);
+    assert_eq!(resumed.world().environment(), session.world().environment());
     assert!(resumed.endings().is_empty());
     let file = session.plan_file(0).unwrap();
     assert_eq!((file.environment_after, file.endings.len()), (None, 2));

@@ -27,7 +27,7 @@ impl Accepted {
         for ending in self.plan.endings() {
             let world = self.before.after(domain, ending);
             let same =
-                |left: &&mut Left| left.world.environment == world.environment && left.world.state == world.state;
+                |left: &&mut Left| left.world.environment() == world.environment() && left.world.state == world.state;
             match all.iter_mut().find(same) {
                 Some(left) => left.when.retain(|fact| ending.when.contains(fact)),
                 None => all.push(Left {
@@ -76,7 +76,7 @@ impl Session {
                 .iter()
                 .map(|fact| Voice::Person.fact(&self.domain, &self.world, *fact, true))
                 .collect(),
-            environment: left.world.environment.clone(),
+            environment: left.world.environment().clone(),
         };
         left.iter().map(told).collect()
     }
@@ -100,7 +100,7 @@ impl Session {
         self.stage = Stage::Idle;
         self.events.push(Event::Ended {
             number,
-            environment: Box::new(self.world.environment.clone()),
+            environment: Box::new(self.world.environment().clone()),
         });
         Ok(())
     }

@@ -142,7 +142,7 @@ fn confirm(session: &Session) {
             .accepted()
             .get(number + 1)
             .map_or(session.world(), |next| &next.before);
-        assert_eq!((&after.environment, &after.state), (&next.environment, &next.state));
+        assert_eq!((after.environment(), &after.state), (next.environment(), &next.state));
     }
     if let Some(proposal) = session.proposal() {
         let steps = proposal.plan.steps().to_vec();
@@ -167,7 +167,7 @@ fn check_log(session: &mut Session) {
     assert_eq!(resumed.dropped, None);
     let again = resumed.session;
     assert_eq!(again.accepted().len(), session.accepted().len());
-    assert_eq!(again.world().environment, session.world().environment);
+    assert_eq!(again.world().environment(), session.world().environment());
     assert_eq!(again.world().state, session.world().state);
     assert_eq!(again.instruction(), session.instruction());
     assert_eq!(again.question(), session.question());
@@ -300,7 +300,7 @@ fn a_name_changes_nothing_but_its_place() {
             assert!(session.proposal().is_some(), "{text:?}");
             session.accept().unwrap();
             confirm(&session);
-            let states = &session.world().environment.object_states;
+            let states = &session.world().environment().object_states;
             assert_eq!(states["<pen>"].as_slice(), ["on_something(<shelf>)"]);
             assert_eq!(states[text.as_str()].as_slice(), ["on_something(<desk>)"]);
             check_log(&mut session);

@@ -30,7 +30,7 @@
 //! let proposal = session.proposal().unwrap();
 //! assert_eq!(proposal.plan.steps().len(), 6);
 //! session.accept()?;
-//! assert_eq!(session.world().environment.object_states["<pen>"].as_slice(), ["on_something(<shelf>)"]);
+//! assert_eq!(session.world().environment().object_states["<pen>"].as_slice(), ["on_something(<shelf>)"]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -100,7 +100,7 @@ impl Session {
         let begin = Event::Begin {
             version: VERSION,
             domain: domain_name.to_owned(),
-            environment: Box::new(world.environment.clone()),
+            environment: Box::new(world.environment().clone()),
             settings,
         };
         let mut session = Self {

@@ -67,7 +67,7 @@ impl Session {
                 } => {
                     session.accept_again(instruction, goal, steps, plan)?;
                     let ends = plan.environment_after.as_ref();
-                    if ends.is_some_and(|environment| *environment != session.world.environment) {
+                    if ends.is_some_and(|environment| environment != session.world.environment()) {
                         return Err(ResumeError::Plan {
                             number: session.accepted.len() - 1,
                             why: "it ends in another environment than it did".to_owned(),
@@ -78,7 +78,7 @@ impl Session {
                 Event::Ended { number, environment } => {
                     let contradiction = |error: OutOfTurn| ResumeError::Contradiction(error.to_string());
                     session.ended(*number).map_err(contradiction)?;
-                    if **environment != session.world.environment {
+                    if **environment != *session.world.environment() {
                         return Err(ResumeError::Plan {
                             number: session.accepted.len() - 1,
                             why: "it ends in another environment than it did".to_owned(),

@@ -107,7 +107,7 @@ fn calls(session: &Session) -> Vec<String> {
 }
 
 fn state(session: &Session, identifier: &str) -> String {
-    session.world().environment.object_states[identifier]
+    session.world().environment().object_states[identifier]
         .as_slice()
         .join(", ")
 }
@@ -544,7 +544,7 @@ fn a_session_goes_on_exactly_where_it_was() {
     let mut resumed = Session::resume(household(), &log, || 0.0).unwrap().session;
     assert_eq!(resumed.take_events(), []);
     assert_eq!(calls(&resumed), calls(&original));
-    assert_eq!(resumed.world().environment, original.world().environment);
+    assert_eq!(resumed.world().environment(), original.world().environment());
     assert_eq!(resumed.world().state, original.world().state);
     for number in 0..2 {
         assert_eq!(resumed.plan_file(number), original.plan_file(number));

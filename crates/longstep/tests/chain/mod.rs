@@ -43,7 +43,7 @@ pub fn is_as_recorded(domain: &Domain, world: &World, recorded: &Value) -> bool 
     let recorded: Environment = serde_json::from_value(recorded.clone()).unwrap();
     let claim = Claim::read(domain, world, &recorded);
     let facts = |environment: &Environment| read_anew(domain, environment).state;
-    let same = facts(&recorded) == facts(&world.environment);
+    let same = facts(&recorded) == facts(world.environment());
     same && claim.differences(domain, &world.state).is_empty()
 }
 
@@ -84,7 +84,7 @@ impl Recomputation {
         let verified = verified.unwrap_or_else(|report| panic!("{:?}", report.violations));
         self.environment = environment::write(domain, &world, &verified.ending().after);
         assert_eq!(json(claimed), json(&self.environment), "claimed after");
-        assert_eq!(json(&carried.environment), json(&self.environment), "carried");
+        assert_eq!(json(&carried.environment()), json(&self.environment), "carried");
     }
 }
 

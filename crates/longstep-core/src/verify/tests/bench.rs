@@ -99,12 +99,12 @@ says = "wait at {lamp}"
 means = "Nobody knows how warm it is then."
 "#;
 
-pub(super) fn domain() -> Domain {
+pub(crate) fn domain() -> Domain {
     domain_with("")
 }
 
 /// Returns the domain with additional words, such as rules.
-pub(super) fn domain_with(words: &str) -> Domain {
+pub(crate) fn domain_with(words: &str) -> Domain {
     let files = Files {
         pddl: PDDL.to_owned(),
         words: format!("{WORDS}{words}"),
@@ -114,7 +114,7 @@ pub(super) fn domain_with(words: &str) -> Domain {
 }
 
 /// Returns a world with lamps `<lamp_1>`, `<lamp_2>`, ...; only those in `lit` are lit, and no temperature is known.
-pub(super) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
+pub(crate) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
     let names: Vec<String> = (1..=lamps).map(|number| format!("\"<lamp_{number}>\"")).collect();
     let states: Vec<String> = lit
         .iter()
@@ -131,7 +131,7 @@ pub(super) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
 
 /// Shorthand for a plan node, for example `press left 1` or `feel 2`.
 #[derive(Debug, Clone)]
-pub(super) enum Part {
+pub(crate) enum Part {
     Do(String),
     If(Ask, Vec<Part>, Vec<Part>),
     While(Ask, Vec<Part>),
@@ -141,8 +141,8 @@ pub(super) enum Part {
 
 /// Shorthand for a condition.
 #[derive(Debug, Clone)]
-pub(super) enum Ask {
-    /// Senses whether the lamp is warm.
+/// Senses whether the lamp is warm.
+pub(crate) enum Ask {
     Feel(usize),
     /// A state of a lamp: `lit`, `warm` or `cold`.
     Is(&'static str, usize),
@@ -151,19 +151,19 @@ pub(super) enum Ask {
     Any(Vec<Ask>),
 }
 
-pub(super) fn does(text: &str) -> Part {
+pub(crate) fn does(text: &str) -> Part {
     Part::Do(text.to_owned())
 }
 
-pub(super) fn not(ask: Ask) -> Ask {
+pub(crate) fn not(ask: Ask) -> Ask {
     Ask::Not(Box::new(ask))
 }
 
-pub(super) fn lamp(world: &World, number: usize) -> EntityId {
+pub(crate) fn lamp(world: &World, number: usize) -> EntityId {
     world.find(&format!("<lamp_{number}>")).unwrap()
 }
 
-pub(super) fn fact(domain: &Domain, world: &World, predicate: &str, number: usize) -> Fact {
+pub(crate) fn fact(domain: &Domain, world: &World, predicate: &str, number: usize) -> Fact {
     let index = domain.predicates.iter().position(|p| p.name == predicate).unwrap();
     Fact::new(domain::PredicateId::new(index), [lamp(world, number)])
 }
@@ -238,7 +238,7 @@ impl Builder<'_> {
     }
 }
 
-pub(super) fn plan(domain: &Domain, world: &World, parts: &[Part]) -> Plan {
+pub(crate) fn plan(domain: &Domain, world: &World, parts: &[Part]) -> Plan {
     let mut builder = Builder {
         domain,
         world,
@@ -248,12 +248,12 @@ pub(super) fn plan(domain: &Domain, world: &World, parts: &[Part]) -> Plan {
     Plan::tree(builder.steps, body).unwrap()
 }
 
-pub(super) fn report(domain: &Domain, world: &World, parts: &[Part]) -> Report {
+pub(crate) fn report(domain: &Domain, world: &World, parts: &[Part]) -> Report {
     check(domain, world, plan(domain, world, parts), &Purpose::default())
 }
 
 /// Returns all violations and warnings as sentences.
-pub(super) fn messages(domain: &Domain, world: &World, report: &Report) -> Vec<String> {
+pub(crate) fn messages(domain: &Domain, world: &World, report: &Report) -> Vec<String> {
     let all = report.violations.iter().chain(&report.warnings);
     all.map(|found| found.message(domain, world, report.plan.steps(), None))
         .collect()

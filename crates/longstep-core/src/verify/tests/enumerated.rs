@@ -343,7 +343,7 @@ fn calls() -> impl Strategy<Value = String> {
     (of_lamp, 1..=LAMPS).prop_map(|(verb, lamp)| format!("{verb} {lamp}"))
 }
 
-fn parts() -> impl Strategy<Value = Vec<Part>> {
+pub(crate) fn parts() -> impl Strategy<Value = Vec<Part>> {
     let leaf = calls().prop_map(Part::Do).boxed();
     let part = leaf.prop_recursive(3, 10, 3, |inner| {
         let body = || prop::collection::vec(inner.clone(), 0..=3);
@@ -393,7 +393,7 @@ fn orders(lanes: &[Vec<LaneItem>], places: &[usize]) -> Vec<Option<Vec<StepId>>>
     found
 }
 
-fn lane(hand: &'static str) -> impl Strategy<Value = Vec<String>> {
+pub(crate) fn lane(hand: &'static str) -> impl Strategy<Value = Vec<String>> {
     let item = prop_oneof![5 => steps(hand), 1 => prop::sample::select(vec!["sync a".to_owned(), "sync b".to_owned()])];
     prop::collection::vec(item, 0..=4).prop_map(|mut items| {
         // Each synchronization point occurs once in a lane.

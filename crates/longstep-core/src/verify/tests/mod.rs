@@ -1,4 +1,4 @@
-mod bench;
-mod enumerated;
+pub(crate) mod bench;
+pub(crate) mod enumerated;
 mod plans;
 mod trees;

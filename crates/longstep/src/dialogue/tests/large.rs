@@ -190,7 +190,7 @@ fn a_reply_about_a_part_leaves_the_rest_of_the_world_as_it_was() {
     let report = verify(&domain, &depot, plan, &purpose);
     assert!(report.violations.is_empty());
     let carried = environment::write(&domain, &depot, &report.ending().after);
-    let mut expected = depot.environment.clone();
+    let mut expected = depot.environment().clone();
     expected.object_states["<teapot_9999>"] = Words::Many(vec![format!("ON({bench})")]);
     assert_eq!(carried, expected);
 }
