@@ -164,7 +164,7 @@ fn hundred() {
     let mut model = model();
     let domain = domain("virtualhome");
     let first = world_of(&domain, &read("virtualhome14/kitchen.json"));
-    let mut recomputed = Recomputation::new(&first.environment);
+    let mut recomputed = Recomputation::new(first.environment());
     let mut session = session("virtualhome", domain, first, model.as_ref());
     let mut draw = chain::draw();
     let (mut tokens, mut seconds, mut resident) = (Vec::new(), Vec::new(), Vec::new());
@@ -185,7 +185,7 @@ fn hundred() {
                 // Another goal that comes to the same is as good; that something was drunk or moved leaves no trace.
                 let same_goal = session.accepted()[last].goal.as_ref() == Some(&drawn.goal);
                 let leaves_trace = !["drunk(ITEM)", "moved(ITEM)"].contains(&drawn.kind.as_str());
-                let same_end = leaves_trace && session.world().environment() == wanted.environment;
+                let same_end = leaves_trace && session.world().environment() == wanted.environment();
                 (same_goal || same_end, asked.wrote)
             }
             Need::Answer(question) => {
