@@ -14,8 +14,8 @@ use super::{
 use crate::effort;
 use crate::environment::{EntityId, World};
 use crate::goal::{
-    self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Spoken, Understanding, Ways, ended,
-    grammar_of, offers, offers_on, schema_of, understand_spoken,
+    self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Request, Spoken, Understanding, Ways,
+    ended, grammar_of, offers, offers_on, schema_of, understand_spoken,
 };
 use crate::model::{Domain, plain_words};
 use crate::search;
@@ -116,6 +116,8 @@ pub struct GoalDialogue {
     mistaken: bool,
     /// Possible next goals.
     open: Vec<Offer>,
+    /// The words that ask for a further goal, where no other goal may be answered.
+    further: Option<Request>,
     /// True if enumerating `open` or the scene exceeded the work budget.
     exhausted: bool,
     /// Token counts of the calls so far.
@@ -205,6 +207,7 @@ impl GoalDialogue {
             has_condition: false,
             mistaken: false,
             open: Vec::new(),
+            further: None,
             exhausted: shown.exhausted,
             usage: Usage::default(),
         }
@@ -227,6 +230,30 @@ impl GoalDialogue {
             let said: Vec<String> = self.facts.iter().map(|fact| fact.everyday(domain, world)).collect();
             self.answer = said.join(" & ") + goal::JOINT;
         }
+    }
+
+    /// Takes the words of the last round for a wish beside the goals that they were said about: the answer goes on from
+    /// these goals, with what the words alone ask for. Changes nothing if they ask for no goal.
+    ///
+    /// A goal is offered only if the words have a cue of it (or a verb that leads to a place, for a goal word without
+    /// cues) and name its subject, be it by a pronoun: a second reading of words must not be a guess.
+    pub(crate) fn further(&mut self, domain: &Domain, world: &World, last: &Round) {
+        let Ok(goals) = goal::parse(domain, world, &last.replied) else {
+            return;
+        };
+        self.heard.begun = goals.facts;
+        self.heard.rejected.clear();
+        self.further = Some(Request::of(domain, world, &last.said));
+        self.answer.clear();
+        self.begin(domain, world);
+        if self.facts.is_empty() || self.exhausted {
+            self.further = None;
+        }
+    }
+
+    /// Returns true if the answer is to be a goal beside those of the last round ([`Self::further`]).
+    pub(crate) fn is_further(&self) -> bool {
+        self.further.is_some()
     }
 
     /// Returns the next request to the model.
@@ -332,7 +359,10 @@ impl GoalDialogue {
             let rejected = |arguments: &Vec<EntityId>| {
                 let same = |fact: &GoalFact| matches!(fact, GoalFact::Word { word, arguments: other } if *word == offer.word && other == arguments);
                 let excluded = arguments.iter().any(|entity| self.heard.excluded.contains(entity));
-                excluded || self.heard.rejected.iter().chain(&self.other_side).any(same)
+                let unasked = |request: &Request| !request.asks_for(domain, offer.word, arguments);
+                excluded
+                    || self.further.as_ref().is_some_and(unasked)
+                    || self.heard.rejected.iter().chain(&self.other_side).any(same)
             };
             offer.arguments.retain(|arguments| !rejected(arguments));
         }

@@ -5,7 +5,7 @@ use super::apply::{Applied, apply, completed, reopened};
 use crate::environment::{State, World, fact_text};
 use crate::goal::GoalFact;
 use crate::model::Domain;
-use crate::plan::{Plan, Resolved};
+use crate::plan::{Plan, Resolved, Step};
 use crate::repair::{Edit, Outcome, repair_pinned};
 use crate::search::Wanted;
 use crate::verify::{Purpose, Report, VerifiedPlan, Violation, bind, check, unmet};
@@ -70,27 +70,11 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
             report: Box::new(check(domain, world, plan.clone(), purpose)),
         };
     }
-    let full = apply(domain, world, plan, &completed(domain, world, plan, wishes));
-    let open = apply(domain, world, plan, wishes);
-    let mut ways: Vec<&Applied> = vec![&full];
-    if open.draft != full.draft {
-        ways.push(&open);
+    let ways = ways(domain, world, plan, wishes, purpose);
+    if let Some(plan) = verified_way(domain, world, &ways, purpose) {
+        return done(plan, Vec::new());
     }
-    // Without a claim or a goal, nothing shows that another binding is equally good.
-    let says_what_for = purpose.claim.is_some() || !purpose.wanted.is_empty();
-    let freer = says_what_for.then(|| reopened(domain, world, &open.draft)).flatten();
-    let freer = freer.map(|draft| Applied {
-        draft,
-        pins: open.pins.clone(),
-    });
-    ways.extend(&freer);
-    for way in &ways {
-        let plan = verified(domain, world, &way.draft, purpose).ok();
-        if let Some(Ok(plan)) = plan.map(Report::into_verified) {
-            return done(plan, Vec::new());
-        }
-    }
-    let (mut gave_up, mut too_many) = (None, None);
+    let (mut gave_up, mut too_many, mut unchanged) = (None, None, false);
     for way in &ways {
         match repair_pinned(domain, world, &way.draft, purpose, &way.pins) {
             Outcome::Valid(plan) => return done(plan, Vec::new()),
@@ -98,18 +82,23 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
             Outcome::Repaired(repaired) if repaired.edits.len() > OTHERS * wishes.len() + 1 => {
                 too_many = Some(repaired.edits.len());
             }
+            // Repair gave up the step of the plan that does what the person's step does.
+            Outcome::Repaired(repaired) if does_as_before(plan, &repaired.plan) => unchanged = true,
             Outcome::Repaired(repaired) => return done(repaired.plan, repaired.edits),
             Outcome::GaveUp { why, .. } => gave_up = Some(why),
             Outcome::Unclear { .. } | Outcome::ProvenUnsolvable { .. } => {}
         }
     }
-    let (mut why, report) = match verified(domain, world, &full.draft, purpose) {
+    let (mut why, report) = match verified(domain, world, &ways[0].draft, purpose) {
         Ok(report) => (in_the_way(domain, world, &report, purpose), report),
         Err(violation) => {
             let why = violation.message(domain, world, &[], None);
             (vec![why], check(domain, world, plan.clone(), purpose))
         }
     };
+    if unchanged {
+        why.push("with the rest of the plan changed to fit, it would be the plan as it is".to_owned());
+    }
     if let Some(changes) = too_many {
         why.push(format!("it would take {changes} other changes of the plan"));
     }
@@ -120,6 +109,54 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
         why,
         report: Box::new(report),
     }
+}
+
+/// Changes a plan as a person wishes, if it verifies without any further change.
+pub(super) fn unrepaired(
+    domain: &Domain,
+    world: &World,
+    plan: &Plan,
+    wishes: &[StepWish],
+    purpose: &Purpose,
+) -> Option<Amendment> {
+    let ways = ways(domain, world, plan, wishes, purpose);
+    let plan = verified_way(domain, world, &ways, purpose)?;
+    Some(Amendment {
+        plan,
+        edits: Vec::new(),
+    })
+}
+
+/// The plan after the wishes, with hidden arguments as those of the steps around, as the wishes say, and unbound: at
+/// least one way, the likeliest first.
+fn ways(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose) -> Vec<Applied> {
+    let mut ways = vec![apply(domain, world, plan, &completed(domain, world, plan, wishes))];
+    let open = apply(domain, world, plan, wishes);
+    // Without a claim or a goal, nothing shows that another binding is equally good.
+    let says_what_for = purpose.claim.is_some() || !purpose.wanted.is_empty();
+    let freer = says_what_for.then(|| reopened(domain, world, &open.draft)).flatten();
+    let freer = freer.map(|draft| Applied {
+        draft,
+        pins: open.pins.clone(),
+    });
+    if open.draft != ways[0].draft {
+        ways.push(open);
+    }
+    ways.extend(freer);
+    ways
+}
+
+fn verified_way(domain: &Domain, world: &World, ways: &[Applied], purpose: &Purpose) -> Option<VerifiedPlan> {
+    let mut reports = ways
+        .iter()
+        .filter_map(|way| verified(domain, world, &way.draft, purpose).ok());
+    reports.find_map(|report| report.into_verified().ok())
+}
+
+fn does_as_before(before: &Plan, after: &VerifiedPlan) -> bool {
+    let same = |one: &Step, other: &Step| one.action == other.action && one.arguments == other.arguments;
+    let (before, after) = (before.steps(), after.steps());
+    before.len() == after.len() && before.iter().zip(after).all(|(one, other)| same(one, other))
 }
 
 fn done(plan: VerifiedPlan, edits: Vec<Edit>) -> Amended {

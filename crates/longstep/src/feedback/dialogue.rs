@@ -103,6 +103,11 @@ impl FeedbackDialogue {
         }
     }
 
+    /// Returns true if the words can be about what is wanted: they name no step and no call.
+    pub(crate) fn may_be_goal(&self) -> bool {
+        self.offers.goal
+    }
+
     /// Returns the model's answer, unchanged.
     pub fn answer(&self) -> &str {
         &self.answer

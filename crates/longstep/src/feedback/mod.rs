@@ -14,6 +14,7 @@ mod grammar;
 mod heard;
 mod language;
 mod offer;
+mod order;
 #[cfg(test)]
 mod tests;
 
@@ -23,6 +24,7 @@ pub use dialogue::{FeedbackDialogue, Wish};
 pub use difference::pins;
 pub(crate) use example::check_feedback_example;
 pub use language::{WishError, parse, written};
+pub(crate) use order::reordered;
 
 use crate::environment::EntityId;
 use crate::model::ActionId;

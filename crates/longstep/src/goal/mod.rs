@@ -14,6 +14,7 @@ mod mention;
 mod negated;
 mod offer;
 mod pronoun;
+mod request;
 #[cfg(test)]
 mod tests;
 
@@ -28,3 +29,4 @@ pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
 pub use offer::{Offer, offers};
 pub(crate) use offer::{already, is_plain, offers_on};
 pub use pronoun::{SpelledOut, spelled_out};
+pub(crate) use request::Request;

@@ -147,8 +147,11 @@ impl Session {
             What::Plan => self.plan_reply(turn, reply),
             What::Wish(mut dialogue, words) => match dialogue.supply(&self.domain, &self.world, reply) {
                 Ok(Wish::Goal) => self.ask_for_another_goal(turn, words),
-                Ok(Wish::Steps(wishes)) => self.amend(turn, &wishes),
+                Ok(Wish::Steps(wishes)) => self.amend(turn, &dialogue, words, &wishes),
                 Ok(Wish::Question(question)) => self.ask_person(turn, question.clone(), question),
+                Err(error @ DialogueError::NoWish(_)) => {
+                    self.reread(turn, &dialogue, words, &[], vec![error.to_string()]);
+                }
                 Err(error) => self.give_up(turn, unusable(&error)),
             },
         }

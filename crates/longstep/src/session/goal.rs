@@ -7,10 +7,10 @@ use crate::dialogue::{
     Turn as DialogueTurn,
 };
 use crate::environment::World;
-use crate::feedback::{Amended, StepWish, amend};
+use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
 use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
 use crate::report;
-use crate::report::{Answer, EditAnswer};
+use crate::report::Answer;
 
 /// A goal dialogue in progress.
 #[derive(Debug, Clone)]
@@ -20,6 +20,13 @@ pub(super) struct GoalAsking {
     seen: Option<World>,
     left_out: usize,
     costs: Vec<PartCost>,
+}
+
+impl GoalAsking {
+    /// Returns true if only goals beside those of the last round can be answered.
+    pub(super) fn is_further(&self) -> bool {
+        self.dialogue.is_further()
+    }
 }
 
 impl Session {
@@ -35,10 +42,14 @@ impl Session {
             None => {
                 let instruction = self.spelled_out(turn);
                 let input = self.goal_input(turn, &self.world, &instruction);
-                let fitted = GoalDialogue::fitted(input, self.model.context, counter)?;
+                let mut fitted = GoalDialogue::fitted(input, self.model.context, counter)?;
                 if let Some(seen) = &fitted.narrowed {
                     let kept = seen.entities().map(|(_, entity)| entity.identifier.clone());
                     self.events.push(Event::Focus { kept: kept.collect() });
+                }
+                if let (Some(_), Some(round)) = (&turn.rereading, turn.rounds.last()) {
+                    let seen = fitted.narrowed.as_ref().unwrap_or(&self.world);
+                    fitted.dialogue.further(&self.domain, seen, round);
                 }
                 goal.insert(Box::new(GoalAsking {
                     dialogue: fitted.dialogue,
@@ -86,7 +97,10 @@ impl Session {
             world.narrowed(domain, &kept)
         });
         let told = seen.as_ref().unwrap_or(world);
-        let dialogue = GoalDialogue::again(self.goal_input(turn, told, &self.spelled_out(turn)));
+        let mut dialogue = GoalDialogue::again(self.goal_input(turn, told, &self.spelled_out(turn)));
+        if let (Some(_), Some(round)) = (&turn.rereading, turn.rounds.last()) {
+            dialogue.further(domain, told, round);
+        }
         GoalAsking {
             dialogue,
             seen,
@@ -119,7 +133,13 @@ impl Session {
                     None => Some(understood),
                 };
                 match carried {
-                    Some(Understanding::Goal(goal, left_out)) => self.pursue(turn, goal, &left_out),
+                    Some(Understanding::Goal(goal, left_out)) if turn.accepts_as_goal(&goal) => {
+                        self.pursue(turn, goal, &left_out);
+                    }
+                    Some(Understanding::Goal(..)) => self.end_rereading(turn, Some("the words name none".to_owned())),
+                    Some(Understanding::Question(question)) if turn.rereading.is_some() => {
+                        self.end_rereading(turn, Some(question));
+                    }
                     Some(Understanding::Question(question)) => {
                         self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
                     }
@@ -184,38 +204,16 @@ impl Session {
         self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
     }
 
-    /// Applies feedback that concerns the steps, or refuses it.
-    pub(super) fn amend(&mut self, mut turn: Turn, wishes: &[StepWish]) {
+    /// Applies feedback that concerns the steps, or goes on to its other readings.
+    pub(super) fn amend(&mut self, turn: Turn, dialogue: &FeedbackDialogue, words: String, wishes: &[StepWish]) {
         let Some(proposal) = turn.proposal.as_deref() else {
             return self.stage = Stage::Idle;
         };
         let (domain, world) = (&self.domain, &self.world);
-        let (purpose, goal) = (proposal.purpose.clone(), proposal.goal.clone());
         let started = (self.now)();
-        match amend(domain, world, proposal.plan.plan(), wishes, &purpose) {
-            Amended::Done(amendment) => {
-                let report = amendment.plan.report();
-                let mut answer = Answer::of_report(domain, world, report, goal.as_ref(), &turn.instruction);
-                answer.edits = amendment.edits.iter().map(EditAnswer::from).collect();
-                answer.timings_ms.search = (self.now)() - started;
-                turn.price(&mut answer);
-                let plan = amendment.plan;
-                let proposal = Proposal {
-                    plan,
-                    purpose,
-                    goal,
-                    answer,
-                    refused: Vec::new(),
-                };
-                self.propose(turn, proposal);
-            }
-            Amended::Impossible { why, .. } => {
-                self.events.push(Event::Refused { why: why.clone() });
-                if let Some(proposal) = &mut turn.proposal {
-                    proposal.refused = why;
-                }
-                self.stage = Stage::Proposed(turn);
-            }
+        match amend(domain, world, proposal.plan.plan(), wishes, &proposal.purpose) {
+            Amended::Done(amendment) => self.propose_amended(turn, *amendment, started),
+            Amended::Impossible { why, .. } => self.reread(turn, dialogue, words, wishes, why),
         }
     }
 }

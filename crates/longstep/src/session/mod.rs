@@ -45,6 +45,9 @@ mod goal;
 #[cfg(test)]
 mod injected;
 mod log;
+mod reread;
+#[cfg(test)]
+mod reread_tests;
 mod resume;
 mod settings;
 mod stage;
@@ -273,6 +276,7 @@ impl Session {
             usage: Usage::default(),
             model_milliseconds: 0.0,
             proposal: None,
+            rereading: None,
         };
         self.stage = Stage::Asking(turn, self.ask());
         Ok(())
@@ -367,7 +371,10 @@ impl Session {
                 self.stage = stage;
                 return Err(self.out_of_turn("cancelling"));
             }
-            Stage::Asking(turn, _) | Stage::Question(turn, ..) if turn.proposal.is_some() => Stage::Proposed(turn),
+            Stage::Asking(mut turn, _) | Stage::Question(mut turn, ..) if turn.proposal.is_some() => {
+                turn.end_rereading();
+                Stage::Proposed(turn)
+            }
             _ => Stage::Idle,
         };
         self.events.push(Event::Cancel);
@@ -416,6 +423,8 @@ impl Session {
     fn propose(&mut self, mut turn: Turn, proposal: Proposal) {
         self.verdict(&proposal.answer);
         turn.proposal = Some(Box::new(proposal));
+        // The round stays: it is part of how this goal came about.
+        turn.rereading = None;
         self.stage = Stage::Proposed(turn);
         if self.settings.accept {
             // The line above proposes a plan, so this cannot fail.
@@ -429,23 +438,18 @@ impl Session {
     }
 
     /// Ends an instruction without a plan, or refuses feedback and keeps the proposed plan.
-    fn give_up(&mut self, mut turn: Turn, stuck: Stuck) {
+    fn give_up(&mut self, turn: Turn, stuck: Stuck) {
         if let Some(answer) = &stuck.answer {
             self.verdict(answer);
         }
-        self.stage = match &mut turn.proposal {
-            Some(proposal) => {
-                proposal.refused = vec![stuck.why];
-                self.events.push(Event::Refused {
-                    why: proposal.refused.clone(),
-                });
-                Stage::Proposed(turn)
-            }
-            None => {
-                self.events.push(Event::Stuck { why: stuck.why.clone() });
-                Stage::Stuck(turn, stuck)
-            }
-        };
+        if turn.rereading.is_some() {
+            self.end_rereading(turn, Some(stuck.why));
+        } else if turn.proposal.is_some() {
+            self.refuse(turn, vec![stuck.why]);
+        } else {
+            self.events.push(Event::Stuck { why: stuck.why.clone() });
+            self.stage = Stage::Stuck(turn, stuck);
+        }
     }
 
     fn verdict(&mut self, answer: &Answer) {

@@ -209,6 +209,10 @@ impl Session {
                 self.set_settings(*settings);
                 Ok(())
             }
+            Event::Refused { why } => {
+                self.refuse_as_recorded(why);
+                Ok(())
+            }
             Event::Reply { .. } => {
                 self.focus(kept.take());
                 match event.as_reply() {
@@ -222,7 +226,6 @@ impl Session {
             | Event::Verdict { .. }
             | Event::Correction { .. }
             | Event::Question { .. }
-            | Event::Refused { .. }
             | Event::Stuck { .. } => Ok(()),
         }
     }
@@ -324,6 +327,9 @@ pub fn replay(domain: impl Into<Arc<Domain>>, log: &Log, now: Stopwatch) -> Resu
                 happened.extend(session.take_events());
             }
             _ => {}
+        }
+        if happened.is_empty() && matches!(event, Event::Refused { .. }) {
+            let _ = session.take(event, &mut kept);
         }
         match happened.pop_front() {
             Some(today) if comparable(&today) == comparable(event) => {}

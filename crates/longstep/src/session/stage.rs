@@ -74,6 +74,8 @@ pub(super) struct Turn {
     pub(super) model_milliseconds: f64,
     /// The plan that feedback refers to.
     pub(super) proposal: Option<Box<Proposal>>,
+    /// While feedback is read as a further goal: what stands in the way of it as a change of the steps.
+    pub(super) rereading: Option<Vec<String>>,
 }
 
 /// The state of a session.

@@ -1,0 +1,113 @@
+//! Other readings of feedback whose change of the steps is not possible.
+//!
+//! "Close the fridge afterwards" names a step, and a state too. Before a wish is refused, its other readings are tried:
+//! as another order of the steps, then as a goal beside those of the plan. Only a verified plan is proposed, and a
+//! refusal lists what stands in the way of each reading.
+//!
+//! The order of the readings is from the narrowest to the widest. A wish that was read as a goal in the first place is
+//! not read as a step after that: nearly every step verifies somewhere, so this would show nothing. Words that name a
+//! step or a call are about the steps, and are not read as a goal.
+
+use super::asking::{Asking, What};
+use super::{Event, Proposal, Session, Stage, Turn};
+use crate::feedback::{Amendment, FeedbackDialogue, StepWish, reordered};
+use crate::goal::Goal;
+use crate::report::{Answer, EditAnswer};
+
+impl Session {
+    /// Goes on from a refused change of the steps.
+    pub(super) fn reread(
+        &mut self,
+        mut turn: Turn,
+        dialogue: &FeedbackDialogue,
+        words: String,
+        wishes: &[StepWish],
+        why: Vec<String>,
+    ) {
+        let Some(proposal) = turn.proposal.as_deref() else {
+            return self.stage = Stage::Idle;
+        };
+        let started = (self.now)();
+        let (plan, purpose) = (proposal.plan.plan(), &proposal.purpose);
+        let amendment = reordered(&self.domain, &self.world, plan, &words, wishes, purpose);
+        if let Some(amendment) = amendment {
+            return self.propose_amended(turn, amendment, started);
+        }
+        let may_be_goal = proposal.goal.is_some() && dialogue.may_be_goal();
+        let round = self.goal_round(&turn, words);
+        turn.rounds.push(round);
+        turn.rereading = Some(why);
+        if may_be_goal && self.goal_asking(&turn, None).is_further() {
+            self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
+        } else {
+            self.end_rereading(turn, None);
+        }
+    }
+
+    /// Refuses feedback; the reading as a further goal failed for the given reason if it was tried.
+    pub(super) fn end_rereading(&mut self, mut turn: Turn, why: Option<String>) {
+        let mut all = turn.end_rereading().unwrap_or_default();
+        all.extend(why.map(|why| format!("as a further goal: {why}")));
+        self.refuse(turn, all);
+    }
+
+    /// Keeps the proposed plan and records why the feedback is refused.
+    pub(super) fn refuse(&mut self, mut turn: Turn, why: Vec<String>) {
+        turn.end_rereading();
+        self.events.push(Event::Refused { why: why.clone() });
+        if let Some(proposal) = &mut turn.proposal {
+            proposal.refused = why;
+        }
+        self.stage = Stage::Proposed(turn);
+    }
+
+    /// Takes over the refusal of a log whose program knew one reading only.
+    pub(super) fn refuse_as_recorded(&mut self, why: &[String]) {
+        if let Stage::Asking(turn, _) = &self.stage
+            && turn.rereading.is_some()
+        {
+            self.refuse(turn.clone(), why.to_vec());
+        }
+    }
+
+    /// Proposes a changed plan; the change began to be looked for at this time.
+    pub(super) fn propose_amended(&mut self, turn: Turn, amendment: Amendment, started: f64) {
+        let Some(proposal) = turn.proposal.as_deref() else {
+            return self.stage = Stage::Idle;
+        };
+        let (purpose, goal) = (proposal.purpose.clone(), proposal.goal.clone());
+        let (domain, world) = (&self.domain, &self.world);
+        let report = amendment.plan.report();
+        let mut answer = Answer::of_report(domain, world, report, goal.as_ref(), &turn.instruction);
+        answer.edits = amendment.edits.iter().map(EditAnswer::from).collect();
+        answer.timings_ms.search = (self.now)() - started;
+        turn.price(&mut answer);
+        let proposal = Proposal {
+            plan: amendment.plan,
+            purpose,
+            goal,
+            answer,
+            refused: Vec::new(),
+        };
+        self.propose(turn, proposal);
+    }
+}
+
+impl Turn {
+    /// Returns true unless the goal is to be one more than those of the proposed plan and is not.
+    pub(super) fn accepts_as_goal(&self, goal: &Goal) -> bool {
+        let proposal = self.proposal.as_deref();
+        let before = proposal.and_then(|proposal| proposal.goal.as_ref());
+        let goes_on = |before: &Goal| {
+            before.facts.iter().all(|fact| goal.facts.contains(fact)) && goal.facts.len() > before.facts.len()
+        };
+        self.rereading.is_none() || before.is_some_and(goes_on)
+    }
+
+    /// Stops reading the feedback as a further goal, and returns what stood in the way of its first reading.
+    pub(super) fn end_rereading(&mut self) -> Option<Vec<String>> {
+        let why = self.rereading.take()?;
+        self.rounds.pop();
+        Some(why)
+    }
+}

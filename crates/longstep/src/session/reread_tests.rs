@@ -1,0 +1,242 @@
+//! Feedback that has more than one reading.
+
+use std::sync::Arc;
+
+use super::tests::{edits, goals, reply, text_of};
+use super::{Event, Log, ModelFacts, Need, Session, Settings, replay};
+use crate::dialogue::{ConstraintKind, EstimatedTokens};
+use crate::domain;
+use crate::environment::{self, Environment};
+use crate::json::Path;
+use crate::plan::Step;
+
+/// A household whose fridge was left open.
+const LARDER: &str = r#"{"assets": ["<counter>", "<fridge>", "<table>"],
+    "objects": ["<cereal>", "<milk>", "<sponge>", "<fridge_handle>"],
+    "object_states": {"<cereal>": "on_something(<counter>)", "<milk>": "on_something(<counter>)",
+        "<sponge>": "on_something(<table>)", "<fridge_handle>": "open()"}}"#;
+
+const STUDIO: &str = r#"{
+    "assets": ["<desk_1>", "<fridge_2>", "<sofa_3>", "<tablelamp_5>"],
+    "objects": ["<milk_4>", "<mug_6>"],
+    "object_states": {"<milk_4>": ["ON(<desk_1>)"], "<mug_6>": ["ON(<sofa_3>)"]},
+    "asset_properties": {"<fridge_2>": ["IS_OPENABLE"], "<desk_1>": ["NOT_OPENABLE"], "<sofa_3>": ["NOT_OPENABLE"]}}"#;
+
+fn session(name: &str, environment: &str, kind: ConstraintKind) -> Session {
+    let domain = Arc::new(domain::shipped(name).unwrap().unwrap());
+    let read = Environment::from_json(environment).unwrap();
+    let world = environment::read(&domain, &read, "", "", &Path::default()).unwrap();
+    let model = ModelFacts {
+        name: "script".to_owned(),
+        kind,
+        context: None,
+    };
+    Session::new(name, domain, world, Settings::default(), model, || 0.0)
+}
+
+/// Has a model answer the request that the session has for it.
+fn answer(session: &mut Session, text: &str) {
+    session.need(&mut EstimatedTokens::default()).unwrap();
+    session.supply(&reply(text), 1.0).unwrap();
+}
+
+/// A session with a plan for an instruction, after feedback that was read as this change of the steps.
+fn reread(name: &str, environment: &str, plan: (&str, &str), feedback: &str, change: &str) -> Session {
+    let mut session = session(name, environment, ConstraintKind::JsonSchema);
+    let (instruction, goal) = plan;
+    session.instruct(instruction).unwrap();
+    answer(&mut session, &goals(&[goal]));
+    assert!(session.proposal().is_some(), "{instruction}");
+    session.feedback(feedback).unwrap();
+    answer(&mut session, &edits(&[change]));
+    session
+}
+
+fn goal_texts(session: &Session) -> Vec<String> {
+    let goal = session.proposal().unwrap().goal.as_ref().unwrap();
+    let texts = goal.facts.iter();
+    texts
+        .map(|fact| fact.everyday(session.domain(), session.world()))
+        .collect()
+}
+
+fn sentences(session: &Session) -> Vec<&str> {
+    let steps: &[Step] = session.proposal().unwrap().plan.steps();
+    steps.iter().map(|step| step.explanation.as_str()).collect()
+}
+
+const CEREAL: (&str, &str) = ("Put the cereal in the fridge", "put(cereal, fridge)");
+const MILK: (&str, &str) = ("Put the milk in the fridge", "put(milk, fridge)");
+
+#[test]
+fn a_step_that_cannot_be_had_is_read_as_a_further_goal() {
+    for (name, environment, plan, feedback, change, further) in [
+        (
+            "household",
+            LARDER,
+            CEREAL,
+            "close the fridge afterwards",
+            "insert close_by_rotate() after 3",
+            "closed(fridge)",
+        ),
+        (
+            "household",
+            LARDER,
+            CEREAL,
+            "close it",
+            "insert close_by_rotate() after 4",
+            "closed(fridge)",
+        ),
+        (
+            "household",
+            LARDER,
+            CEREAL,
+            "wipe the table with the sponge before that",
+            "insert wipe_on_plane() before 1",
+            "wiped(table, sponge)",
+        ),
+        (
+            "household",
+            LARDER,
+            CEREAL,
+            "the milk should be put there too",
+            "insert detach_from_plane() after 1",
+            "put(milk, fridge)",
+        ),
+        (
+            "virtualhome",
+            STUDIO,
+            MILK,
+            "leave the fridge open",
+            "drop 6",
+            "opened(fridge)",
+        ),
+        (
+            "virtualhome",
+            STUDIO,
+            MILK,
+            "it is dark, switch on the lamp",
+            "insert SwitchOff(tablelamp) after 3",
+            "on(lamp)",
+        ),
+    ] {
+        let mut session = reread(name, environment, plan, feedback, change);
+        assert!(session.wants_model(), "{feedback}: {:?}", session.proposal());
+        answer(&mut session, &goals(&[further]));
+        assert_eq!(goal_texts(&session), [plan.1, further], "{feedback}");
+        assert!(session.proposal().unwrap().refused.is_empty(), "{feedback}");
+    }
+}
+
+#[test]
+fn a_grammar_goes_on_from_the_goals_of_the_plan() {
+    let mut session = session("household", LARDER, ConstraintKind::Grammar);
+    session.instruct(CEREAL.0).unwrap();
+    answer(&mut session, CEREAL.1);
+    session.feedback("close the fridge").unwrap();
+    answer(&mut session, "insert close_by_rotate() after 3");
+    let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+        panic!("{:?}", session.proposal())
+    };
+    assert_eq!(prepared.request.answer_so_far, "put(cereal, fridge) &");
+    answer(&mut session, "closed(fridge)");
+    assert_eq!(goal_texts(&session), ["put(cereal, fridge)", "closed(fridge)"]);
+}
+
+#[test]
+fn a_step_that_the_plan_has_is_moved_where_the_words_say() {
+    let both = "put(cereal, fridge) & wiped(table, sponge)";
+    let both = ("Put the cereal in the fridge and wipe the table with the sponge", both);
+    let wipe = "insert wipe_on_plane() before 1";
+    let session = reread("household", LARDER, both, "wipe the table first", wipe);
+    let expected = [
+        "move the hand to the sponge",
+        "grasp the sponge",
+        "wipe the table with the sponge",
+        "release the sponge",
+        "move the hand to the cereal",
+        "grasp the cereal",
+        "pick up the cereal from the counter",
+        "move the cereal to the fridge",
+        "put down the cereal at the fridge",
+        "release the cereal",
+    ];
+    assert_eq!(sentences(&session), expected);
+}
+
+#[test]
+fn a_wish_without_any_reading_is_refused_with_every_reason() {
+    let take = ("Take the milk", "held(milk)");
+    let mut session = reread("virtualhome", STUDIO, take, "take the mug too", "drop 2");
+    answer(&mut session, &goals(&["held(mug)"]));
+    let reasons = [
+        "at the end, this is not reached: the milk is in hand",
+        "as a further goal: no plan can do this",
+    ];
+    assert_eq!(session.proposal().unwrap().refused, reasons);
+    assert_eq!(goal_texts(&session), ["held(milk)"]);
+}
+
+#[test]
+fn words_that_name_a_step_have_no_other_reading() {
+    let session = reread(
+        "virtualhome",
+        STUDIO,
+        MILK,
+        "skip step 4, leave the fridge open",
+        "drop 4",
+    );
+    assert!(!session.wants_model());
+    assert_eq!(session.proposal().unwrap().refused.len(), 2);
+}
+
+#[test]
+fn a_failed_call_for_another_reading_leaves_the_reasons_of_the_first() {
+    let mut session = reread(
+        "household",
+        LARDER,
+        CEREAL,
+        "close the fridge",
+        "insert close_by_rotate() after 3",
+    );
+    session.failed("the server is down").unwrap();
+    let reasons = [
+        "step 4: close_by_rotate() needs that the cereal is open",
+        "as a further goal: the server is down",
+    ];
+    assert_eq!(session.proposal().unwrap().refused, reasons);
+    let mut session = reread(
+        "household",
+        LARDER,
+        CEREAL,
+        "close the fridge",
+        "insert close_by_rotate() after 3",
+    );
+    session.cancel().unwrap();
+    assert!(session.proposal().unwrap().refused.is_empty());
+    // The reading is forgotten: the words of later feedback stand alone.
+    session.feedback("put it on the table instead").unwrap();
+    answer(&mut session, r#"{"question": "", "goal": true, "edits": []}"#);
+    answer(&mut session, &goals(&["put(cereal, table)"]));
+    assert_eq!(goal_texts(&session), ["put(cereal, table)"]);
+}
+
+#[test]
+fn a_log_that_refuses_at_once_is_gone_through() {
+    let mut session = reread(
+        "household",
+        LARDER,
+        CEREAL,
+        "close the fridge",
+        "insert close_by_rotate() after 3",
+    );
+    let mut events = session.take_events();
+    events.push(Event::Refused {
+        why: vec!["step 4: no".to_owned()],
+    });
+    let log = Log::read(text_of(events).as_bytes()).unwrap();
+    let resumed = Session::resume(Arc::new(domain::shipped("household").unwrap().unwrap()), &log, || 0.0).unwrap();
+    assert_eq!(resumed.session.proposal().unwrap().refused, ["step 4: no"]);
+    let replayed = replay(Arc::new(domain::shipped("household").unwrap().unwrap()), &log, || 0.0).unwrap();
+    assert_eq!(replayed.differing.len(), 1);
+}
