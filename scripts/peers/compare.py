@@ -51,7 +51,8 @@ def main() -> None:
 
 def build() -> Path:
     """Builds our side and returns its program."""
-    command = ["cargo", "build", "--quiet", "--locked", "--release", "--package", "longstep", "--example", "peers"]
+    command = ["cargo", "build", "--quiet", "--locked", "--release", "--package", "longstep-llm"]
+    command += ["--no-default-features", "--example", "peers"]
     subprocess.run(command, cwd=ROOT, check=True)
     target = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target")
     return ROOT / target / "release/examples/peers"

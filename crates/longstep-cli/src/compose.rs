@@ -8,6 +8,7 @@ use longstep::dialogue::{Finish, Usage};
 use longstep::domain::Domain;
 use longstep::environment::World;
 use longstep::report::{Answer, Status};
+use longstep_llm::{TextFileError, load_domain, read_text};
 
 use crate::arguments::ComposeArguments;
 use crate::ask::{self, Waiting};
@@ -19,7 +20,7 @@ use crate::{inputs, output, show};
 
 pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     let started = stopwatch();
-    let domain = inputs::domain(&arguments.world.domain)?;
+    let domain = load_domain(&arguments.world.domain)?;
     let world = inputs::world(&domain, &arguments.world.env)?;
     let stored = stored(&arguments.plans)?;
     compose::check_names(&domain, &stored)
@@ -77,7 +78,7 @@ struct Composition {
 
 /// Reads a composition from a file.
 fn written(path: &Path) -> Result<Composition> {
-    let text = inputs::text(path)?;
+    let text = read_text(path)?;
     let said = compose::read(&text)
         .map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint()))?;
     Ok(Composition { text, said })
@@ -154,10 +155,7 @@ fn stored(paths: &[PathBuf]) -> Result<Vec<Stored>> {
 
 /// The plan files of a folder. A session's log in the folder has another extension.
 fn plan_files(folder: &Path) -> Result<Vec<PathBuf>> {
-    let failed = |error: std::io::Error| {
-        Failure::unreadable(format!("cannot read {}: {}", folder.display(), output::plain(&error)))
-            .hint("check the path")
-    };
+    let failed = |error: std::io::Error| TextFileError::new(folder, error);
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();

@@ -5,21 +5,22 @@ use std::path::Path;
 use anyhow::Result;
 use longstep::domain::{self, Domain, Finding};
 use longstep::visible;
+use longstep_llm::{domain_files, load_domain, plain_reason};
 
 use crate::arguments::DomainCommand;
 use crate::failure::{Failure, NOT_VALID};
 use crate::output::{self, Style, print_line};
-use crate::{inputs, show};
+use crate::show;
 
 pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
     match command {
         DomainCommand::List => {
             for name in domain::shipped_names() {
-                let domain = inputs::domain(name)?;
+                let domain = load_domain(name)?;
                 print_line!("{:16}  {}", name.bold(), domain.about);
             }
         }
-        DomainCommand::Show { domain } => describe(&inputs::domain(domain)?),
+        DomainCommand::Show { domain } => describe(&load_domain(domain)?),
         DomainCommand::Check { domain, strict, json } => return check(domain, *strict, *json),
         DomainCommand::New { folder } => create(folder)?,
     }
@@ -28,7 +29,7 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
 
 /// Warnings are the result of the command and go to stdout; a fault that keeps a domain from loading is an error.
 fn check(name: &str, strict: bool, json: bool) -> Result<u8> {
-    let files = inputs::domain_files(name)?;
+    let files = domain_files(name)?;
     let domain = domain::load(&files)?;
     let findings = domain::lint(&domain, &files);
     if json {
@@ -117,7 +118,7 @@ fn table(title: &str, entries: &[(String, &str)]) {
 fn create(folder: &Path) -> Result<()> {
     let shown = folder.display();
     let failed = |error: std::io::Error| {
-        Failure::unreadable(format!("cannot write {shown}: {}", output::plain(&error)))
+        Failure::unreadable(format!("cannot write {shown}: {}", plain_reason(&error)))
             .hint("check that the folder around it exists and may be written to")
     };
     if folder.exists() {

@@ -6,6 +6,7 @@ use longstep::environment::World;
 use longstep::json;
 use longstep::plan;
 use longstep::report::Assessment;
+use longstep_llm::load_domain;
 
 use crate::arguments::DraftArguments;
 use crate::failure::Failure;
@@ -20,7 +21,7 @@ pub(crate) struct Draft {
 
 impl Draft {
     pub(crate) fn read(arguments: &DraftArguments) -> Result<Self> {
-        let domain = inputs::domain(&arguments.domain)?;
+        let domain = load_domain(&arguments.domain)?;
         let (draft, text) = inputs::plan(&arguments.plan)?;
         let shown = arguments.plan.display().to_string();
         let world = match (&arguments.env, &draft.file.environment_before) {

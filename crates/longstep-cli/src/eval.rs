@@ -14,7 +14,7 @@ use longstep_eval::folder::{self, Plan, Results, RunFolder, VERSION};
 use longstep_eval::suite::{self, PLAIN, Suite};
 use longstep_eval::{Campaign, Changes, Choice, Opened, Recorded, Source, Summary, domain_sha256, lengths, units};
 use longstep_eval::{compare, report};
-use longstep_llm::{AdvanceError, ModelError, ModelReference};
+use longstep_llm::{AdvanceError, ModelError, ModelReference, overlay_prompt};
 
 use crate::arguments::{EvalArguments, EvalCommand, ModelArguments};
 use crate::ask;
@@ -34,7 +34,7 @@ pub(crate) fn run(arguments: &EvalArguments) -> Result<u8> {
 fn list() -> Result<u8> {
     for name in suite::shipped_names() {
         let files = inputs::suite_files(name)?;
-        let domain = inputs::domain_files(name, &files)?;
+        let domain = inputs::suite_domain_files(name, &files)?;
         let suite = suite::load(&files, &longstep::domain::load(&domain)?)?;
         let steps: usize = suite.cases.iter().map(|case| case.steps.len()).sum();
         print_line!("{name:<12} {steps:>4} instructions  {}", suite.about);
@@ -134,7 +134,7 @@ fn task(
     let mut load = |domain_files: Files| -> Result<Domain> {
         files = domain_files;
         if let Some(prompt) = &arguments.strategy.prompt {
-            crate::inputs::overlay(&mut files, prompt)?;
+            overlay_prompt(&mut files, prompt)?;
         }
         told = changes.apply(&mut files).map_err(|error| {
             Failure::unreadable(error.to_string()).hint("`longstep domain show DOMAIN` lists the actions")

@@ -4,7 +4,7 @@ use longstep::diagnostic::Diagnostics;
 use longstep::dialogue::PromptError;
 use longstep::goal::GoalError;
 use longstep::session::ResumeError;
-use longstep_llm::{AdvanceError, FolderError, ModelError};
+use longstep_llm::{AdvanceError, DomainError, FolderError, ModelError, TextFileError};
 
 use crate::output::{Style, remark};
 
@@ -47,11 +47,7 @@ impl std::error::Error for Failure {}
 
 /// Prints an error to stderr and returns the exit code for it.
 pub(crate) fn tell(error: &anyhow::Error) -> u8 {
-    let broken = match error.downcast_ref::<AdvanceError>() {
-        Some(AdvanceError::Prompt(PromptError::Broken(findings))) => Some(findings),
-        _ => error.downcast_ref::<Diagnostics>(),
-    };
-    if let Some(findings) = broken {
+    if let Some(findings) = findings(error) {
         for finding in &findings.0 {
             let mut finding = finding.clone();
             let hint = finding.hint.take();
@@ -70,9 +66,26 @@ pub(crate) fn tell(error: &anyhow::Error) -> u8 {
     code
 }
 
+/// Findings about files that the person wrote; each is printed with its own hint.
+fn findings(error: &anyhow::Error) -> Option<&Diagnostics> {
+    if let Some(AdvanceError::Prompt(PromptError::Broken(findings))) = error.downcast_ref() {
+        return Some(findings);
+    }
+    if let Some(DomainError::Findings(findings)) = error.downcast_ref() {
+        return Some(findings);
+    }
+    error.downcast_ref()
+}
+
 fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     if let Some(failure) = error.downcast_ref::<Failure>() {
         return (failure.hint.clone(), failure.code);
+    }
+    if let Some(error) = error.downcast_ref::<DomainError>() {
+        return (error.hint(), UNREADABLE);
+    }
+    if let Some(error) = error.downcast_ref::<TextFileError>() {
+        return (error.hint().map(str::to_owned), UNREADABLE);
     }
     let advance = error.downcast_ref::<AdvanceError>();
     let model = error.downcast_ref::<ModelError>().or(match advance {

@@ -13,6 +13,7 @@ use std::sync::OnceLock;
 
 use anyhow::Result;
 use longstep::visible;
+use longstep_llm::plain_reason;
 use serde::Serialize;
 
 pub(crate) use clap_error::parsed;
@@ -97,7 +98,7 @@ pub(crate) fn failed() -> bool {
 pub(crate) fn finished(code: u8) -> u8 {
     let Some(error) = FAILED.get() else { return code };
     if error.kind() != ErrorKind::BrokenPipe {
-        let reason = plain(error);
+        let reason = plain_reason(error);
         remark!("{} cannot write to standard output: {reason}", "error:".red().bold());
         let hint = "nothing was printed, or a part of it; free some space or print to another place";
         remark!("{} {hint}", "hint:".cyan().bold());
@@ -122,13 +123,4 @@ fn to_stderr(shown: &str) {
     let mut stderr = anstream::stderr().lock();
     // There is no other place to report an error.
     let _ = stderr.write_all(shown.as_bytes()).and_then(|()| stderr.flush());
-}
-
-/// The text of an I/O error without the number of the operating system, and without a capital letter.
-pub(crate) fn plain(error: &std::io::Error) -> String {
-    let text = error.to_string();
-    let text = text.split(" (os error").next().unwrap_or_default();
-    let mut letters = text.chars();
-    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
-    first.into_iter().chain(letters).collect()
 }

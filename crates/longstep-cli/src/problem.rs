@@ -9,6 +9,7 @@ use longstep::pddl;
 use longstep::report;
 use longstep::report::{Answer, Status};
 use longstep::verify::Purpose;
+use longstep_llm::read_text;
 
 use crate::arguments::SolveArguments;
 use crate::clock::{milliseconds, stopwatch};
@@ -23,9 +24,9 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
     } else {
         named.to_owned()
     };
-    let domain = domain::from_pddl(&domain_file.display().to_string(), &inputs::text(&domain_file)?)?;
+    let domain = domain::from_pddl(&domain_file.display().to_string(), &read_text(&domain_file)?)?;
     let shown = problem_file.display().to_string();
-    let problem = pddl::read_problem(&domain, &shown, &inputs::text(problem_file)?)?;
+    let problem = pddl::read_problem(&domain, &shown, &read_text(problem_file)?)?;
     let purpose = Purpose {
         wanted: problem.wanted.clone(),
         ..Purpose::default()

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use longstep::session::{Event, Log, replay};
-use longstep_llm::{LOG, SessionFolder, session_directory};
+use longstep_llm::{LOG, SessionFolder, load_domain, session_directory};
 use serde_json::Value;
 
 use crate::arguments::SessionCommand;
 use crate::clock::stopwatch;
+use crate::output;
 use crate::output::{Style, print_line};
-use crate::{inputs, output};
 
 /// Limit for an instruction in a table, in characters.
 const SHOWN: usize = 60;
@@ -190,7 +190,7 @@ impl Row {
 fn replayed(folder: &Path) -> Result<u8> {
     let log = SessionFolder::read(folder)?;
     let domain = match log.events().next() {
-        Some(Event::Begin { domain, .. }) => inputs::domain(domain)?,
+        Some(Event::Begin { domain, .. }) => load_domain(domain)?,
         // A log always begins with this event.
         _ => return Ok(crate::failure::UNREADABLE),
     };

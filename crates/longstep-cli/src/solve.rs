@@ -9,6 +9,7 @@ use longstep::environment::World;
 use longstep::goal::{self, Goal};
 use longstep::report::{Answer, Status};
 use longstep::{pddl, report};
+use longstep_llm::load_domain;
 
 use crate::arguments::SolveArguments;
 use crate::clock::{milliseconds, stopwatch};
@@ -22,7 +23,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         // clap requires exactly one of `--goal` and `--problem`.
         (_, _, problem) => return problem::run(arguments, problem.as_deref().unwrap_or(Path::new(""))),
     };
-    let domain = inputs::domain(arguments.domain.as_deref().unwrap_or("household"))?;
+    let domain = load_domain(arguments.domain.as_deref().unwrap_or("household"))?;
     let world = inputs::world(&domain, env)?;
     let text = goal;
     let goal = goal::parse(&domain, &world, text)?;

@@ -34,6 +34,7 @@ pub mod catalogue;
 #[cfg(feature = "embedded")]
 mod embedded;
 mod error;
+mod load_domain;
 mod model;
 mod open;
 mod private;
@@ -44,6 +45,7 @@ mod session_folder;
 pub mod store;
 #[cfg(test)]
 mod test_server;
+mod text_file;
 mod understand;
 mod whole_file;
 
@@ -51,6 +53,7 @@ pub use advance::{AdvanceError, advance};
 pub use bounded::{LOG_LIMIT, read_bounded};
 pub use cache::{cache_directory, session_directory};
 pub use error::{AnswerLimit, ModelError};
+pub use load_domain::{DomainError, domain_files, load_domain, overlay_prompt};
 pub use model::{ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch};
 pub use open::open;
 pub use private::{create_private_folder, tighten_folder};
@@ -58,5 +61,6 @@ pub use record::Recording;
 pub use reference::ModelReference;
 pub use server::server_address;
 pub use session_folder::{FolderError, LOG, SessionFolder};
+pub use text_file::{TextFileError, plain_reason, read_text, read_texts};
 pub use understand::{UnderstandError, understand};
 pub use whole_file::write_whole;

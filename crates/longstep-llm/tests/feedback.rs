@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use longstep::dialogue::{GoalDialogue, GoalInput, Round};
-use longstep::domain::{self, Domain, Files};
+use longstep::domain::Domain;
 use longstep::environment::{self, Claim, Environment, World};
 use longstep::feedback::{self, Amended, FeedbackDialogue, StepWish, Wish, amend};
 use longstep::goal::{self, Understanding};
@@ -15,24 +15,14 @@ use longstep::json;
 use longstep::plan::{Plan, PlanFile, TaskCohesion, resolve};
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{Purpose, bind, check};
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, open, understand};
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, load_domain, open, understand};
 use serde_json::Value;
 
 fn domain_named(name: &str) -> Domain {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = ["domains", "examples"].map(|place| root.join(place).join(name));
     let folder = folder.iter().find(|folder| folder.is_dir()).unwrap();
-    let text = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
-    let files = Files {
-        folder: format!("{name}/"),
-        pddl: text("domain.pddl"),
-        words: text("domain.toml"),
-        goal_prompt: text("prompt/goal.md"),
-        examples: text("prompt/examples.toml"),
-        feedback: text("prompt/feedback.toml"),
-        ..Files::default()
-    };
-    domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"))
+    load_domain(&folder.display().to_string()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn world_of(domain: &Domain, environment: &Value) -> World {

@@ -82,18 +82,11 @@ fn compare(domain_name: &str, environment: &str, goal: &str) -> Result<(), TestC
 
 /// The robot of the starter, with one more rule.
 fn parcels(condition: &str) -> Domain {
-    let starter: HashMap<String, String> = domain::starter("starter").into_iter().collect();
+    let mut files = Files::from_texts("starter/", domain::starter("starter"));
     let rule = format!(
         "\n[[rule]]\nname = \"extra\"\nholds = \"always\"\ncondition = \"{condition}\"\nsays = \"not like this\"\n"
     );
-    let words = starter["domain.toml"].replacen("\n[[rule]]", &format!("{rule}\n[[rule]]"), 1);
-    let files = Files {
-        pddl: starter["domain.pddl"].clone(),
-        words,
-        goal_prompt: starter["prompt/goal.md"].clone(),
-        examples: starter["prompt/examples.toml"].clone(),
-        ..Files::default()
-    };
+    files.words = files.words.replacen("\n[[rule]]", &format!("{rule}\n[[rule]]"), 1);
     let domain = domain::load(&files).unwrap_or_else(|findings| panic!("{findings}"));
     assert!(domain.rules.iter().any(|rule| rule.time == RuleTime::Always));
     domain

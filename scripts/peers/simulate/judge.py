@@ -12,7 +12,8 @@ PATIENCE = 20
 
 def build() -> Path:
     """Builds the batch program and returns its path."""
-    subprocess.run(["cargo", "build", "--quiet", "--locked", "-p", "longstep", "--example", "judge"], cwd=ROOT, check=True)
+    command = ["cargo", "build", "--quiet", "--locked", "-p", "longstep-llm", "--no-default-features", "--example", "judge"]
+    subprocess.run(command, cwd=ROOT, check=True)
     return Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "debug/examples/judge"
 
 

@@ -6,7 +6,7 @@ use anyhow::Result;
 use longstep::diagnostic::nearest;
 use longstep::plan::StepId;
 use longstep::session::{self, Settings, Strategy};
-use longstep_llm::{ModelError, create_private_folder};
+use longstep_llm::{ModelError, create_private_folder, plain_reason};
 
 use super::{Chat, Next, screen};
 use crate::failure::Failure;
@@ -123,7 +123,7 @@ impl Chat<'_> {
         }
         let folder = Path::new(rest);
         create_private_folder(folder).map_err(|error| {
-            Failure::unreadable(format!("cannot make {rest}: {}", crate::output::plain(&error))).hint("check the path")
+            Failure::unreadable(format!("cannot make {rest}: {}", plain_reason(&error))).hint("check the path")
         })?;
         let count = self.session.accepted().len();
         for number in 0..count {

@@ -1,6 +1,5 @@
 //! Finds suites, recordings, and their domains.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -8,11 +7,13 @@ use longstep::diagnostic::nearest;
 use longstep::domain::{self, Domain, Files as DomainFiles};
 use longstep_eval::suite::{self, Files, Suite, paper};
 use longstep_eval::{Recorded, sha256};
-use longstep_llm::{LOG_LIMIT, ModelReference, read_bounded, server_address, write_whole};
+use longstep_llm::{
+    LOG_LIMIT, ModelReference, domain_files, plain_reason, read_bounded, read_text, read_texts, server_address,
+    write_whole,
+};
 
 use crate::arguments::EvalArguments;
 use crate::failure::Failure;
-use crate::inputs;
 
 /// The default folder of a run.
 pub(super) fn default_folder(suite: &str) -> PathBuf {
@@ -28,8 +29,8 @@ pub(super) fn suite(
 ) -> Result<(Suite, String, Domain)> {
     if name == "paper" {
         let file = corpus(arguments)?.join("virtualhome14/scenarios.json");
-        let text = inputs::text(&file)?;
-        let domain = load(inputs::domain_files("virtualhome")?)?;
+        let text = read_text(&file)?;
+        let domain = load(domain_files("virtualhome")?)?;
         let suite = paper::load(&domain, &file.display().to_string(), &text)?;
         let files = Files {
             suite: text,
@@ -38,7 +39,7 @@ pub(super) fn suite(
         return Ok((suite, files.sha256(), domain));
     }
     let files = suite_files(name)?;
-    let domain = load(domain_files(name, &files)?)?;
+    let domain = load(suite_domain_files(name, &files)?)?;
     Ok((suite::load(&files, &domain)?, files.sha256(), domain))
 }
 
@@ -68,8 +69,8 @@ pub(super) fn suite_files(name: &str) -> Result<Files> {
             .hint(hint)
             .into());
     }
-    let mut cases = texts(folder, "toml")?;
-    let suite = cases.remove("suite").ok_or_else(|| {
+    let mut cases = read_texts(folder, |name| name.ends_with(".toml"))?;
+    let suite = cases.remove("suite.toml").ok_or_else(|| {
         Failure::unreadable(format!("{} has no suite.toml", folder.display()))
             .hint("it says `name`, `about` and `domain`")
     })?;
@@ -84,50 +85,27 @@ pub(super) fn suite_files(name: &str) -> Result<Files> {
     Ok(Files {
         folder: format!("{}/", name.trim_end_matches('/')),
         suite,
-        cases: cases
+        cases,
+        scenes: read_texts(&scenes, |name| name.ends_with(".json"))?
             .into_iter()
-            .map(|(name, text)| (format!("{name}.toml"), text))
+            .map(|(name, text)| (name.trim_end_matches(".json").to_owned(), text))
             .collect(),
-        scenes: texts(&scenes, "json")?,
     })
 }
 
-/// The texts of a folder's files with this extension, by file name without the extension.
-fn texts(folder: &Path, ending: &str) -> Result<BTreeMap<String, String>> {
-    let failed = |error: std::io::Error| {
-        Failure::unreadable(format!(
-            "cannot read {}: {}",
-            folder.display(),
-            crate::output::plain(&error)
-        ))
-    };
-    let mut texts = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else {
-            continue;
-        };
-        let fits = path.extension().is_some_and(|extension| extension == ending);
-        if fits && path.is_file() && !stem.starts_with('.') {
-            texts.insert(stem.to_owned(), inputs::text(&path)?);
-        }
-    }
-    Ok(texts)
-}
-
 /// The files of a suite's domain: a shipped one, or a folder relative to the suite or to the working directory.
-pub(super) fn domain_files(suite: &str, files: &Files) -> Result<DomainFiles> {
+pub(super) fn suite_domain_files(suite: &str, files: &Files) -> Result<DomainFiles> {
     let name = suite::domain_name(files)?;
     let beside = Path::new(suite).join(&name);
     if domain::shipped_files(&name).is_none() && beside.is_dir() {
-        return inputs::domain_files(&beside.display().to_string());
+        return Ok(domain_files(&beside.display().to_string())?);
     }
-    inputs::domain_files(&name)
+    Ok(domain_files(&name)?)
 }
 
 /// Reads recorded replies; also returns the SHA-256 of their file.
 pub(super) fn replies(path: &Path) -> Result<(Recorded, String)> {
-    let text = inputs::text(path)?;
+    let text = read_text(path)?;
     let recorded = Recorded::read(&text);
     let recorded = recorded.map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())))?;
     Ok((recorded, sha256(text.as_bytes())))
@@ -139,12 +117,8 @@ pub(super) fn origin(reference: &ModelReference) -> Result<(Option<String>, Opti
         ModelReference::Catalogue(entry) => Some(entry.sha256.to_owned()),
         ModelReference::Replay(path) => {
             let bytes = read_bounded(path, LOG_LIMIT).map_err(|error| {
-                Failure::unreadable(format!(
-                    "cannot replay {}: {}",
-                    path.display(),
-                    crate::output::plain(&error)
-                ))
-                .hint("check the path")
+                Failure::unreadable(format!("cannot replay {}: {}", path.display(), plain_reason(&error)))
+                    .hint("check the path")
             })?;
             Some(sha256(&bytes))
         }
@@ -164,11 +138,6 @@ pub(super) fn without_address(reference: &str) -> String {
 /// Writes a file atomically.
 pub(super) fn write(path: &Path, text: &str) -> Result<()> {
     write_whole(path, text.as_bytes()).map_err(|error| {
-        Failure::unreadable(format!(
-            "cannot write {}: {}",
-            path.display(),
-            crate::output::plain(&error)
-        ))
-        .into()
+        Failure::unreadable(format!("cannot write {}: {}", path.display(), plain_reason(&error))).into()
     })
 }

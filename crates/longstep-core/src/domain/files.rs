@@ -39,6 +39,42 @@ impl Files {
         "query.md",
     ];
 
+    /// Collects the texts of a domain's folder, given by their paths within it: `domain.pddl`, `domain.toml` and the files
+    /// of `prompt/`. Other files belong to no domain and are left out; a file that is missing is an empty text.
+    ///
+    /// ```
+    /// use longstep_core::domain::{Files, load, starter};
+    /// let files = Files::from_texts("porter/", starter("porter"));
+    /// assert_eq!(load(&files).unwrap().name, "porter");
+    /// ```
+    pub fn from_texts(folder: impl Into<String>, texts: impl IntoIterator<Item = (String, String)>) -> Self {
+        let mut files = Self {
+            folder: folder.into(),
+            ..Self::default()
+        };
+        for (path, text) in texts {
+            match path.strip_prefix("prompt/") {
+                Some(name) => files.set_prompt(name, text),
+                None if path == "domain.pddl" => files.pddl = text,
+                None if path == "domain.toml" => files.words = text,
+                None => {}
+            }
+        }
+        files
+    }
+
+    /// Sets the text of a file of `prompt/`.
+    fn set_prompt(&mut self, name: &str, text: String) {
+        match name {
+            "goal.md" => self.goal_prompt = text,
+            "examples.toml" => self.examples = text,
+            "feedback.toml" => self.feedback = text,
+            _ => {
+                self.parts.insert(name.to_owned(), text);
+            }
+        }
+    }
+
     /// Replaces files of `prompt/` by those of another folder, for users who adapt the prompts of a shipped domain.
     ///
     /// `folder` is the prefix of the file names in diagnostics; `texts` are pairs of a name within it and its text.
@@ -72,14 +108,7 @@ impl Files {
         }
         for (name, text) in texts {
             self.elsewhere.insert(name.clone(), format!("{folder}{name}"));
-            match name.as_str() {
-                "goal.md" => self.goal_prompt = text,
-                "examples.toml" => self.examples = text,
-                "feedback.toml" => self.feedback = text,
-                _ => {
-                    self.parts.insert(name, text);
-                }
-            }
+            self.set_prompt(&name, text);
         }
         Ok(())
     }

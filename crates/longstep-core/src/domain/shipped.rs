@@ -1,7 +1,5 @@
 //! The domains shipped with the library.
 
-use std::collections::BTreeMap;
-
 use include_dir::{Dir, include_dir};
 
 use super::{Domain, Files, load};
@@ -30,28 +28,12 @@ pub fn shipped_files(name: &str) -> Option<Files> {
     let folder = SHIPPED
         .get_dir(name)
         .filter(|dir| dir.path().components().count() == 1)?;
-    let text = |file: &str| {
-        let path = folder.path().join(file);
-        SHIPPED
-            .get_file(path)
-            .and_then(|file| file.contents_utf8())
-            .unwrap_or_default()
-            .to_owned()
-    };
-    let parts = Files::PARTS.iter().filter_map(|name| {
-        let file = SHIPPED.get_file(folder.path().join("prompt").join(name))?;
-        Some(((*name).to_owned(), file.contents_utf8()?.to_owned()))
+    let files = std::iter::once(folder).chain(folder.dirs()).flat_map(Dir::files);
+    let texts = files.filter_map(|file| {
+        let path = file.path().strip_prefix(name).ok()?.to_str()?;
+        Some((path.to_owned(), file.contents_utf8()?.to_owned()))
     });
-    Some(Files {
-        parts: parts.collect(),
-        elsewhere: BTreeMap::new(),
-        folder: format!("domains/{name}/"),
-        pddl: text("domain.pddl"),
-        words: text("domain.toml"),
-        goal_prompt: text("prompt/goal.md"),
-        examples: text("prompt/examples.toml"),
-        feedback: text("prompt/feedback.toml"),
-    })
+    Some(Files::from_texts(format!("domains/{name}/"), texts))
 }
 
 #[cfg(test)]

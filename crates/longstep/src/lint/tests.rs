@@ -2,16 +2,7 @@ use super::*;
 use crate::domain::{load, shipped_files, shipped_names, starter};
 
 fn starter_files() -> Files {
-    let files = starter("porter");
-    let text = |path: &str| files.iter().find(|(known, _)| known == path).unwrap().1.clone();
-    Files {
-        pddl: text("domain.pddl"),
-        words: text("domain.toml"),
-        goal_prompt: text("prompt/goal.md"),
-        examples: text("prompt/examples.toml"),
-        parts: [("plans.toml".to_owned(), text("prompt/plans.toml"))].into(),
-        ..Files::default()
-    }
+    Files::from_texts("", starter("porter"))
 }
 
 fn greenhouse_files() -> Files {

@@ -116,19 +116,7 @@ fn ruled(time: &str, parcels: usize) -> Work {
 }
 
 fn starter() -> Files {
-    let texts = domain::starter("starter");
-    let text = |path: &str| {
-        let file = texts.iter().find(|(name, _)| name == path);
-        file.map(|(_, text)| text.clone()).unwrap()
-    };
-    Files {
-        pddl: text("domain.pddl"),
-        words: text("domain.toml"),
-        goal_prompt: text("prompt/goal.md"),
-        examples: text("prompt/examples.toml"),
-        feedback: text("prompt/feedback.toml"),
-        ..Files::default()
-    }
+    Files::from_texts("", domain::starter("starter"))
 }
 
 /// Loads the starter's files with one of them changed, and lints them.

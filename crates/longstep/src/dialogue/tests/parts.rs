@@ -1,7 +1,5 @@
 //! The fixed parts: complete, replaceable, and checked.
 
-use std::collections::BTreeMap;
-
 use crate::dialogue::{Message, PartName, PromptError, Role, broken_parts, fixed_parts};
 use crate::domain::{Domain, Files, load, shipped, shipped_files, shipped_names, starter};
 use crate::plan;
@@ -174,16 +172,7 @@ fn examples_that_are_none_are_told_with_file_and_line() {
 
 #[test]
 fn the_starter_s_plans_are_good() {
-    let files: BTreeMap<String, String> = starter("porter").into_iter().collect();
-    let files = Files {
-        pddl: files["domain.pddl"].clone(),
-        words: files["domain.toml"].clone(),
-        goal_prompt: files["prompt/goal.md"].clone(),
-        examples: files["prompt/examples.toml"].clone(),
-        parts: [("plans.toml".to_owned(), files["prompt/plans.toml"].clone())].into(),
-        ..Files::default()
-    };
-    let domain = load(&files).unwrap();
+    let domain = load(&Files::from_texts("porter/", starter("porter"))).unwrap();
     assert_eq!(broken_parts(&domain), []);
 }
 

@@ -20,6 +20,7 @@ use longstep::pddl::{self, Problem};
 use longstep::plan::{Plan, Step};
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{Purpose, check};
+use longstep_llm::domain_files;
 use serde_json::json;
 
 type Anyhow<T> = Result<T, Box<dyn Error>>;
@@ -165,30 +166,23 @@ fn scenes() -> Anyhow<Vec<Scene>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut domains = Vec::new();
     for name in domain::shipped_names() {
-        domains.push((name.to_owned(), folder_files(&root.join("domains").join(name))?));
+        domains.push((name.to_owned(), domain_files(name)?));
     }
+    let greenhouse = root.join("examples/greenhouse");
     domains.push((
         "greenhouse".to_owned(),
-        folder_files(&root.join("examples/greenhouse"))?,
+        domain_files(&greenhouse.display().to_string())?,
     ));
-    let starter: indexmap::IndexMap<String, String> = domain::starter("starter").into_iter().collect();
-    let file = |path: &str| starter.get(path).cloned().unwrap_or_default();
-    let files = Files {
-        folder: "starter/".to_owned(),
-        pddl: file("domain.pddl"),
-        words: file("domain.toml"),
-        goal_prompt: file("prompt/goal.md"),
-        examples: file("prompt/examples.toml"),
-        feedback: file("prompt/feedback.toml"),
-        ..Files::default()
-    };
-    domains.push(("starter".to_owned(), files));
+    let starter = domain::starter("starter");
+    let environment = starter.iter().find(|(path, _)| path == "environment.json");
+    let environment = environment.map(|(_, text)| text.clone()).unwrap_or_default();
+    let mut environments = vec![("starter".to_owned(), environment)];
+    domains.push(("starter".to_owned(), Files::from_texts("starter/", starter)));
 
-    let mut environments = vec![("starter".to_owned(), file("environment.json"))];
     let mut paths: Vec<PathBuf> = std::fs::read_dir(root.join("examples/environments"))?
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<Result<_, _>>()?;
-    paths.push(root.join("examples/greenhouse/environment.json"));
+    paths.push(greenhouse.join("environment.json"));
     paths.sort();
     for path in paths {
         let stem = |path: &Path| {
@@ -221,18 +215,6 @@ fn scenes() -> Anyhow<Vec<Scene>> {
         }
     }
     Ok(scenes)
-}
-
-fn folder_files(folder: &Path) -> Anyhow<Files> {
-    let read = |file: &str| std::fs::read_to_string(folder.join(file));
-    Ok(Files {
-        pddl: read("domain.pddl")?,
-        words: read("domain.toml")?,
-        goal_prompt: read("prompt/goal.md")?,
-        examples: read("prompt/examples.toml")?,
-        feedback: read("prompt/feedback.toml").unwrap_or_default(),
-        ..Files::default()
-    })
 }
 
 /// Three goals of each word, spread over what is offered; some of them joined; and some that exclude each other.

@@ -13,14 +13,14 @@
 use std::collections::HashMap;
 use std::error::Error;
 use std::io::Write;
-use std::path::Path;
 
-use longstep::domain::{self, Domain, Files};
+use longstep::domain::Domain;
 use longstep::environment::{self, Environment, Voice, World};
 use longstep::plan::{self, PlanFile, TaskCohesion};
 use longstep::report::Assessment;
 use longstep::verify::{bind_tree, check};
 use longstep::{goal, json, report};
+use longstep_llm::load_domain;
 use serde_json::{Value, json};
 
 type Anyhow<T> = Result<T, Box<dyn Error>>;
@@ -52,25 +52,9 @@ fn answer(domains: &mut HashMap<String, Domain>, line: &str) -> Anyhow<Value> {
 
 fn load<'a>(domains: &'a mut HashMap<String, Domain>, name: &str) -> Anyhow<&'a Domain> {
     if !domains.contains_key(name) {
-        let files = match domain::shipped_files(name) {
-            Some(files) => files,
-            None => folder_files(Path::new(name))?,
-        };
-        domains.insert(name.to_owned(), domain::load(&files)?);
+        domains.insert(name.to_owned(), load_domain(name)?);
     }
     domains.get(name).ok_or_else(|| "the domain was not loaded".into())
-}
-
-fn folder_files(folder: &Path) -> Anyhow<Files> {
-    let read = |file: &str| std::fs::read_to_string(folder.join(file));
-    Ok(Files {
-        pddl: read("domain.pddl")?,
-        words: read("domain.toml")?,
-        goal_prompt: read("prompt/goal.md")?,
-        examples: read("prompt/examples.toml")?,
-        feedback: read("prompt/feedback.toml").unwrap_or_default(),
-        ..Files::default()
-    })
 }
 
 fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {

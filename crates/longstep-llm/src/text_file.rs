@@ -1,0 +1,108 @@
+//! Text files that people write: domains, environments, plans.
+
+use std::collections::BTreeMap;
+use std::io::{Error, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use crate::bounded::read_text_bounded;
+
+/// Bytes of a text file that are read at most: 64 MiB. No environment, plan or domain is as large as that.
+const TEXT_LIMIT: u64 = 64 << 20;
+
+/// A file or folder that cannot be read. `Display` is one line with the path; [`TextFileError::hint`] says what to do.
+#[derive(Debug)]
+pub struct TextFileError {
+    path: PathBuf,
+    source: Error,
+}
+
+impl TextFileError {
+    /// The error of the system for a path.
+    pub fn new(path: impl Into<PathBuf>, source: Error) -> Self {
+        Self {
+            path: path.into(),
+            source,
+        }
+    }
+
+    /// The file or folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The next step for the person, if there is one.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self.source.kind() {
+            ErrorKind::IsADirectory => None,
+            ErrorKind::FileTooLarge => Some("check the path: no environment, plan or domain is as large as that"),
+            ErrorKind::InvalidData => Some("save it as UTF-8"),
+            _ => Some("check the path"),
+        }
+    }
+}
+
+impl std::fmt::Display for TextFileError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let path = self.path.display();
+        match self.source.kind() {
+            ErrorKind::IsADirectory => write!(f, "{path} is a folder, not a file"),
+            ErrorKind::FileTooLarge => write!(f, "{path} is larger than {} MiB", TEXT_LIMIT >> 20),
+            ErrorKind::InvalidData => write!(f, "{path} is not a text file (not UTF-8)"),
+            _ => write!(f, "cannot read {path}: {}", plain_reason(&self.source)),
+        }
+    }
+}
+
+impl std::error::Error for TextFileError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.source)
+    }
+}
+
+/// The reason of an error of the system, without its number and in lower case.
+///
+/// ```
+/// let error = std::fs::File::open("no/such/file").unwrap_err();
+/// assert_eq!(longstep_llm::plain_reason(&error), "no such file or directory");
+/// ```
+pub fn plain_reason(error: &Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
+    first.into_iter().chain(letters).collect()
+}
+
+/// Reads a text file of at most 64 MiB.
+///
+/// # Errors
+///
+/// When it cannot be read, is a folder, is larger, or is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, TextFileError> {
+    // Some systems open a folder like a file.
+    let read = std::fs::metadata(path).and_then(|metadata| match metadata.is_dir() {
+        true => Err(ErrorKind::IsADirectory.into()),
+        false => read_text_bounded(path, TEXT_LIMIT),
+    });
+    read.map_err(|error| TextFileError::new(path, error))
+}
+
+/// Reads the text files of a folder whose names `wanted` accepts, by name. Hidden files are left out.
+///
+/// # Errors
+///
+/// When the folder or one of the files cannot be read.
+pub fn read_texts(folder: &Path, wanted: impl Fn(&str) -> bool) -> Result<BTreeMap<String, String>, TextFileError> {
+    let failed = |error: Error| TextFileError::new(folder, error);
+    let mut texts = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
+            continue;
+        };
+        if path.is_file() && !name.starts_with('.') && wanted(name) {
+            texts.insert(name.to_owned(), read_text(&path)?);
+        }
+    }
+    Ok(texts)
+}
