@@ -3,6 +3,7 @@
 mod ask;
 pub(crate) mod claims;
 mod fuzzy_names;
+pub(crate) mod lanes;
 mod outline;
 mod paper;
 mod read;

@@ -1,9 +1,9 @@
 //! The makespan of plans.
 
-use std::collections::VecDeque;
 use std::fmt;
 
-use crate::plan::{Lane, LaneItem, Node, Plan, StepId, Test, tree};
+use crate::plan::lanes::Remaining;
+use crate::plan::{Lane, Node, Plan, StepId, Test, tree};
 
 /// The makespan of a plan, in units of time: every step takes one unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,54 +117,17 @@ pub enum Row {
 /// assert_eq!(rows[2], Row::Unit(vec![None, Some(StepId::new(1))]));
 /// ```
 pub fn timetable(lanes: &[Lane]) -> Vec<Row> {
-    let counts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
-    let mut rest: Vec<VecDeque<&LaneItem>> = lanes
-        .iter()
-        .map(|lane| lane.items.iter().filter(counts).collect())
-        .collect();
+    let mut remaining = Remaining::of(lanes);
     let mut rows = Vec::new();
     loop {
-        while let Some(name) = next_sync(&rest) {
-            let here = |lane: &usize| matches!(rest[*lane].front(), Some(LaneItem::Sync(other)) if *other == name);
-            let lanes: Vec<usize> = (0..rest.len()).filter(here).collect();
-            for lane in &lanes {
-                rest[*lane].pop_front();
-            }
+        while let Some((name, lanes)) = remaining.next_sync() {
+            let name = name.to_owned();
             rows.push(Row::Sync { name, lanes });
         }
-        let done = rest.iter_mut().map(|lane| match lane.front() {
-            Some(LaneItem::Step(step)) => {
-                lane.pop_front();
-                Some(*step)
-            }
-            _ => None,
-        });
-        let done: Vec<Option<StepId>> = done.collect();
-        if done.iter().all(Option::is_none) {
+        let steps = remaining.next_steps();
+        if steps.iter().all(Option::is_none) {
             return rows;
         }
-        rows.push(Row::Unit(done));
+        rows.push(Row::Unit(steps));
     }
-}
-
-/// Returns a synchronisation point that has been reached by every lane in which it is still ahead; in a deadlock, that
-/// of the first waiting lane.
-fn next_sync(rest: &[VecDeque<&LaneItem>]) -> Option<String> {
-    let waiting: Vec<&String> = rest
-        .iter()
-        .filter_map(|lane| match lane.front() {
-            Some(LaneItem::Sync(name)) => Some(name),
-            _ => None,
-        })
-        .collect();
-    let is = |item: &LaneItem, name: &String| matches!(item, LaneItem::Sync(other) if other == name);
-    let met = |name: &&&String| {
-        let expecting = rest.iter().filter(|lane| lane.iter().any(|item| is(item, name)));
-        expecting
-            .into_iter()
-            .all(|lane| lane.front().is_some_and(|item| is(item, name)))
-    };
-    let stuck = || rest.iter().all(|lane| !matches!(lane.front(), Some(LaneItem::Step(_))));
-    let found = waiting.iter().find(met).or_else(|| waiting.first().filter(|_| stuck()));
-    found.map(|name| (*name).clone())
 }

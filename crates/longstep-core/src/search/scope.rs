@@ -11,7 +11,8 @@ use rustc_hash::FxHashSet;
 use super::Wanted;
 use crate::effort;
 use crate::model::{
-    Action, Atom, Bindings, Condition, Domain, EntityId, Moment, PredicateId, RuleTime, TypeId, World, ever_candidates,
+    Action, Atom, Bindings, Condition, Domain, EntityId, Moment, PredicateId, RuleTime, Term, TypeId, World,
+    ever_candidates,
 };
 
 /// Maximum number of ground effects for which the whole world is grounded.
@@ -114,16 +115,10 @@ impl Scope {
 
 /// Returns true if the condition requires the slot to equal some term.
 fn fixed(condition: &Condition, slot: usize) -> bool {
-    use crate::model::Term::Variable;
-    match condition {
-        Condition::And(parts) => parts.iter().any(|part| fixed(part, slot)),
-        Condition::Equal {
-            left,
-            right,
-            holds: true,
-        } => *left == Variable(slot) || *right == Variable(slot),
-        _ => false,
-    }
+    let variable = Term::Variable(slot);
+    condition.conjuncts().any(
+        |part| matches!(part, Condition::Equal { left, right, holds: true } if *left == variable || *right == variable),
+    )
 }
 
 /// Returns the literals of a condition by predicate.

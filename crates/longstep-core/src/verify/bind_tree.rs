@@ -10,7 +10,7 @@ use super::{Assumption, Violation};
 use crate::effort;
 use crate::environment::Claim;
 use crate::model::{Domain, Fact, World};
-use crate::plan::{DraftStep, Lane, LaneItem, Node, Plan, Resolved, StepId, Test, tree};
+use crate::plan::{DraftStep, Node, Plan, Resolved, StepId, Test, lanes, tree};
 
 /// Maximum number of paths; a step on none of them is bound on its own.
 const WAYS: usize = 256;
@@ -197,7 +197,7 @@ impl Chooser<'_> {
                     self.assume(condition, false, way);
                 }
                 Node::Repeat { body, .. } => self.nodes(body, way),
-                Node::Parallel { lanes } => in_turn(lanes, way),
+                Node::Parallel { lanes } => lanes::sequence(lanes).into_iter().for_each(|step| way.step(step)),
                 Node::Remark(_) => {}
             }
         }
@@ -277,40 +277,4 @@ impl Chooser<'_> {
             }
         }
     }
-}
-
-/// Adds the steps of lanes: runs each lane to its next synchronization point, passes one point, and repeats.
-fn in_turn(lanes: &[Lane], way: &mut Way) {
-    let mut places = vec![0; lanes.len()];
-    loop {
-        for (lane, at) in lanes.iter().zip(&mut places) {
-            while let Some(item) = lane.items.get(*at) {
-                match item {
-                    LaneItem::Step(id) => way.step(*id),
-                    LaneItem::Sync(_) => break,
-                    LaneItem::Remark(_) => {}
-                }
-                *at += 1;
-            }
-        }
-        let Some(first) = (0..lanes.len()).find(|lane| met(lanes, &places, *lane)).or_else(|| {
-            // Verification reports the deadlock.
-            (0..lanes.len()).find(|lane| places[*lane] < lanes[*lane].items.len())
-        }) else {
-            return;
-        };
-        let sync = lanes[first].items[places[first]].clone();
-        for (lane, at) in lanes.iter().zip(&mut places) {
-            *at += usize::from(lane.items.get(*at) == Some(&sync));
-        }
-    }
-}
-
-/// Returns true if every lane that still contains this lane's next synchronization point waits at it.
-fn met(lanes: &[Lane], places: &[usize], lane: usize) -> bool {
-    let Some(sync) = lanes[lane].items.get(places[lane]) else {
-        return false;
-    };
-    let mut others = lanes.iter().zip(places);
-    others.all(|(lane, at)| lane.items.get(*at) == Some(sync) || !lane.items[*at..].contains(sync))
 }

@@ -1,0 +1,74 @@
+//! Order of the steps of lanes, without simulation.
+
+use std::collections::VecDeque;
+
+use super::{Lane, LaneItem, StepId};
+
+/// The remaining items of lanes, remarks left out.
+pub(crate) struct Remaining<'l>(Vec<VecDeque<&'l LaneItem>>);
+
+impl<'l> Remaining<'l> {
+    pub(crate) fn of<A>(lanes: &'l [Lane<A>]) -> Self {
+        let counts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
+        let items = |lane: &'l Lane<A>| lane.items.iter().filter(counts).collect();
+        Self(lanes.iter().map(items).collect())
+    }
+
+    /// Removes the next step of each lane; none for a lane that waits or is done.
+    pub(crate) fn next_steps(&mut self) -> Vec<Option<StepId>> {
+        self.0.iter_mut().map(next_step).collect()
+    }
+
+    /// Removes the synchronisation point that lanes pass next; returns its name and the indexes of the lanes.
+    ///
+    /// It is the first one that has been reached by every lane in which it is still ahead. In a deadlock, which
+    /// verification reports, it is that of the first waiting lane.
+    pub(crate) fn next_sync(&mut self) -> Option<(&'l str, Vec<usize>)> {
+        let fronts = || self.0.iter().filter_map(|lane| lane.front());
+        let waiting = || fronts().filter_map(|item| sync_name(item));
+        let is = |item: &LaneItem, name: &str| sync_name(item) == Some(name);
+        let met = |name: &&str| {
+            let mut expecting = self.0.iter().filter(|lane| lane.iter().any(|item| is(item, name)));
+            expecting.all(|lane| lane.front().is_some_and(|item| is(item, name)))
+        };
+        let is_stuck = || fronts().all(|item| sync_name(item).is_some());
+        let name = waiting()
+            .find(met)
+            .or_else(|| waiting().next().filter(|_| is_stuck()))?;
+        let passes = |lane: &usize| self.0[*lane].front().is_some_and(|item| is(item, name));
+        let lanes: Vec<usize> = (0..self.0.len()).filter(passes).collect();
+        for lane in &lanes {
+            self.0[*lane].pop_front();
+        }
+        Some((name, lanes))
+    }
+}
+
+fn sync_name(item: &LaneItem) -> Option<&str> {
+    match item {
+        LaneItem::Sync(name) => Some(name),
+        LaneItem::Step(_) | LaneItem::Remark(_) => None,
+    }
+}
+
+fn next_step(lane: &mut VecDeque<&LaneItem>) -> Option<StepId> {
+    let LaneItem::Step(step) = *lane.front()? else {
+        return None;
+    };
+    lane.pop_front();
+    Some(*step)
+}
+
+/// Returns the steps of lanes in one order that their synchronisation points allow: each lane runs until it waits.
+pub(crate) fn sequence<A>(lanes: &[Lane<A>]) -> Vec<StepId> {
+    let mut remaining = Remaining::of(lanes);
+    let mut order = Vec::new();
+    loop {
+        for lane in &mut remaining.0 {
+            order.extend(std::iter::from_fn(|| next_step(lane)));
+        }
+        if remaining.next_sync().is_none() {
+            return order;
+        }
+    }
+}
