@@ -72,3 +72,32 @@ pub(crate) fn sequence<A>(lanes: &[Lane<A>]) -> Vec<StepId> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(lanes: &[&str], expected: &[usize]) {
+        let item = |text: &str| match text.parse() {
+            Ok(step) => LaneItem::Step(StepId::new(step)),
+            Err(_) => LaneItem::Sync(text.to_owned()),
+        };
+        let lane = |items: &&str| Lane {
+            actor: (),
+            items: items.split(' ').map(item).collect(),
+        };
+        let lanes: Vec<Lane<()>> = lanes.iter().map(lane).collect();
+        let steps = sequence(&lanes).into_iter().map(StepId::index);
+        assert_eq!(steps.collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
+    fn lanes_run_until_they_wait() {
+        check(&["0 1", "2"], &[0, 1, 2]);
+        check(&["0 x 1", "2 x 3"], &[0, 2, 1, 3]);
+        // The third lane waits for the second one, which waits for the first one.
+        check(&["0 x 1", "2 x 3 y", "y 4"], &[0, 2, 1, 3, 4]);
+        check(&["x 0 y", "y 1 x"], &[0, 1]);
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::super::EditKind;
 use crate::model::{Domain, EntityId, World};
-use crate::plan::{DraftStep, LaneItem, Node, Plan, Resolved, Step, StepId, Test};
+use crate::plan::{DraftStep, Node, Plan, Resolved, Step, StepId, Test, lanes};
 
 /// Maximum number of steps and of blocks after unfolding. Blocks are limited too, since empty branches also double.
 const MOST: usize = 2_000;
@@ -100,8 +100,8 @@ impl Draft {
                     parts.push(Part::Repeat(*times, body));
                 }
                 Node::Parallel { lanes } => {
-                    let lanes: Vec<&[LaneItem]> = lanes.iter().map(|lane| lane.items.as_slice()).collect();
-                    parts.extend(in_turn(&lanes).into_iter().map(Part::Step));
+                    let steps = lanes::sequence(lanes).into_iter();
+                    parts.extend(steps.map(|step| Part::Step(step.index())));
                 }
                 Node::Remark(text) => parts.push(Part::Remark(text.clone())),
             }
@@ -243,34 +243,5 @@ pub(super) fn draft_step(step: &Step) -> DraftStep {
         action: step.action,
         arguments: step.arguments.iter().copied().map(Some).collect(),
         explanation: step.explanation.clone(),
-    }
-}
-
-/// Serializes the steps of lanes in an order that their synchronization points allow.
-fn in_turn(lanes: &[&[LaneItem]]) -> Vec<usize> {
-    let mut places = vec![0; lanes.len()];
-    let mut order = Vec::new();
-    loop {
-        let mut moved = false;
-        for (lane, items) in lanes.iter().enumerate() {
-            while let Some(item) = items.get(places[lane]) {
-                match item {
-                    LaneItem::Step(step) => order.push(step.index()),
-                    LaneItem::Remark(_) => {}
-                    LaneItem::Sync(_) => break,
-                }
-                places[lane] += 1;
-                moved = true;
-            }
-        }
-        // All lanes wait or are done; passes their synchronization points, even in a deadlock.
-        for (lane, items) in lanes.iter().enumerate() {
-            if !moved && places[lane] < items.len() {
-                places[lane] += 1;
-            }
-        }
-        if places.iter().zip(lanes).all(|(place, items)| *place >= items.len()) {
-            return order;
-        }
     }
 }
