@@ -121,10 +121,7 @@ impl Compiler {
                 self.place(end);
             }
             Node::Parallel { lanes } => {
-                let acts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
-                let lanes = lanes
-                    .iter()
-                    .map(|lane| lane.items.iter().filter(acts).cloned().collect());
+                let lanes = lanes.iter().map(|lane| lane.acts().cloned().collect());
                 self.ops.push(Op::Lanes(lanes.collect()));
             }
             Node::Remark(_) => {}

@@ -9,9 +9,7 @@ pub(crate) struct Remaining<'l>(Vec<VecDeque<&'l LaneItem>>);
 
 impl<'l> Remaining<'l> {
     pub(crate) fn of<A>(lanes: &'l [Lane<A>]) -> Self {
-        let counts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
-        let items = |lane: &'l Lane<A>| lane.items.iter().filter(counts).collect();
-        Self(lanes.iter().map(items).collect())
+        Self(lanes.iter().map(|lane| lane.acts().collect()).collect())
     }
 
     /// Removes the next step of each lane; none for a lane that waits or is done.

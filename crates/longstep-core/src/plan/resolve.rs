@@ -3,7 +3,7 @@
 use super::tree::{Lane, Rebuild};
 use super::written::{Written, WrittenStep};
 use super::{Assumption, StepClaim, Violation};
-use super::{Node, StepId, TaskCohesion, Test, claims, fuzzy_names};
+use super::{Node, Step, StepId, TaskCohesion, Test, claims, fuzzy_names};
 use crate::call::Call;
 use crate::diagnostic::nearest;
 use crate::environment::fact_of;
@@ -18,6 +18,16 @@ pub struct DraftStep {
     pub arguments: Vec<Option<EntityId>>,
     /// Explanation of the step from the plan; empty if there is none.
     pub explanation: String,
+}
+
+impl From<&Step> for DraftStep {
+    fn from(step: &Step) -> Self {
+        Self {
+            action: step.action,
+            arguments: step.arguments.iter().copied().map(Some).collect(),
+            explanation: step.explanation.clone(),
+        }
+    }
 }
 
 /// A plan resolved against a domain and a world, as far as its names are known there.

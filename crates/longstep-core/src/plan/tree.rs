@@ -169,6 +169,12 @@ impl<F, A> Node<F, A> {
 }
 
 impl<A> Lane<A> {
+    /// Returns the items of the lane without remarks.
+    pub fn acts(&self) -> impl Iterator<Item = &LaneItem> {
+        let items = self.items.iter();
+        items.filter(|item| !matches!(item, LaneItem::Remark(_)))
+    }
+
     /// Returns the steps of the lane, in order.
     pub fn steps(&self) -> impl Iterator<Item = StepId> {
         self.items.iter().filter_map(|item| match item {

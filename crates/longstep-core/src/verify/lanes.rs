@@ -33,7 +33,7 @@ impl Walk<'_> {
 
     /// Simulates all interleavings of the lanes; returns one path through them.
     pub(super) fn side_by_side(&mut self, lanes: &[Lane], way: Way) -> Way {
-        let lanes: Vec<Vec<&LaneItem>> = lanes.iter().map(items).collect();
+        let lanes: Vec<Vec<&LaneItem>> = lanes.iter().map(|lane| lane.acts().collect()).collect();
         // Ordered by the number of completed items, so that all paths to a combination arrive before it is expanded.
         let mut open: BTreeMap<(usize, Vec<usize>), Way> = BTreeMap::new();
         let mut last = way.clone();
@@ -146,10 +146,4 @@ impl Walk<'_> {
             self.wrong(violation, self.when(&one));
         }
     }
-}
-
-/// Returns the items of a lane without remarks.
-fn items(lane: &Lane) -> Vec<&LaneItem> {
-    let counts = |item: &&LaneItem| !matches!(item, LaneItem::Remark(_));
-    lane.items.iter().filter(counts).collect()
 }

@@ -45,7 +45,7 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
                     arguments: arguments.clone(),
                     explanation: explanation.clone(),
                 },
-                other => as_draft(&steps[other.step().unwrap_or(index)]),
+                other => (&steps[other.step().unwrap_or(index)]).into(),
             }));
         }
         let Some(step) = steps.get(index) else { break };
@@ -55,7 +55,7 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
                 if passed(index) {
                     kept.push(drafted.len());
                 }
-                drafted.push(Some(as_draft(step)));
+                drafted.push(Some(step.into()));
             }
             Some(StepWish::Replace {
                 action,
@@ -95,14 +95,6 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
         }
     }
     applied
-}
-
-fn as_draft(step: &Step) -> DraftStep {
-    DraftStep {
-        action: step.action,
-        arguments: step.arguments.iter().copied().map(Some).collect(),
-        explanation: step.explanation.clone(),
-    }
 }
 
 /// Fills open arguments of the wishes from neighbouring steps: "another move_object()" has the object and the direction

@@ -61,7 +61,7 @@ impl Draft {
             // Repair may change the implicit arguments of a step, but not those of a sensing step.
             step: match &resolved.steps[from] {
                 Some(draft) if domain.action(step.action).senses.is_empty() => draft.clone(),
-                _ => draft_step(step),
+                _ => step.into(),
             },
             bound: step.arguments.clone(),
             written: step.call(domain, world).to_string(),
@@ -236,12 +236,4 @@ fn numbered(test: &Test, order: &mut Vec<usize>) -> Test {
         order.push(step.index());
         StepId::new(order.len() - 1)
     })
-}
-
-pub(super) fn draft_step(step: &Step) -> DraftStep {
-    DraftStep {
-        action: step.action,
-        arguments: step.arguments.iter().copied().map(Some).collect(),
-        explanation: step.explanation.clone(),
-    }
 }

@@ -1,7 +1,7 @@
 //! Sensing: its outcomes on one path, and insertion of sensing steps.
 
 use super::super::{Edit, EditKind, Pins, Repaired, Unwanted};
-use super::draft::{Draft, Item, Part, draft_step};
+use super::draft::{Draft, Item, Part};
 use crate::model::{Atom, Condition, Domain, Effect, EntityId, Fact, Term, Voice, World};
 use crate::plan::{Plan, Step, StepId};
 use crate::verify::{Purpose, Violation, check};
@@ -120,7 +120,7 @@ impl Draft {
                     break;
                 }
                 self.items.push(Item {
-                    step: draft_step(&step),
+                    step: (&step).into(),
                     bound: step.arguments.clone(),
                     written: step.call(domain, world).to_string(),
                     from,

@@ -1,7 +1,7 @@
 //! Transfer of a repaired path to the draft.
 
 use super::super::{Edit, EditKind};
-use super::draft::{Draft, Item, Part, draft_step};
+use super::draft::{Draft, Item, Part};
 use super::way::Way;
 use crate::plan::Step;
 
@@ -48,7 +48,7 @@ impl Draft {
                         _ => next.map_or_else(|| self.end(), |(number, _)| self.items[number].from),
                     };
                     self.items.push(Item {
-                        step: draft_step(step),
+                        step: step.into(),
                         bound: step.arguments.clone(),
                         written: edit.before.clone().unwrap_or_default(),
                         from,
@@ -62,7 +62,7 @@ impl Draft {
             };
             if let Some(number) = number {
                 let item = &mut self.items[number];
-                item.step = draft_step(step);
+                item.step = step.into();
                 item.bound.clone_from(&step.arguments);
                 item.settled = true;
             }
