@@ -1,4 +1,7 @@
 //! Conditions and effects over variables, with names resolved.
+//!
+//! Code that visits conditions uses [`Condition::iter`], [`Condition::atoms`] and [`Condition::conjuncts`]. Evaluation and
+//! grounding, which bind slots on the way, match on conditions themselves.
 
 use super::{EntityId, PredicateId, TypeId};
 

@@ -2,6 +2,9 @@
 //!
 //! The nodes refer to steps by number. The tree of a written plan has names for facts and actors; the tree of a
 //! resolved plan has facts and entities of a world.
+//!
+//! Code that visits, folds or rebuilds trees uses [`iter`], [`fold`] and [`Rebuild`]. Parsers, printers that indent, and
+//! interpreters (`verify`, its binder, the blocks of `repair`, `cursor`) match on nodes themselves.
 
 use super::StepId;
 use crate::model::{EntityId, Fact};
