@@ -32,7 +32,16 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
         ..Purpose::default()
     };
     let (world, wanted) = (&problem.world, &problem.wanted);
-    let mut answer = report::of_wanted(&domain, world, wanted, &purpose, None, &problem.name, stopwatch).answer;
+    let mut answer = report::of_wanted(
+        world,
+        wanted,
+        &purpose,
+        None,
+        &problem.name,
+        &longstep::Limits::default(),
+        stopwatch,
+    )
+    .answer;
     answer.goal = pddl::write_goal(&domain, &problem.world, &problem.wanted)?;
     answer.timings_ms.total = milliseconds(started);
     if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {

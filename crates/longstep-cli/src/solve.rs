@@ -33,7 +33,8 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         output::document(&written);
         return Ok(Status::Verified.exit_code());
     }
-    let report::Solution { plan, mut answer } = report::of_goal(&domain, &world, &goal, text, stopwatch);
+    let report::Solution { plan, mut answer } =
+        report::of_goal(&world, &goal, text, &longstep::Limits::default(), stopwatch);
     let shown = match plan.filter(|_| arguments.parallel) {
         Some(plan) => lanes::side_by_side(&domain, &world, &plan, &goal.purpose(&domain), &mut answer),
         None => Vec::new(),

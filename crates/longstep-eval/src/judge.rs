@@ -66,7 +66,7 @@ impl<'a> Standard<'a> {
     }
 
     fn reference_for<'s>(&self, expected: &'s Expected<'a>) -> Option<&'s VerifiedPlan> {
-        let search = || report::of_goal(self.domain, self.world, expected.goal, "", || 0.0).plan;
+        let search = || report::of_goal(self.world, expected.goal, "", &longstep::Limits::default(), || 0.0).plan;
         expected.reference.get_or_init(search).as_ref()
     }
 

@@ -65,7 +65,7 @@ fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
             leniencies: Vec::new(),
         },
     };
-    let assessment = Assessment::new(domain, world, draft, None);
+    let assessment = Assessment::new(world, draft, None);
     let mut answer = serde_json::to_value(assessment.verdict())?;
     let bound = bind_tree(domain, world, &assessment.resolved, assessment.purpose.claim.as_ref());
     if let (Ok((plan, _)), None) = (bound, assessment.question()) {
@@ -85,6 +85,6 @@ fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
 
 fn solve(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
     let goal = goal::parse(domain, world, text)?;
-    let solution = report::of_goal(domain, world, &goal, text, || 0.0);
+    let solution = report::of_goal(world, &goal, text, &longstep::Limits::default(), || 0.0);
     Ok(serde_json::to_value(solution.answer)?)
 }

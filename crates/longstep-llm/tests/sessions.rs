@@ -171,7 +171,7 @@ fn hundred() {
     let (mut meant, mut verified, mut questions, mut stuck) = (0, 0, 0, 0);
     for number in 1..=100 {
         let drawn = draw.instruction(session.domain(), session.world());
-        let wanted = report::of_goal(session.domain(), session.world(), &drawn.goal, "", || 0.0);
+        let wanted = report::of_goal(session.world(), &drawn.goal, "", &longstep::Limits::default(), || 0.0);
         let wanted = session.world().after(session.domain(), wanted.plan.unwrap().ending());
         session.instruct(&drawn.words).unwrap();
         let asked = ask(&mut session, model.as_mut());

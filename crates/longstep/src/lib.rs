@@ -1,39 +1,74 @@
 //! Plans for robots that have been checked, step by step, against a model of the world.
 //!
-//! A language model says what is wanted; this library knows what is possible. It has no I/O: everything here is
-//! a function of its inputs.
+//! A language model says what is wanted; this library finds the steps, verifies each of them, and carries the world
+//! from one instruction to the next. It does no I/O and calls no model: everything here is a function of its inputs.
+//! The crate `longstep-llm` has the models.
 //!
-//! The key types, in the order in which they meet:
+//! - A [`Planner`] owns a robot's [`Domain`](domain::Domain): what it can do, and the words for it.
+//! - A [`World`] is one environment, read with that domain.
+//! - A [`VerifiedPlan`] was simulated from its first step to its last without a violation. Nothing else can be exported
+//!   or executed.
+//! - A [`Session`] turns instructions into verified plans, one after the other, in a world that changes with them.
+//! - A [`Cursor`] walks a verified plan: the steps that come next, given what was observed.
 //!
-//! - [`domain::Domain`]: what a robot can do and what can be true, from a folder of PDDL and TOML.
-//! - [`environment::Environment`] and [`environment::World`]: one state of the world, as JSON and as facts.
-//! - [`dialogue::GoalDialogue`]: asks a model for goals; the caller carries the messages.
-//! - [`compose`]: plans put together from stored ones.
-//! - [`plan::read`]: the plan in the text of a model's reply, and what had to be forgiven to read it.
-//! - [`goal::Goal`]: what is wanted. [`search::solve`] finds the steps.
-//! - [`verify::check`]: simulates a plan; a [`verify::Report`] without violations becomes a
-//!   [`verify::VerifiedPlan`], and nothing else does.
+//! From an instruction to a robot, with a model that runs in this process:
+//!
+//! ```no_run
+//! use longstep::session::{Response, Settings};
+//! use longstep::{Planner, Step};
+//! use longstep_llm::{ChatModel, OpenOptions};
+//! # fn perform(_: &Step) -> Option<longstep::Fact> { None }
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let planner = Planner::new(longstep_llm::load_domain("my_robot")?);
+//! let world = planner.world(&std::fs::read_to_string("kitchen.json")?)?;
+//! let options = OpenOptions::new(longstep_llm::cache_directory()?);
+//! let mut model = longstep_llm::open(&"qwen2.5-coder-1.5b".parse()?, &options, &mut |_| {})?;
+//! let mut session = planner.session(world, Settings::default(), model.facts())?;
+//! match longstep_llm::instruct(&mut session, &mut *model, "Put the juice on the top shelf")? {
+//!     Response::Plan(proposal) => {
+//!         let (mut cursor, mut observed) = (proposal.plan.cursor(), None);
+//!         while let Some(step) = cursor.next(observed)? {
+//!             observed = perform(cursor.step(step));
+//!         }
+//!         session.accept()?;
+//!     }
+//!     Response::Question(question) => println!("{question}"),
+//!     other => println!("{other}"),
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Without a model, a goal is enough:
 //!
 //! ```
-//! use longstep::plan::{Plan, Step};
-//! use longstep::search::{Limits, Outcome};
-//! use longstep::{domain, goal, json, search, verify, environment};
-//!
-//! let household = domain::shipped("household").unwrap()?;
-//! let text = r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
-//!     "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#;
-//! let environment = environment::Environment::from_json(text)?;
-//! let world = environment::read(&household, &environment, "env.json", text, &json::Path::default())?;
-//!
-//! let goal = goal::parse(&household, &world, "put(milk, fridge)")?;
-//! let outcome = search::solve(&household, &world, &goal.wanted(&household), &Limits::default());
-//! let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };
-//!
-//! let report = verify::check(&household, &world, plan, &goal.purpose(&household));
-//! let verified = report.into_verified().expect("search makes plans that can be done");
-//! assert_eq!(verified.steps()[2].explanation, "turn the fridge handle to open");
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! let planner = longstep::Planner::shipped("household")?;
+//! let world = planner.world(r#"{"assets": ["<counter>", "<fridge>"], "objects": ["<milk>", "<fridge_handle>"],
+//!     "object_states": {"<milk>": "on_something(<counter>)", "<fridge_handle>": "closed()"}}"#)?;
+//! let plan = planner.solve(&world, "put(milk, fridge)")?;
+//! assert_eq!(plan.steps()[2].explanation, "turn the fridge handle to open");
+//! # Ok::<(), longstep::Error>(())
 //! ```
+//!
+//! Errors are one opaque [`Error`] with a [`kind`](Error::kind). The modules hold the parts: [`dialogue`] asks a model
+//! for goals, [`report`] makes the answers for programs, [`compose`] builds plans from stored ones.
+
+mod error;
+mod planner;
+
+pub use error::{Error, ErrorKind};
+pub use planner::Planner;
+
+pub use longstep_core::cursor::{self, Cursor, CursorError};
+pub use longstep_core::environment::{Environment, World};
+pub use longstep_core::model::{EntityId, Fact, State};
+pub use longstep_core::plan::{Plan, Step, StepId, Violation};
+pub use longstep_core::search::Limits;
+pub use longstep_core::verify::VerifiedPlan;
+
+pub use goal::Goal;
+pub use report::Assessment;
+pub use session::Session;
 
 pub use longstep_core::{
     call, diagnostic, effort, environment, json, pddl, plan, repair, schedule, search, verify, visible,

@@ -20,6 +20,7 @@ use crate::model::{
 pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     let (domain, mut findings) = longstep_core::domain::load_with_findings(files);
     let domain = domain.map(|domain| Domain {
+        origin: domain.name.clone(),
         domain,
         prompts: Prompts::default(),
     });
@@ -48,6 +49,7 @@ pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
 pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
     let domain = longstep_core::domain::from_pddl(file, text)?;
     Ok(Domain {
+        origin: domain.name.clone(),
         domain,
         prompts: Prompts::default(),
     })

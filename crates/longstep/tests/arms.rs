@@ -34,7 +34,7 @@ fn world_of(domain: &Domain, environment: &Value) -> World {
 fn diagnosed(written: &Value) -> (Vec<String>, Vec<String>) {
     let domain = dual();
     let world = world_of(&domain, &written["environment_before"]);
-    let attempt = Assessment::new(&domain, &world, plan::read(&written.to_string()).unwrap(), None);
+    let attempt = Assessment::new(&world, plan::read(&written.to_string()).unwrap(), None);
     let verdict = attempt.verdict();
     let messages = verdict
         .violations
@@ -164,7 +164,7 @@ fn what_instructions_mean_can_be_reached() {
     assert_eq!(all.len(), 25);
     for (world, says, meant) in all {
         let goal = goal::parse(&domain, &world, &meant).unwrap();
-        let solution = report::of_goal(&domain, &world, &goal, &says, || 0.0);
+        let solution = report::of_goal(&world, &goal, &says, &longstep::Limits::default(), || 0.0);
         let plan = solution
             .plan
             .unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
@@ -272,7 +272,9 @@ fn two_robots_share_work_as_two_hands_do() {
     );
     let told = |wanted: &str| {
         let goal = goal::parse(&domain, &world, wanted).unwrap();
-        let plan = report::of_goal(&domain, &world, &goal, "", || 0.0).plan.unwrap();
+        let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0)
+            .plan
+            .unwrap();
         let shared = schedule::share(&domain, &world, &plan, &goal.purpose(&domain));
         (plan.steps().len(), shared)
     };

@@ -21,7 +21,7 @@ fn kitchen() -> (Domain, World) {
 }
 
 fn attempt<'a>(domain: &'a Domain, world: &'a World, text: &str) -> Assessment<'a> {
-    Assessment::new(domain, world, plan::read(text).unwrap(), None)
+    Assessment::new(world, plan::read(text).unwrap(), None)
 }
 
 fn verdict(text: &str) -> Answer {
@@ -214,7 +214,7 @@ fn the_published_branching_plan_is_read_and_every_line_of_its_verdict_has_a_reas
         &Path::default(),
     )
     .unwrap();
-    let attempt = Assessment::new(&domain, &world, draft, None);
+    let attempt = Assessment::new(&world, draft, None);
     let answer = attempt.verdict();
     // Each step is possible on each way, and the hand is empty at the end of both.
     assert_eq!(answer.status, Status::Verified, "{:?}", answer.violations);

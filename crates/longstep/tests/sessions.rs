@@ -156,7 +156,7 @@ fn understood(session: &Session, drawn: &Drawn) -> String {
             serde_json::json!({"question": "", "goals": goals}).to_string()
         }
         Strategy::Direct => {
-            let meant = report::of_goal(domain, world, &drawn.goal, &drawn.words, || 0.0);
+            let meant = report::of_goal(world, &drawn.goal, &drawn.words, &longstep::Limits::default(), || 0.0);
             serde_json::to_string(&meant.answer.plan).unwrap()
         }
     }

@@ -32,7 +32,7 @@ use crate::verify::VerifiedPlan;
 /// let search::Outcome::Solved { plan, .. } = outcome else { panic!() };
 /// let plan = verify::check(&household, &world, plan, &goal.purpose(&household)).into_verified().unwrap();
 ///
-/// let mut cursor = Cursor::new(&plan);
+/// let mut cursor = plan.cursor();
 /// let mut seen = None;
 /// while let Some(step) = cursor.next(seen)? {
 ///     println!("{}", plan.plan().step(step).explanation);
@@ -81,6 +81,13 @@ pub enum CursorError {
     /// The outcome contradicts a fact that the plan relies on: another outcome is known already.
     #[error("the outcome of step {} contradicts what was known before it", .0.index() + 1)]
     Contradiction(StepId),
+}
+
+impl VerifiedPlan {
+    /// Returns a cursor at the beginning of the plan.
+    pub fn cursor(&self) -> Cursor {
+        Cursor::new(self)
+    }
 }
 
 impl Cursor {

@@ -13,5 +13,5 @@ pub use crate::model::{
     World, differences, fact_text, holds, subject_of,
 };
 pub use claim::Claim;
-pub use read::read;
+pub use read::{parse, read};
 pub use write::{fact_of, write};

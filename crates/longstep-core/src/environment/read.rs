@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{AssumptionSource, Bindings, Entity, EntityId, Environment, Fact, Moment, Words, World, holds};
 use crate::call::Call;
-use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use crate::effort;
 use crate::json::{self, Path};
 use crate::model::{
@@ -53,6 +53,47 @@ pub fn read(
         Some(world) if reader.findings.is_empty() => Ok(world),
         _ => Err(Diagnostics::sorted(reader.findings)),
     }
+}
+
+/// Parses and reads an environment, bare or wrapped in `{"environment": ...}`, as a world of the domain. `file` is the
+/// name of the text in diagnostics.
+///
+/// ```
+/// use longstep_core::{domain, environment};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let world = environment::parse(&household, "env.json", r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
+/// assert_eq!(world.domain().name, "household");
+///
+/// let findings = environment::parse(&household, "env.json", r#"{"assets": ["<table>"#).unwrap_err();
+/// assert!(findings.to_string().starts_with("env.json:1:20: EOF while parsing a string"));
+/// ```
+///
+/// # Errors
+///
+/// The first place where the text is not JSON in the environment's form; otherwise as for [`read()`].
+pub fn parse(domain: &Domain, file: &str, text: &str) -> Result<World, Diagnostics> {
+    let (parsed, wrapped) = Environment::parse(text).map_err(|error| {
+        let (line, column) = (error.line(), error.column());
+        let said = error.to_string();
+        let message = said
+            .strip_suffix(&format!(" at line {line} column {column}"))
+            .unwrap_or(&said);
+        let hint = "an environment is JSON with `assets`, `asset_states`, `objects` and `object_states`";
+        let finding = match line {
+            0 => Diagnostic::whole(file, message),
+            _ => {
+                let (line, column) = (line as u32, column.max(1) as u32);
+                Diagnostic::at(file, Position { line, column }, message)
+            }
+        };
+        Diagnostics(vec![finding.hint(hint)])
+    })?;
+    let inside = if wrapped {
+        Path::key("environment")
+    } else {
+        Path::default()
+    };
+    read(domain, &parsed, file, text, &inside)
 }
 
 struct EnvironmentReader<'a> {

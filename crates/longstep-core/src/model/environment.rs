@@ -86,6 +86,11 @@ impl Environment {
     ///
     /// The error of serde_json, with line and column.
     pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
+        Ok(Self::parse(text)?.0)
+    }
+
+    /// Parses an environment; the second value is true if it is wrapped.
+    pub(crate) fn parse(text: &str) -> Result<(Self, bool), serde_json::Error> {
         #[derive(Deserialize)]
         struct Wrapped {
             environment: Environment,
@@ -94,9 +99,9 @@ impl Environment {
         // rather than the value, keeps line and column in the errors.
         let value: Value = serde_json::from_str(text)?;
         if value.get("environment").is_some() {
-            Ok(serde_json::from_str::<Wrapped>(text)?.environment)
+            Ok((serde_json::from_str::<Wrapped>(text)?.environment, true))
         } else {
-            serde_json::from_str(text)
+            Ok((serde_json::from_str(text)?, false))
         }
     }
 

@@ -121,7 +121,7 @@ fn every_expected_goal_can_be_reached() {
             for step in &case.steps {
                 let mut next = None;
                 for goal in step.expected.goals() {
-                    let solution = report::of_goal(&domain, &world, goal, &step.says, || 0.0);
+                    let solution = report::of_goal(&world, goal, &step.says, &longstep::Limits::default(), || 0.0);
                     let plan = solution
                         .plan
                         .unwrap_or_else(|| panic!("{name}/{}: {}", case.id, step.says));

@@ -34,7 +34,7 @@ impl<'a> Composed<'a> {
             leniencies: Vec::new(),
         };
         Self {
-            assessment: Assessment::new(domain, world, draft, None),
+            assessment: Assessment::new(world, draft, None),
             origins: inlined.origins,
         }
     }

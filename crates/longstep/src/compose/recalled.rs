@@ -41,7 +41,7 @@ impl Recalled {
             file: stored.file.clone(),
             leniencies: Vec::new(),
         };
-        let assessment = Assessment::new(domain, &own, draft, None);
+        let assessment = Assessment::new(&own, draft, None);
         let simulation = assessment.simulation().map_err(|issues| {
             let told = issues.iter().map(|issue| issue.message(domain, &own, &[], None));
             unusable(joined(told))

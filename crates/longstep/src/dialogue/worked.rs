@@ -113,7 +113,7 @@ fn asking(domain: &Domain, world: &World, summary: &str, question: &str) -> Answ
 /// Finds a shortest plan for a goal; it senses if the goal depends on unknown facts.
 fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
     let goal = goal::parse(domain, world, text).map_err(|error| error.to_string())?;
-    let Solution { plan, answer } = report::of_goal(domain, world, &goal, summary, || 0.0);
+    let Solution { plan, answer } = report::of_goal(world, &goal, summary, &crate::search::Limits::default(), || 0.0);
     match (plan, answer.status) {
         (Some(plan), _) if plan.steps().is_empty() => Err("the goal of this example holds already".to_owned()),
         (Some(plan), _) => Ok(shown(domain, world, &plan, summary)),
@@ -156,7 +156,7 @@ fn verified(domain: &Domain, world: &World, mut file: PlanFile, summary: &str) -
         file,
         leniencies: Vec::new(),
     };
-    let assessment = Assessment::new(domain, world, draft, None);
+    let assessment = Assessment::new(world, draft, None);
     match assessment.verified() {
         Some(plan) => Ok(shown(domain, world, &plan, summary)),
         None => Err(told(&assessment.verdict())),

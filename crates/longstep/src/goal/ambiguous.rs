@@ -3,7 +3,8 @@
 use super::mention::{DETERMINERS, among};
 use super::{Goal, GoalFact, Spoken};
 use crate::environment::{EntityId, Fact, Moment, Voice, World, holds};
-use crate::model::{Domain, base_name, head, singular};
+use crate::model::{base_name, head, singular};
+use longstep_core::model::Domain;
 
 /// Indefinite articles.
 const ANY: &str = "a an";

@@ -2,7 +2,8 @@
 
 use super::{GoalFact, QUESTION, Spoken, parse, unknown_thing};
 use crate::environment::{EntityId, World};
-use crate::model::{Domain, head, plain_words, singular};
+use crate::model::{head, plain_words, singular};
+use longstep_core::model::Domain;
 
 /// An instruction combined with later utterances, which take precedence.
 #[derive(Debug, Clone, Default)]

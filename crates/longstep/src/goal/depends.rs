@@ -4,7 +4,8 @@ use longstep_core::model::state_word;
 
 use super::Spoken;
 use crate::environment::{Fact, World};
-use crate::model::{Domain, plain_words};
+use crate::model::plain_words;
+use longstep_core::model::Domain;
 
 /// Words that begin a condition.
 const CONDITIONAL: &str = "if unless whether when whenever depending depends provided case";

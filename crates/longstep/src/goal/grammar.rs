@@ -7,7 +7,8 @@ use super::depends::Dependence;
 use super::{GoalFact, Offer};
 use super::{IF, JOINT, NOT, QUESTION, THEN};
 use crate::environment::{EntityId, World};
-use crate::model::{Domain, FormPiece, GoalWord};
+use crate::model::{FormPiece, GoalWord};
+use longstep_core::model::Domain;
 use longstep_core::model::written_fact;
 
 /// Position of a goal in an answer.

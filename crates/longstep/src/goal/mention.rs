@@ -12,7 +12,8 @@ use super::negated::asserted;
 use super::{Conditional, Goal, GoalFact};
 use crate::effort;
 use crate::environment::{EntityId, World};
-use crate::model::{Domain, base_name, ends_with, head, plain_words, singular};
+use crate::model::{base_name, ends_with, head, plain_words, singular};
+use longstep_core::model::Domain;
 
 /// Result for a model's answer.
 #[derive(Debug, Clone, PartialEq, Eq)]

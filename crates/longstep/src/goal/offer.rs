@@ -5,9 +5,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{Goal, GoalFact, Spoken};
 use crate::effort;
 use crate::environment::{Bindings, EntityId, Fact, Moment, State, World, holds};
-use crate::model::{Domain, GoalWord, GoalWordId, base_name};
+use crate::model::{GoalWord, GoalWordId, base_name};
 use crate::search::{self, Limits, Outcome};
 use crate::verify;
+use longstep_core::model::Domain;
 
 /// Prepositions before a destination and before an origin.
 const TOWARDS: &str = "on onto in into inside to atop upon at under by beside";

@@ -2,7 +2,8 @@
 
 use super::mention::Spoken;
 use crate::environment::{EntityId, World};
-use crate::model::{Domain, plain_words};
+use crate::model::plain_words;
+use longstep_core::model::Domain;
 
 /// Pronouns for one object and for several.
 const ONE: [&str; 1] = ["it"];

@@ -15,6 +15,8 @@ pub struct Domain {
     pub(crate) domain: longstep_core::model::Domain,
     /// The texts of its `prompt/` folder.
     pub prompts: Prompts,
+    /// The name or the folder with which the domain is loaded again, for the logs of sessions.
+    pub origin: String,
 }
 
 impl Deref for Domain {

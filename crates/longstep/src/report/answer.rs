@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, LeftOut};
-use crate::model::Domain;
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
 use crate::repair::Edit;
 use crate::schedule::Compacted;
 use crate::usage::Usage;
 use crate::verify::{Ending, Report, Violation};
+use longstep_core::model::Domain;
 
 /// Outcome of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -31,6 +31,17 @@ pub enum Status {
 }
 
 impl Status {
+    /// Describes the status in a sentence.
+    pub(crate) fn sentence(self) -> &'static str {
+        match self {
+            Self::Verified => "there is a plan",
+            Self::Invalid => "the plan is not valid",
+            Self::Unsolvable => "no plan can do this",
+            Self::GaveUp => "no plan was found within the limits",
+            Self::Question => "there is a question",
+        }
+    }
+
     /// Returns the exit code of the program.
     pub fn exit_code(self) -> u8 {
         match self {
@@ -198,6 +209,15 @@ pub struct Timings {
 }
 
 impl Answer {
+    /// Describes in one sentence why there is no verified plan: the violations, else the status.
+    pub fn sentence(&self) -> String {
+        let messages: Vec<&str> = self.violations.iter().map(|found| found.message.as_str()).collect();
+        match messages.as_slice() {
+            [] => self.status.sentence().to_owned(),
+            messages => messages.join("; "),
+        }
+    }
+
     /// Creates an answer without a plan; the environment is unchanged.
     pub fn without_plan(status: Status, world: &World, summary: &str, question: &str) -> Self {
         Self {
@@ -224,7 +244,8 @@ impl Answer {
     }
 
     /// Creates the answer for a simulated plan, valid or invalid.
-    pub fn of_report(domain: &Domain, world: &World, report: &Report, goal: Option<&Goal>, summary: &str) -> Self {
+    pub fn of_report(world: &World, report: &Report, goal: Option<&Goal>, summary: &str) -> Self {
+        let domain = world.domain();
         let good = report.violations.is_empty();
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
@@ -238,7 +259,7 @@ impl Answer {
             .steps()
             .iter()
             .enumerate()
-            .map(|(i, s)| StepAnswer::of(domain, world, i, s))
+            .map(|(i, s)| StepAnswer::of(world, i, s))
             .collect();
         let calls: Vec<String> = report
             .plan
@@ -248,7 +269,7 @@ impl Answer {
             .collect();
         let told = report.violations.iter();
         answer.violations = told
-            .map(|v| ViolationAnswer::of(domain, world, v, &calls, report.plan.steps(), goal))
+            .map(|v| ViolationAnswer::of(world, v, &calls, report.plan.steps(), goal))
             .collect();
         answer.assumptions = report.assumptions.iter().map(|a| a.message(domain, world)).collect();
         let odd = report.warnings.iter();
@@ -263,25 +284,21 @@ impl Answer {
 
     /// Creates the answer for a plan that cannot be simulated because its steps cannot be resolved. `calls` are the
     /// steps as written.
-    pub fn of_unresolved(
-        domain: &Domain,
-        world: &World,
-        written: &PlanFile,
-        calls: &[String],
-        issues: &[Violation],
-    ) -> Self {
+    pub fn of_unresolved(world: &World, written: &PlanFile, calls: &[String], issues: &[Violation]) -> Self {
+        let domain = world.domain();
         let mut answer = Self::without_plan(Status::Invalid, world, &written.instruction_summary, "");
         answer.plan.task_cohesion.clone_from(&written.task_cohesion);
         answer.violations = issues
             .iter()
-            .map(|v| ViolationAnswer::of(domain, world, v, calls, &[], None))
+            .map(|v| ViolationAnswer::of(world, v, calls, &[], None))
             .collect();
         answer
     }
 
     /// Replaces the plan by its parallel form and adds a note about the saved time.
-    pub fn side_by_side(&mut self, domain: &Domain, world: &World, compacted: &Compacted) {
-        let now = Self::of_report(domain, world, compacted.plan.report(), None, "");
+    pub fn side_by_side(&mut self, world: &World, compacted: &Compacted) {
+        let domain = world.domain();
+        let now = Self::of_report(world, compacted.plan.report(), None, "");
         self.plan.task_cohesion = now.plan.task_cohesion;
         self.plan.environment_after = now.plan.environment_after;
         self.steps = now.steps;
@@ -294,21 +311,16 @@ impl Answer {
     }
 
     /// Adds the goals that were left out to the assumptions.
-    pub fn tell_left_out(&mut self, domain: &Domain, world: &World, left_out: &[LeftOut]) {
+    pub fn tell_left_out(&mut self, world: &World, left_out: &[LeftOut]) {
+        let domain = world.domain();
         let sentence = |left: &LeftOut| format!("left out {}: {}", left.fact.everyday(domain, world), left.why);
         self.assumptions.extend(left_out.iter().map(sentence));
     }
 }
 
 impl ViolationAnswer {
-    fn of(
-        domain: &Domain,
-        world: &World,
-        violation: &Violation,
-        calls: &[String],
-        steps: &[Step],
-        goal: Option<&Goal>,
-    ) -> Self {
+    fn of(world: &World, violation: &Violation, calls: &[String], steps: &[Step], goal: Option<&Goal>) -> Self {
+        let domain = world.domain();
         Self {
             kind: violation.kind(),
             step: violation.step(),
@@ -326,7 +338,8 @@ impl ViolationAnswer {
 }
 
 impl StepAnswer {
-    fn of(domain: &Domain, world: &World, index: usize, step: &Step) -> Self {
+    fn of(world: &World, index: usize, step: &Step) -> Self {
+        let domain = world.domain();
         let action = domain.action(step.action);
         let call = step.call(domain, world);
         let implicit = action.implicit().map(|parameter| {
@@ -352,8 +365,9 @@ impl StepAnswer {
 }
 
 /// Compares the claimed final state of a plan with the simulated one.
-pub fn compare_claims(domain: &Domain, world: &World, claim: &Claim, simulated: &State) -> Claims {
-    let words = |state: &State| words_by_entity(domain, world, state);
+pub fn compare_claims(world: &World, claim: &Claim, simulated: &State) -> Claims {
+    let domain = world.domain();
+    let words = |state: &State| words_by_entity(world, state);
     let (claimed, simulated) = (words(&claim.state), words(simulated));
     let mut claims = Claims::default();
     for (id, entity) in world.entities().filter(|(id, _)| claim.speaks_of(*id)) {
@@ -372,7 +386,8 @@ pub fn compare_claims(domain: &Domain, world: &World, claim: &Claim, simulated: 
 }
 
 /// Returns the state words of each entity, sorted.
-fn words_by_entity(domain: &Domain, world: &World, state: &State) -> Vec<Vec<String>> {
+fn words_by_entity(world: &World, state: &State) -> Vec<Vec<String>> {
+    let domain = world.domain();
     let mut all = vec![Vec::new(); world.entities().count()];
     for fact in state.iter() {
         for (subject, text) in entries_of(domain, world, fact) {

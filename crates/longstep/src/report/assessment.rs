@@ -6,10 +6,10 @@ use super::feedback::feedback;
 use super::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::environment::{Claim, Voice, World};
 use crate::goal::Spoken;
-use crate::model::Domain;
 use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
+use longstep_core::model::Domain;
 
 /// Maximum number of edits that a hint lists; more are only counted.
 const TOLD: usize = 4;
@@ -17,7 +17,6 @@ const TOLD: usize = 4;
 /// A written plan in a world. Simulation and repair run on first use and at most once.
 #[derive(Debug, Clone)]
 pub struct Assessment<'a> {
-    domain: &'a Domain,
     world: &'a World,
     /// The plan as written.
     pub file: PlanFile,
@@ -55,7 +54,8 @@ impl<'a> Assessment<'a> {
     /// assert_eq!(answer.status.exit_code(), 10);
     /// assert_eq!(answer.violations[0].message, "step 1: grasp_object() needs that the hand is at the pen");
     /// ```
-    pub fn new(domain: &'a Domain, world: &'a World, draft: plan::Draft, instruction: Option<&str>) -> Self {
+    pub fn new(world: &'a World, draft: plan::Draft, instruction: Option<&str>) -> Self {
+        let domain = world.domain();
         let file = draft.file;
         let mut notes: Vec<String> = draft.leniencies.iter().map(|leniency| leniency.message()).collect();
         let claim = file
@@ -80,7 +80,6 @@ impl<'a> Assessment<'a> {
             ..Purpose::default()
         };
         Self {
-            domain,
             world,
             file,
             resolved,
@@ -116,8 +115,8 @@ impl<'a> Assessment<'a> {
     pub(crate) fn simulation(&self) -> Result<&Simulation, &[Violation]> {
         let simulate = || {
             let claim = self.purpose.claim.as_ref();
-            let (plan, open) = bind_tree(self.domain, self.world, &self.resolved, claim)?;
-            let report = check(self.domain, self.world, plan, &self.purpose);
+            let (plan, open) = bind_tree(self.world.domain(), self.world, &self.resolved, claim)?;
+            let report = check(self.world.domain(), self.world, plan, &self.purpose);
             Ok(Simulation { report, open })
         };
         self.simulation.get_or_init(simulate).as_ref().map_err(Vec::as_slice)
@@ -125,14 +124,14 @@ impl<'a> Assessment<'a> {
 
     /// Returns the answer without repair.
     pub fn verdict(&self) -> Answer {
-        let (domain, world) = (self.domain, self.world);
+        let (domain, world) = (self.world.domain(), self.world);
         if let Some(question) = self.question() {
             return Answer::without_plan(Status::Question, world, &self.file.instruction_summary, question);
         }
         match self.simulation() {
             Ok(simulation) => self.answer(&simulation.report, &simulation.open),
             Err(issues) => {
-                let mut answer = Answer::of_unresolved(domain, world, &self.file, &self.resolved.written, issues);
+                let mut answer = Answer::of_unresolved(world, &self.file, &self.resolved.written, issues);
                 self.remark(&mut answer);
                 answer
             }
@@ -141,12 +140,12 @@ impl<'a> Assessment<'a> {
 
     /// Creates the answer for a simulated plan.
     fn answer(&self, report: &Report, open: &[Assumption]) -> Answer {
-        let (domain, world) = (self.domain, self.world);
-        let mut answer = Answer::of_report(domain, world, report, None, &self.file.instruction_summary);
+        let (domain, world) = (self.world.domain(), self.world);
+        let mut answer = Answer::of_report(world, report, None, &self.file.instruction_summary);
         answer.assumptions.extend(open.iter().map(|a| a.message(domain, world)));
         let claim = self.purpose.claim.as_ref();
         answer.claims = claim.map_or_else(Claims::default, |claim| {
-            compare_claims(domain, world, claim, &report.claimed_ending().after)
+            compare_claims(world, claim, &report.claimed_ending().after)
         });
         if let (Some(number), true) = (report.claimed, report.endings.len() > 1) {
             let when = report.endings[number].when.iter();
@@ -169,14 +168,22 @@ impl<'a> Assessment<'a> {
     fn remark(&self, answer: &mut Answer) {
         answer.plan.question.clone_from(&self.file.question);
         let readings = self.resolved.readings.iter();
-        let told = readings.map(|reading| reading.message(self.domain, self.world));
+        let told = readings.map(|reading| reading.message(self.world.domain(), self.world));
         answer.assumptions.splice(0..0, told);
         answer.notes.splice(0..0, self.notes.iter().cloned());
     }
 
     /// Finds the cheapest repair that keeps the pinned steps.
     pub fn repair(&self) -> &Outcome {
-        let find = || repair_pinned(self.domain, self.world, &self.resolved, &self.purpose, &self.pins);
+        let find = || {
+            repair_pinned(
+                self.world.domain(),
+                self.world,
+                &self.resolved,
+                &self.purpose,
+                &self.pins,
+            )
+        };
         self.repair.get_or_init(find)
     }
 
@@ -187,7 +194,7 @@ impl<'a> Assessment<'a> {
 
     /// Returns the answer after repair.
     pub fn repaired(&self) -> Answer {
-        let (domain, world) = (self.domain, self.world);
+        let (domain, world) = (self.world.domain(), self.world);
         let outcome = self.repair();
         let mut answer = match outcome {
             Outcome::Repaired(repaired) => self.answer(repaired.plan.report(), &[]),
@@ -205,7 +212,7 @@ impl<'a> Assessment<'a> {
                 let whole = self.resolved.issues.iter().filter(|issue| issue.step().is_none());
                 let told = whole.map(|issue| issue.message(domain, world, &[], None));
                 answer.notes.extend(told);
-                let given_up = given_up(domain, world, repaired).into_iter();
+                let given_up = given_up(world, repaired).into_iter();
                 let told = given_up.map(|fact| format!("claimed and given up: {fact}"));
                 answer.notes.extend(told);
             }
@@ -232,7 +239,7 @@ impl<'a> Assessment<'a> {
             0..=TOLD => repaired.edits.iter().map(|edit| edit.told(length)).collect(),
             many => vec![format!("{many} changes")],
         };
-        let given_up = given_up(self.domain, self.world, repaired).into_iter();
+        let given_up = given_up(self.world, repaired).into_iter();
         told.extend(given_up.map(|fact| format!("give up that {fact}")));
         if told.is_empty() {
             told.push("its steps stay as they are".to_owned());
@@ -262,12 +269,13 @@ impl<'a> Assessment<'a> {
             _ => &[],
         };
         let length = self.resolved.written.len();
-        feedback(self.domain, self.world, violations, steps, length, edits)
+        feedback(self.world, violations, steps, length, edits)
     }
 }
 
 /// Returns the claims that a repaired plan violates, as sentences.
-fn given_up(domain: &Domain, world: &World, repaired: &Repaired) -> Vec<String> {
+fn given_up(world: &World, repaired: &Repaired) -> Vec<String> {
+    let domain = world.domain();
     let told = |fact: &_| Voice::Person.fact(domain, world, *fact, true);
     repaired.given_up.iter().map(told).collect()
 }

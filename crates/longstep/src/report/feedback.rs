@@ -1,24 +1,24 @@
 //! Feedback for a model on its plan.
 
 use crate::environment::{Voice, World};
-use crate::model::Domain;
 use crate::plan::Step;
 use crate::repair::Edit;
 use crate::verify::Violation;
 use crate::visible;
+use longstep_core::model::Domain;
 
 /// Renders feedback: the violations, with the model's identifiers, and the edits of the cheapest repair if one is
 /// known.
 ///
 /// `steps` are those of the resolved plan; `length` is the number of steps as written.
 pub(crate) fn feedback(
-    domain: &Domain,
     world: &World,
     violations: &[Violation],
     steps: &[Step],
     length: usize,
     edits: &[Edit],
 ) -> String {
+    let domain = world.domain();
     let mut text = String::from("This plan cannot be carried out as it is.\n");
     for violation in violations {
         let told = violation.message_in(Voice::Model, domain, world, steps, None);

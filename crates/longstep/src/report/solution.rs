@@ -3,9 +3,9 @@
 use super::{Answer, Status};
 use crate::environment::{Voice, World};
 use crate::goal::Goal;
-use crate::model::Domain;
 use crate::search::{self, Limits, Outcome, Wanted};
 use crate::verify::{Purpose, VerifiedPlan, check};
+use longstep_core::model::Domain;
 
 /// Returns milliseconds since a fixed moment. The library has no clock: pass one for timings, or `|| 0.0` without.
 pub type Stopwatch = fn() -> f64;
@@ -28,29 +28,31 @@ pub struct Solution {
 /// let environment = environment::Environment::from_json(text).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
-/// let solution = report::of_goal(&household, &world, &goal, "the pen belongs on the shelf", || 0.0);
+/// let solution = report::of_goal(&world, &goal, "the pen belongs on the shelf", &longstep::Limits::default(), || 0.0);
 /// assert_eq!(solution.plan.unwrap().steps().len(), 6);
 /// ```
-pub fn of_goal(domain: &Domain, world: &World, goal: &Goal, summary: &str, now: Stopwatch) -> Solution {
+pub fn of_goal(world: &World, goal: &Goal, summary: &str, limits: &Limits, now: Stopwatch) -> Solution {
+    let domain = world.domain();
     let wanted = goal.wanted(domain);
     let purpose = goal.purpose(domain);
-    let mut solution = of_wanted(domain, world, &wanted, &purpose, Some(goal), summary, now);
+    let mut solution = of_wanted(world, &wanted, &purpose, Some(goal), summary, limits, now);
     solution.answer.goal = goal.facts.iter().map(|fact| fact.exact(domain, world)).collect();
     solution
 }
 
 /// Searches for a plan and verifies it against `purpose`. `goal` serves only the wording of the answer.
 pub fn of_wanted(
-    domain: &Domain,
     world: &World,
     wanted: &[Wanted],
     purpose: &Purpose,
     goal: Option<&Goal>,
     summary: &str,
+    limits: &Limits,
     now: Stopwatch,
 ) -> Solution {
+    let domain = world.domain();
     let started = now();
-    let found = search::solve(domain, world, wanted, &Limits::default());
+    let found = search::solve(domain, world, wanted, limits);
     let searched = now();
     let mut plan = None;
     let mut answer = match found {
@@ -59,7 +61,7 @@ pub fn of_wanted(
         } => {
             let report = check(domain, world, steps, purpose);
             let verified = now();
-            let mut answer = Answer::of_report(domain, world, &report, goal, summary);
+            let mut answer = Answer::of_report(world, &report, goal, summary);
             answer.timings_ms.verify = verified - searched;
             if !shortest {
                 let note = "a shorter plan may exist: the search for it was cut short";

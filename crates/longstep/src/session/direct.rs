@@ -1,7 +1,7 @@
 //! The direct strategy: the model writes the whole plan and the final environment.
 
 use super::asking::{Asking, What, unusable};
-use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn, sentence};
+use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn};
 use crate::dialogue::{
     DialogueError, Exchange, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query, whole,
 };
@@ -66,7 +66,7 @@ impl Session {
                 return self.correct(turn, reply, told, stuck);
             }
         };
-        let assessment = Assessment::new(&self.domain, &self.world, draft, Some(&turn.instruction));
+        let assessment = Assessment::new(&self.world, draft, Some(&turn.instruction));
         if let Some(question) = assessment.question() {
             let question = question.to_owned();
             return self.ask_person(turn, reply.text.clone(), question);
@@ -133,7 +133,7 @@ impl Session {
             None => {
                 let wrong: Vec<String> = answer.violations.iter().map(|v| v.message.clone()).collect();
                 let why = match wrong.is_empty() {
-                    true => sentence(answer.status).to_owned(),
+                    true => answer.status.sentence().to_owned(),
                     false => wrong.join("; "),
                 };
                 Checked::Wrong {

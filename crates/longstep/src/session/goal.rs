@@ -1,7 +1,7 @@
 //! The goal strategy: the model writes goals, and search finds the steps.
 
 use super::asking::{Asking, What, unusable};
-use super::{Event, Proposal, Session, Stage, Stuck, Trouble, Turn, sentence};
+use super::{Event, Proposal, Session, Stage, Stuck, Trouble, Turn};
 use crate::dialogue::{
     DialogueError, GoalDialogue, GoalInput, PartCost, Prepared, PromptError, Reply, Round, TokenCounter,
     Turn as DialogueTurn,
@@ -154,9 +154,9 @@ impl Session {
     /// Plans for a goal.
     fn pursue(&mut self, turn: Turn, goal: Goal, left_out: &[LeftOut]) {
         let (domain, world) = (&self.domain, &self.world);
-        let solution = report::of_goal(domain, world, &goal, &turn.instruction, self.now);
+        let solution = report::of_goal(world, &goal, &turn.instruction, &self.limits, self.now);
         let mut answer = solution.answer;
-        answer.tell_left_out(domain, world, left_out);
+        answer.tell_left_out(world, left_out);
         if let Some(spelled) = self.pronoun(&turn.instruction) {
             let names = spelled.meant.iter().map(|id| world.entity(*id).with_article());
             let names: Vec<String> = names.collect();
@@ -177,7 +177,7 @@ impl Session {
             }
             None => {
                 let stuck = Stuck {
-                    why: sentence(answer.status).to_owned(),
+                    why: answer.status.sentence().to_owned(),
                     answer: Some(Box::new(answer)),
                     trouble: Trouble::Plan,
                 };

@@ -72,8 +72,9 @@ use crate::model::Domain;
 use crate::plan::PlanFile;
 use crate::report::Answer;
 use crate::report::Stopwatch;
+use crate::search::Limits;
 
-use stage::{Stage, Turn, sentence};
+use stage::{Stage, Turn};
 
 /// A sequence of instructions in a changing world.
 #[derive(Debug, Clone)]
@@ -87,6 +88,7 @@ pub struct Session {
     /// Distinct fixed prompt parts of the requests so far.
     prompts: Vec<Vec<Message>>,
     events: Vec<Event>,
+    limits: Limits,
     now: Stopwatch,
 }
 
@@ -115,10 +117,16 @@ impl Session {
             stage: Stage::Idle,
             prompts: Vec::new(),
             events: vec![begin],
+            limits: Limits::default(),
             now,
         };
         session.set_model(model);
         session
+    }
+
+    /// Sets the limits of searches.
+    pub(crate) fn limited(self, limits: Limits) -> Self {
+        Self { limits, ..self }
     }
 
     /// Returns the next input that the session needs. `counter` counts tokens as the model does; it is used only if the

@@ -99,14 +99,3 @@ pub struct OutOfTurn {
     pub(super) what: &'static str,
     pub(super) state: &'static str,
 }
-
-/// Describes a status as a sentence.
-pub(super) fn sentence(status: Status) -> &'static str {
-    match status {
-        Status::Verified => "there is a plan",
-        Status::Invalid => "the plan is not valid",
-        Status::Unsolvable => "no plan can do this",
-        Status::GaveUp => "no plan was found within the limits",
-        Status::Question => "there is a question",
-    }
-}

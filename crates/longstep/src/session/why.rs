@@ -21,7 +21,7 @@ use crate::verify::{Purpose, check};
 /// let environment = environment::Environment::from_json(text).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
-/// let plan = report::of_goal(&household, &world, &goal, "", || 0.0).plan.unwrap();
+/// let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0).plan.unwrap();
 /// let why = session::why(&household, &world, plan.plan(), &goal.purpose(&household), Some(&goal), StepId::new(1));
 /// assert_eq!(why.brings_about, ["the hand holds the pen"]);
 /// assert_eq!(why.without_it[0], "step 3: detach_from_plane() needs that the hand holds the pen");

@@ -138,7 +138,10 @@ impl Draw {
                     arguments,
                 }],
             };
-            if report::of_goal(domain, world, &goal, "", || 0.0).plan.is_some() {
+            if report::of_goal(world, &goal, "", &longstep::Limits::default(), || 0.0)
+                .plan
+                .is_some()
+            {
                 let kind = (*kind).to_owned();
                 return Drawn { words, goal, kind };
             }

@@ -30,7 +30,15 @@ fn planned(domain: String, problem: String) -> Work {
             wanted: problem.wanted.clone(),
             ..Purpose::default()
         };
-        let found = report::of_wanted(&domain, &problem.world, &problem.wanted, &purpose, None, "", || 0.0);
+        let found = report::of_wanted(
+            &problem.world,
+            &problem.wanted,
+            &purpose,
+            None,
+            "",
+            &longstep::Limits::default(),
+            || 0.0,
+        );
         let _ = pddl::write_problem(&domain, &problem.world, &problem.wanted, "again");
         found.answer.status == Status::Verified
     })
@@ -111,7 +119,10 @@ fn ruled(time: &str, parcels: usize) -> Work {
         let Ok(goal) = longstep::goal::parse(&domain, &world, "bring(<o1>, <b>)") else {
             return false;
         };
-        report::of_goal(&domain, &world, &goal, "", || 0.0).answer.status == Status::Verified
+        report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0)
+            .answer
+            .status
+            == Status::Verified
     })
 }
 

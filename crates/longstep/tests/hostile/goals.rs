@@ -17,7 +17,12 @@ fn solve(domain: &str, environment: &Value, text: String) -> Work {
     let domain = shipped(domain);
     let world = world_of(&domain, environment);
     Box::new(move || match goal::parse(&domain, &world, &text) {
-        Ok(goal) => report::of_goal(&domain, &world, &goal, &text, || 0.0).answer.status == Status::Verified,
+        Ok(goal) => {
+            report::of_goal(&world, &goal, &text, &longstep::Limits::default(), || 0.0)
+                .answer
+                .status
+                == Status::Verified
+        }
         Err(_) => false,
     })
 }

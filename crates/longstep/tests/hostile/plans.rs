@@ -30,7 +30,7 @@ fn verify(domain: &str, environment: &Value, text: &str) -> Work {
     let world = world_of(&domain, environment);
     let draft = written(text);
     Box::new(move || {
-        let attempt = Assessment::new(&domain, &world, draft.clone(), None);
+        let attempt = Assessment::new(&world, draft.clone(), None);
         let answer = attempt.verdict();
         if answer.status == Status::Invalid {
             attempt.feedback();
@@ -45,7 +45,7 @@ fn repair(domain: &str, environment: &Value, text: &str) -> Work {
     let world = world_of(&domain, environment);
     let draft = written(text);
     Box::new(move || {
-        let attempt = Assessment::new(&domain, &world, draft.clone(), None);
+        let attempt = Assessment::new(&world, draft.clone(), None);
         attempt.repaired().status == Status::Verified
     })
 }
@@ -134,7 +134,7 @@ fn side_by_side() -> Work {
     let goal: Vec<String> = (0..4).map(|n| format!("put(<o{n}>, <p{}>)", n % 4 + 1)).collect();
     let goal = longstep::goal::parse(&domain, &world, &goal.join(" & ")).unwrap();
     Box::new(move || {
-        let found = longstep::report::of_goal(&domain, &world, &goal, "", || 0.0);
+        let found = longstep::report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0);
         let shared = found
             .plan
             .as_ref()
