@@ -3,7 +3,6 @@
 use std::sync::OnceLock;
 
 use anyhow::Result;
-use longstep::session::ModelFacts;
 use longstep_llm::{
     ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, StopFlag, Watch, cache_directory, open,
 };
@@ -41,15 +40,6 @@ fn opened(
         seed: arguments.seed,
     };
     open(&reference, &options, progress)
-}
-
-/// The properties of a model for a session. The address of a server may contain a password and stays out of the log.
-pub(crate) fn facts(model: &dyn ChatModel) -> ModelFacts {
-    ModelFacts {
-        name: model.name().to_owned(),
-        kind: model.constraint_kind(),
-        context: model.context_tokens(),
-    }
 }
 
 /// Shows the progress of a model. Ctrl-C cancels the call once [`watch_for_interrupts`] has run.

@@ -8,7 +8,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use longstep::session::{Event, ModelFacts, Session, Settings};
+use longstep::session::{Event, Session, Settings};
 use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, session_directory};
 
 use crate::arguments::{ChatArguments, ModelArguments};
@@ -83,7 +83,7 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
         Some(folder) => SessionFolder::create(folder)?,
         None => SessionFolder::create(&free_folder(env)?)?,
     };
-    let facts = ask::facts(model.as_ref());
+    let facts = model.facts();
     // The log can be read from any working directory, so the domain's folder is saved as an absolute path.
     let whole = Path::new(named)
         .is_dir()
@@ -281,7 +281,7 @@ impl Chat<'_> {
     fn open_model(&mut self) -> Result<()> {
         if self.model.is_none() {
             let model = ask::model(&self.model_name, self.arguments)?;
-            let facts: ModelFacts = ask::facts(model.as_ref());
+            let facts = model.facts();
             // The request for the size of the context was cancelled, so the model is unknown.
             if ask::interrupted().is_set() {
                 return Ok(());

@@ -41,6 +41,6 @@ impl Draft {
     }
 
     pub(crate) fn assessment(&self) -> Assessment<'_> {
-        Assessment::new(&self.domain, &self.world, self.draft.clone(), None)
+        Assessment::new(&self.world, self.draft.clone(), None)
     }
 }

@@ -27,7 +27,7 @@ pub(crate) fn side_by_side(
 ) -> Vec<Line> {
     match schedule::share(domain, world, plan, purpose) {
         Some(compacted) => {
-            answer.side_by_side(domain, world, &compacted);
+            answer.side_by_side(world, &compacted);
             shown(world, compacted.plan.plan())
         }
         None => {

@@ -25,7 +25,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let asked = stopwatch();
     let mut model = ask::model(&arguments.model.model, &arguments.model)?;
     let opened = stopwatch() - asked;
-    let facts = ask::facts(model.as_ref());
+    let facts = model.facts();
     let mut session = Session::new(named, domain, world, arguments.strategy.settings(), facts, stopwatch);
     // A new session waits for an instruction.
     session.instruct(instruction)?;

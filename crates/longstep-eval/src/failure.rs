@@ -104,11 +104,11 @@ impl Failure {
 }
 
 /// Failures in a plan as the model wrote it; none if the reply contains no plan.
-pub(crate) fn of_draft(domain: &Domain, world: &World, reply: &str, instruction: &str) -> Vec<Failure> {
+pub(crate) fn of_draft(world: &World, reply: &str, instruction: &str) -> Vec<Failure> {
     let Ok(draft) = plan::read(reply) else {
         return Vec::new();
     };
-    let assessment = Assessment::new(domain, world, draft, Some(instruction));
+    let assessment = Assessment::new(world, draft, Some(instruction));
     let mut found = Vec::new();
     if !assessment.resolved.issues.is_empty() {
         found.push(Failure::UnknownName);

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use longstep::domain::Domain;
 use longstep::environment::{Voice, World};
-use longstep::session::{Event, ModelFacts, Need, Session, Settings, Strategy, Trouble};
+use longstep::session::{Event, Need, Session, Settings, Strategy, Trouble};
 use longstep::verify::VerifiedPlan;
 use longstep_llm::{AdvanceError, ChatModel, Watch, advance};
 
@@ -44,11 +44,7 @@ pub fn run(
     model: &mut dyn ChatModel,
     watch: &mut dyn Watch,
 ) -> Result<Lines, AdvanceError> {
-    let facts = ModelFacts {
-        name: model.name().to_owned(),
-        kind: model.constraint_kind(),
-        context: model.context_tokens(),
-    };
+    let facts = model.facts();
     let begin = |world: World| {
         Session::new(
             &suite.domain,
@@ -294,7 +290,7 @@ impl Observed<'_> {
         let direct = self.session.settings().strategy == Strategy::Direct;
         if wants_plan && direct {
             if let Some(reply) = attempt.replies.first() {
-                found.extend(failure::of_draft(self.domain, self.world, reply, &attempt.says));
+                found.extend(failure::of_draft(self.world, reply, &attempt.says));
             }
             if attempt.outcome == Outcome::Verified && !attempt.correct {
                 found.extend((!amiss.unasked.is_empty()).then_some(Failure::ExtraGoal));

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use longstep::dialogue::{ChatRequest, ConstraintKind, Reply, TokenCounter};
+use longstep::session::ModelFacts;
 
 use crate::ModelError;
 
@@ -27,6 +28,15 @@ pub trait ChatModel: TokenCounter {
 
     /// Tokens of prompt and answer together; `None` if unknown.
     fn context_tokens(&self) -> Option<u64>;
+
+    /// The facts about the model that a session depends on.
+    fn facts(&self) -> ModelFacts {
+        ModelFacts {
+            name: self.name().to_owned(),
+            kind: self.constraint_kind(),
+            context: self.context_tokens(),
+        }
+    }
 }
 
 /// An observer of a model call: it receives progress and may cancel the call.

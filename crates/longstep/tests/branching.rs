@@ -20,7 +20,7 @@ fn kitchen() -> (Domain, World) {
     (domain, world)
 }
 
-fn attempt<'a>(domain: &'a Domain, world: &'a World, text: &str) -> Assessment<'a> {
+fn attempt<'a>(world: &'a World, text: &str) -> Assessment<'a> {
     Assessment::new(world, plan::read(text).unwrap(), None)
 }
 

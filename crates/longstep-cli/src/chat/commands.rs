@@ -143,7 +143,7 @@ impl Chat<'_> {
         // The old model stays if the new one cannot be opened, or if Ctrl-C cancels the request for its context.
         ask::interrupted().set(false);
         let model = ask::model(rest, self.arguments)?;
-        let facts = ask::facts(model.as_ref());
+        let facts = model.facts();
         if ask::interrupted().is_set() {
             return Err(ModelError::Stopped.into());
         }

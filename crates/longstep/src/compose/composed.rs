@@ -20,7 +20,7 @@ pub struct Composed<'a> {
 
 impl<'a> Composed<'a> {
     /// Resolves a composition. `instruction` becomes the summary of the plan.
-    pub fn new(domain: &'a Domain, world: &'a World, inlined: Inlined, instruction: &str) -> Self {
+    pub fn new(world: &'a World, inlined: Inlined, instruction: &str) -> Self {
         let file = PlanFile {
             task_cohesion: TaskCohesion::from_written(inlined.written),
             environment_before: Some(world.environment().clone()),

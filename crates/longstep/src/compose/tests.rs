@@ -132,7 +132,7 @@ fn shed(now: &[&str]) -> Scene {
 fn composed<'a>(scene: &'a Scene, composition: &str) -> Result<Composed<'a>, Vec<Misfit>> {
     let written = script::read(composition).unwrap();
     let inlined = inline(&scene.domain, &scene.world, &written, &scene.stored)?;
-    Ok(Composed::new(&scene.domain, &scene.world, inlined, ""))
+    Ok(Composed::new(&scene.world, inlined, ""))
 }
 
 /// Compares the number of steps and endings of a composition, or its errors.

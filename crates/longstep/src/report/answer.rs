@@ -12,7 +12,6 @@ use crate::repair::Edit;
 use crate::schedule::Compacted;
 use crate::usage::Usage;
 use crate::verify::{Ending, Report, Violation};
-use longstep_core::model::Domain;
 
 /// Outcome of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -285,7 +284,6 @@ impl Answer {
     /// Creates the answer for a plan that cannot be simulated because its steps cannot be resolved. `calls` are the
     /// steps as written.
     pub fn of_unresolved(world: &World, written: &PlanFile, calls: &[String], issues: &[Violation]) -> Self {
-        let domain = world.domain();
         let mut answer = Self::without_plan(Status::Invalid, world, &written.instruction_summary, "");
         answer.plan.task_cohesion.clone_from(&written.task_cohesion);
         answer.violations = issues
@@ -297,7 +295,6 @@ impl Answer {
 
     /// Replaces the plan by its parallel form and adds a note about the saved time.
     pub fn side_by_side(&mut self, world: &World, compacted: &Compacted) {
-        let domain = world.domain();
         let now = Self::of_report(world, compacted.plan.report(), None, "");
         self.plan.task_cohesion = now.plan.task_cohesion;
         self.plan.environment_after = now.plan.environment_after;
@@ -366,7 +363,6 @@ impl StepAnswer {
 
 /// Compares the claimed final state of a plan with the simulated one.
 pub fn compare_claims(world: &World, claim: &Claim, simulated: &State) -> Claims {
-    let domain = world.domain();
     let words = |state: &State| words_by_entity(world, state);
     let (claimed, simulated) = (words(&claim.state), words(simulated));
     let mut claims = Claims::default();

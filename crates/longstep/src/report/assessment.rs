@@ -9,7 +9,6 @@ use crate::goal::Spoken;
 use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
-use longstep_core::model::Domain;
 
 /// Maximum number of edits that a hint lists; more are only counted.
 const TOLD: usize = 4;
@@ -49,7 +48,7 @@ impl<'a> Assessment<'a> {
     /// let environment = environment::Environment::from_json(text).unwrap();
     /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
     /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#);
-    /// let assessment = Assessment::new(&household, &world, draft.unwrap(), None);
+    /// let assessment = Assessment::new(&world, draft.unwrap(), None);
     /// let answer = assessment.verdict();
     /// assert_eq!(answer.status.exit_code(), 10);
     /// assert_eq!(answer.violations[0].message, "step 1: grasp_object() needs that the hand is at the pen");
@@ -124,7 +123,7 @@ impl<'a> Assessment<'a> {
 
     /// Returns the answer without repair.
     pub fn verdict(&self) -> Answer {
-        let (domain, world) = (self.world.domain(), self.world);
+        let world = self.world;
         if let Some(question) = self.question() {
             return Answer::without_plan(Status::Question, world, &self.file.instruction_summary, question);
         }
@@ -256,7 +255,7 @@ impl<'a> Assessment<'a> {
     /// let environment = environment::Environment::from_json(text).unwrap();
     /// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
     /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["Grab(<mug_2>)"]}}"#).unwrap();
-    /// let feedback = Assessment::new(&domain, &world, draft, None).feedback();
+    /// let feedback = Assessment::new(&world, draft, None).feedback();
     /// assert!(feedback.contains("step 1: Grab(<mug_2>) needs that <mug_2> is within reach"));
     /// ```
     pub fn feedback(&self) -> String {

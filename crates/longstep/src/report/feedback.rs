@@ -5,7 +5,6 @@ use crate::plan::Step;
 use crate::repair::Edit;
 use crate::verify::Violation;
 use crate::visible;
-use longstep_core::model::Domain;
 
 /// Renders feedback: the violations, with the model's identifiers, and the edits of the cheapest repair if one is
 /// known.

@@ -5,7 +5,6 @@ use crate::environment::{Voice, World};
 use crate::goal::Goal;
 use crate::search::{self, Limits, Outcome, Wanted};
 use crate::verify::{Purpose, VerifiedPlan, check};
-use longstep_core::model::Domain;
 
 /// Returns milliseconds since a fixed moment. The library has no clock: pass one for timings, or `|| 0.0` without.
 pub type Stopwatch = fn() -> f64;

@@ -5,7 +5,7 @@ use super::asking::Asking;
 use super::ended::Left;
 use crate::dialogue::{Prepared, Round, Usage};
 use crate::goal::Goal;
-use crate::report::{Answer, Status};
+use crate::report::Answer;
 use crate::verify::{Purpose, VerifiedPlan};
 
 /// The next input that a session needs.
