@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
         Said::Question(question) => Answer::without_plan(Status::Question, &world, &summary, &question),
         Said::Composition(written) => match compose::inline(&domain, &world, &written, &stored) {
             Ok(inlined) => {
-                let composed = Composed::new(&domain, &world, inlined, &summary);
+                let composed = Composed::new(&world, inlined, &summary);
                 match arguments.no_repair {
                     true => composed.verdict(),
                     false => composed.mended(),

@@ -110,7 +110,7 @@ fn mark(right: bool) -> &'static str {
 fn verdict(domain: &Domain, world: &World, written: &Written, stored: &[Stored], wish: &str) -> Result<(), String> {
     let inlined = compose::inline(domain, world, written, stored);
     let inlined = inlined.map_err(|misfits| misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
-    let composed = Composed::new(domain, world, inlined, wish);
+    let composed = Composed::new(world, inlined, wish);
     if composed.verified().is_some() {
         return Ok(());
     }

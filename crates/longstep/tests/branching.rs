@@ -25,8 +25,8 @@ fn attempt<'a>(world: &'a World, text: &str) -> Assessment<'a> {
 }
 
 fn verdict(text: &str) -> Answer {
-    let (domain, world) = kitchen();
-    attempt(&domain, &world, text).verdict()
+    let (_, world) = kitchen();
+    attempt(&world, text).verdict()
 }
 
 #[track_caller]
@@ -75,11 +75,11 @@ fn a_script_that_senses_is_verified_on_both_ways() {
 #[test]
 fn what_is_written_is_read_again_with_the_same_verdict() {
     let (domain, world) = kitchen();
-    let verified = attempt(&domain, &world, &format!("{TAKE}{SORT}")).verified().unwrap();
+    let verified = attempt(&world, &format!("{TAKE}{SORT}")).verified().unwrap();
     let file = PlanFile::from(TaskCohesion::new(&domain, &world, verified.plan()));
     let script = script::write(&Written::of_plan(&domain, &world, verified.plan()));
     for text in [script, serde_json::to_string_pretty(&file).unwrap()] {
-        let again = attempt(&domain, &world, &text).verified().unwrap();
+        let again = attempt(&world, &text).verified().unwrap();
         assert_eq!(again.plan(), verified.plan(), "{text}");
     }
 }
@@ -155,7 +155,7 @@ fn named_parameters_bind_what_a_call_hides() {
 #[test]
 fn a_tree_is_repaired_way_by_way() {
     let (domain, world) = kitchen();
-    let attempt = attempt(&domain, &world, SORT);
+    let attempt = attempt(&world, SORT);
     let answer = attempt.repaired();
     assert_eq!(answer.status, Status::Verified);
     let after: Vec<Option<&str>> = answer.edits.iter().map(|edit| edit.after.as_deref()).collect();

@@ -2,7 +2,6 @@
 
 use super::Inlined;
 use crate::environment::World;
-use crate::model::Domain;
 use crate::plan::{Draft, PlanFile, TaskCohesion};
 use crate::repair::Outcome;
 use crate::report::Answer;

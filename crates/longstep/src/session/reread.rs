@@ -76,9 +76,9 @@ impl Session {
             return self.stage = Stage::Idle;
         };
         let (purpose, goal) = (proposal.purpose.clone(), proposal.goal.clone());
-        let (domain, world) = (&self.domain, &self.world);
+        let world = &self.world;
         let report = amendment.plan.report();
-        let mut answer = Answer::of_report(domain, world, report, goal.as_ref(), &turn.instruction);
+        let mut answer = Answer::of_report(world, report, goal.as_ref(), &turn.instruction);
         answer.edits = amendment.edits.iter().map(EditAnswer::from).collect();
         answer.timings_ms.search = (self.now)() - started;
         turn.price(&mut answer);

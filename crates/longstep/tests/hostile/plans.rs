@@ -58,7 +58,7 @@ fn composed(domain: &str, environment: &Value, text: &str, stored: &str) -> Work
     };
     let stored = vec![Stored::new("tidy", written(stored).file)];
     Box::new(move || match compose::inline(&domain, &world, &script, &stored) {
-        Ok(inlined) => Composed::new(&domain, &world, inlined, "").mended().status == Status::Verified,
+        Ok(inlined) => Composed::new(&world, inlined, "").mended().status == Status::Verified,
         Err(misfits) => compose::refused(&world, "", &misfits).status == Status::Verified,
     })
 }
