@@ -55,5 +55,5 @@ fn take_up(log: &Log) {
         .session;
     assert_eq!(again.world().environment(), resumed.world().environment());
     assert_eq!(again.accepted().len(), resumed.accepted().len());
-    drop(resumed.need(&mut EstimatedTokens::default()));
+    drop(resumed.next_request(&mut EstimatedTokens::default()));
 }

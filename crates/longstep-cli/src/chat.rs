@@ -254,7 +254,7 @@ impl Chat<'_> {
             };
             let advanced = advance(&mut self.session, model, Some(&mut self.folder), &mut Waiting::new());
             match advanced {
-                Ok(need) => screen::need(&self.session, &need, interactive),
+                Ok(()) => screen::response(&self.session, interactive),
                 Err(AdvanceError::Model(ModelError::Stopped)) => {
                     let _ = ask::take_interrupt();
                     self.notice_stopped();

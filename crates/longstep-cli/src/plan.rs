@@ -3,7 +3,7 @@
 use anyhow::Result;
 use longstep::dialogue::{self, Prepared};
 use longstep::report::{Answer, Status};
-use longstep::session::{Need, Session, Stuck, Trouble};
+use longstep::session::{Failure as NoPlan, Response, Session};
 use longstep_llm::advance;
 
 use crate::arguments::PlanArguments;
@@ -42,10 +42,10 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
         }
         return Ok(Status::Verified.exit_code());
     }
-    let need = advance(&mut session, model.as_mut(), None, &mut Waiting::new())?;
+    advance(&mut session, model.as_mut(), None, &mut Waiting::new())?;
     let mut shown = Vec::new();
-    let (mut answer, goal) = match (&need, session.proposal(), session.stuck()) {
-        (_, Some(proposal), _) => {
+    let (mut answer, goal) = match session.response() {
+        Response::Plan(proposal) => {
             let goal = proposal.goal.as_ref();
             let lines = goal.map(|goal| solve::goal_lines(session.domain(), session.world(), goal));
             let mut answer = proposal.answer.clone();
@@ -55,15 +55,15 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
             }
             (answer, lines.unwrap_or_default())
         }
-        (_, _, Some(stuck)) => (unhappy(stuck)?, Vec::new()),
-        (Need::Answer(question), ..) => {
+        Response::NoPlan(failure) => (unhappy(failure)?, Vec::new()),
+        Response::Question(question) => {
             let mut answer = Answer::without_plan(Status::Question, session.world(), instruction, question);
             let (usage, milliseconds) = session.cost();
             answer.usage = usage.into();
             answer.timings_ms.model = milliseconds;
             (answer, Vec::new())
         }
-        // After an instruction no other need is possible.
+        // After an instruction no other response is possible.
         _ => return Err(Failure::new("the session ended early", MODEL).into()),
     };
     answer.timings_ms.model += opened;
@@ -91,14 +91,11 @@ pub(crate) fn said(text: &str) -> Result<&str> {
 }
 
 /// The answer in place of a plan.
-fn unhappy(stuck: &Stuck) -> Result<Answer> {
-    if let Some(answer) = &stuck.answer {
-        return Ok(answer.as_ref().clone());
+fn unhappy(failure: &NoPlan) -> Result<Answer> {
+    if let Some(answer) = failure.answer() {
+        return Ok(answer.clone());
     }
-    let code = match stuck.trouble {
-        Trouble::Limit => LIMIT,
-        Trouble::Model | Trouble::Plan => MODEL,
-    };
+    let code = if failure.is_limit() { LIMIT } else { MODEL };
     let hint = "say it in other words, or use another model with --model";
-    Err(Failure::new(stuck.why.clone(), code).hint(hint).into())
+    Err(Failure::new(failure.to_string(), code).hint(hint).into())
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use longstep::domain::Domain;
 use longstep::environment::{Voice, World};
-use longstep::session::{Event, Need, Session, Settings, Strategy, Trouble};
+use longstep::session::{Event, Session, Settings, Strategy};
 use longstep::verify::VerifiedPlan;
 use longstep_llm::{AdvanceError, ChatModel, Watch, advance};
 
@@ -68,12 +68,12 @@ pub fn run(
         session.take_events();
         let started = Instant::now();
         // The session waits for an instruction: it has executed the step before, or given it up.
-        let need = match session.instruct(says) {
+        let advanced = match session.instruct(says) {
             Ok(()) => advance(&mut session, model, None, watch),
-            Err(_) => Ok(Need::Help),
+            Err(_) => Ok(()),
         };
-        let fits = match need {
-            Ok(_) => true,
+        let fits = match advanced {
+            Ok(()) => true,
             Err(AdvanceError::Prompt(_)) => false,
             Err(error) => return Err(error),
         };
@@ -139,9 +139,9 @@ impl Observed<'_> {
     fn attempt(&self, key: Key, case: &Case, step: &Step, says: &str) -> Attempt {
         let (domain, world) = (self.domain, self.world);
         let proposal = self.session.proposal();
-        let answer = match (proposal, self.session.stuck()) {
+        let answer = match (proposal, self.session.failure()) {
             (Some(proposal), _) => Some(&proposal.answer),
-            (None, Some(stuck)) => stuck.answer.as_deref(),
+            (None, Some(failure)) => failure.answer(),
             (None, None) => None,
         };
         let outcome = self.outcome();
@@ -206,11 +206,11 @@ impl Observed<'_> {
         if self.session.question().is_some() {
             return Outcome::Question;
         }
-        match (self.session.proposal(), self.session.stuck()) {
+        match (self.session.proposal(), self.session.failure()) {
             (Some(_), _) => Outcome::Verified,
-            (None, Some(stuck)) => match &stuck.answer {
+            (None, Some(failure)) => match failure.answer() {
                 Some(answer) => answer.status.into(),
-                None if stuck.trouble == Trouble::Limit => Outcome::Limit,
+                None if failure.is_limit() => Outcome::Limit,
                 None => Outcome::Unusable,
             },
             (None, None) => Outcome::Unusable,

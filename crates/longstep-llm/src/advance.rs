@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use longstep::dialogue::PromptError;
-use longstep::session::{Need, Session};
+use longstep::session::{OutOfTurn, Response, Session};
 
-use crate::{ChatModel, FolderError, ModelError, SessionFolder, Watch};
+use crate::{ChatModel, FolderError, ModelError, Progress, SessionFolder, Watch};
 
 /// Reason why a session stopped before it needed a person.
 #[derive(Debug, thiserror::Error)]
@@ -19,9 +19,12 @@ pub enum AdvanceError {
     /// The session's events cannot be saved.
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// Another instruction is under way.
+    #[error(transparent)]
+    OutOfTurn(#[from] OutOfTurn),
 }
 
-/// Sends requests to the model until the session needs a person, and saves the events if there is a folder for them.
+/// Sends requests to the model until it is the person's turn ([`Session::response`]), and saves the events if there is a folder for them.
 ///
 /// # Errors
 ///
@@ -32,19 +35,18 @@ pub fn advance(
     model: &mut dyn ChatModel,
     mut folder: Option<&mut SessionFolder>,
     watch: &mut dyn Watch,
-) -> Result<Need, AdvanceError> {
+) -> Result<(), AdvanceError> {
     loop {
-        let need = session.need(&mut *model);
+        let request = session.next_request(&mut *model);
         if let Some(folder) = folder.as_deref_mut() {
             folder.keep(session)?;
         }
-        let request = match need? {
-            Need::Model(prepared) => prepared.request,
-            need => return Ok(need),
+        let Some(prepared) = request? else {
+            return Ok(());
         };
         let asked = Instant::now();
         // The session waits for a model in both arms, so `supply`, `cancel` and `failed` are never out of turn.
-        match model.chat(&request, watch) {
+        match model.chat(&prepared.request, watch) {
             Ok(reply) => {
                 let milliseconds = asked.elapsed().as_secs_f64() * 1000.0;
                 let _ = session.supply(&reply, (milliseconds * 1000.0).round() / 1000.0);
@@ -61,4 +63,38 @@ pub fn advance(
             }
         }
     }
+}
+
+/// Gives a session an instruction, and calls the model until it is the person's turn.
+///
+/// ```no_run
+/// use longstep::Planner;
+/// use longstep::session::{Response, Settings};
+/// use longstep_llm::ChatModel;
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let planner = Planner::shipped("household")?;
+/// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+/// let options = longstep_llm::OpenOptions::new(longstep_llm::cache_directory()?);
+/// let mut model = longstep_llm::open(&"qwen2.5-coder-0.5b".parse()?, &options, &mut |_| {})?;
+/// let mut session = planner.session(world, Settings::default(), model.facts())?;
+/// match longstep_llm::instruct(&mut session, &mut *model, "The pen belongs on the shelf")? {
+///     Response::Plan(proposal) => println!("{} steps", proposal.plan.steps().len()),
+///     other => println!("{other}"),
+/// }
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+///
+/// [`AdvanceError::OutOfTurn`] when another instruction is under way; otherwise as for [`advance`].
+pub fn instruct<'s>(
+    session: &'s mut Session,
+    model: &mut dyn ChatModel,
+    text: &str,
+) -> Result<Response<'s>, AdvanceError> {
+    session.instruct(text)?;
+    advance(session, model, None, &mut |_: Progress| {})?;
+    Ok(session.response())
 }

@@ -49,7 +49,7 @@ mod text_file;
 mod understand;
 mod whole_file;
 
-pub use advance::{AdvanceError, advance};
+pub use advance::{AdvanceError, advance, instruct};
 pub use bounded::{LOG_LIMIT, read_bounded};
 pub use cache::{cache_directory, session_directory};
 pub use error::{AnswerLimit, ModelError};

@@ -132,7 +132,10 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
                     "done"
                 }
                 Amended::Impossible { why, .. } => {
-                    told = format!("{told} [{}]", why.join("; "));
+                    told = format!(
+                        "{told} [{}]",
+                        why.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+                    );
                     "impossible"
                 }
             };

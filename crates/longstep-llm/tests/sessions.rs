@@ -15,7 +15,7 @@ use chain::{Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, s
 use longstep::domain::Domain;
 use longstep::environment::World;
 use longstep::report;
-use longstep::session::{Event, ModelFacts, Need, Session, Settings};
+use longstep::session::{Event, ModelFacts, Response, Session, Settings};
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, advance, cache_directory, catalogue, open};
 
 fn model() -> Box<dyn ChatModel> {
@@ -40,7 +40,6 @@ fn session(name: &str, domain: Domain, world: World, model: &dyn ChatModel) -> S
 
 /// What an instruction or a wish came to.
 struct Asked {
-    need: Need,
     /// Of the first request: the conversation as it begins.
     tokens: f64,
     seconds: f64,
@@ -49,7 +48,7 @@ struct Asked {
 }
 
 fn ask(session: &mut Session, model: &mut dyn ChatModel) -> Asked {
-    let need = advance(session, model, None, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"));
+    advance(session, model, None, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"));
     let (mut tokens, mut milliseconds, mut wrote) = (Vec::new(), 0.0, String::new());
     // Whoever keeps a session writes its events down and does not hold them.
     for event in session.take_events() {
@@ -66,7 +65,6 @@ fn ask(session: &mut Session, model: &mut dyn ChatModel) -> Asked {
         }
     }
     Asked {
-        need,
         tokens: tokens.first().copied().unwrap_or_default(),
         seconds: milliseconds / 1000.0,
         wrote,
@@ -94,8 +92,8 @@ fn scenes() {
             let asked = ask(&mut session, model.as_mut());
             all += 1;
             // A proposal is a verified plan, and nothing else is accepted.
-            match asked.need {
-                Need::Decision => {
+            match session.response() {
+                Response::Plan(_) => {
                     session.accept().unwrap();
                     verified += 1;
                 }
@@ -175,8 +173,8 @@ fn hundred() {
         let wanted = session.world().after(session.domain(), wanted.plan.unwrap().ending());
         session.instruct(&drawn.words).unwrap();
         let asked = ask(&mut session, model.as_mut());
-        let (good, came) = match &asked.need {
-            Need::Decision => {
+        let (good, came) = match session.response() {
+            Response::Plan(_) => {
                 session.accept().unwrap();
                 session.take_events();
                 verified += 1;
@@ -188,7 +186,7 @@ fn hundred() {
                 let same_end = leaves_trace && session.world().environment() == wanted.environment();
                 (same_goal || same_end, asked.wrote)
             }
-            Need::Answer(question) => {
+            Response::Question(question) => {
                 questions += 1;
                 let told = format!("{}  [asks: {question}]", asked.wrote);
                 session.cancel().unwrap();
@@ -196,7 +194,7 @@ fn hundred() {
             }
             _ => {
                 stuck += 1;
-                let told = format!("{}  [stuck: {}]", asked.wrote, session.stuck().unwrap().why);
+                let told = format!("{}  [stuck: {}]", asked.wrote, session.failure().unwrap());
                 session.cancel().unwrap();
                 (false, told)
             }

@@ -154,7 +154,7 @@ fn named_parameters_bind_what_a_call_hides() {
 
 #[test]
 fn a_tree_is_repaired_way_by_way() {
-    let (domain, world) = kitchen();
+    let (_, world) = kitchen();
     let attempt = attempt(&world, SORT);
     let answer = attempt.repaired();
     assert_eq!(answer.status, Status::Verified);

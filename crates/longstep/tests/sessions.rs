@@ -16,7 +16,7 @@ use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
 use longstep::domain::Domain;
 use longstep::environment::World;
 use longstep::report;
-use longstep::session::{ModelFacts, Need, Session, Settings, Strategy};
+use longstep::session::{ModelFacts, Session, Settings, Strategy};
 use serde_json::Value;
 
 fn session(name: &str, domain: Domain, world: World) -> Session {
@@ -34,8 +34,8 @@ fn session(name: &str, domain: Domain, world: World) -> Session {
 
 #[track_caller]
 fn supply(session: &mut Session, text: String) {
-    let need = session.need(&mut EstimatedTokens::default()).unwrap();
-    assert!(matches!(need, Need::Model(_)), "{need:?}");
+    let request = session.next_request(&mut EstimatedTokens::default()).unwrap();
+    assert!(request.is_some(), "{:?}", session.response());
     let reply = Reply {
         text,
         finish: Finish::Stop,
@@ -60,7 +60,7 @@ fn recorded_scenes_are_replayed_as_chains() {
             supply(&mut session, step["recorded"].to_string());
             let proposal = session
                 .proposal()
-                .unwrap_or_else(|| panic!("{instruction}: {:?}", session.stuck()));
+                .unwrap_or_else(|| panic!("{instruction}: {:?}", session.failure()));
             let edits = proposal.answer.edits.len();
             session.accept().unwrap();
             let recorded = &step["recorded"]["environment_after"];

@@ -6,7 +6,7 @@ use longstep::domain::Domain;
 use longstep::environment::{Environment, World};
 use longstep::goal::Goal;
 use longstep::plan::{self, Plan};
-use longstep::session::{Ended, Need, Session};
+use longstep::session::{Ended, Refusal, Response, Session};
 use longstep::verify::{Purpose, VerifiedPlan};
 use longstep::visible;
 use longstep_llm::session_directory;
@@ -27,24 +27,21 @@ pub(super) fn session_name(folder: &Path) -> String {
     }
 }
 
-/// Prints the session's need.
-pub(super) fn need(session: &Session, need: &Need, interactive: bool) {
-    match need {
-        Need::Answer(question) => print_line!("{} {question}", "Question:".yellow().bold()),
-        Need::Decision => {
+/// Prints the session's response.
+pub(super) fn response(session: &Session, interactive: bool) {
+    match session.response() {
+        Response::Question(question) => print_line!("{} {question}", "Question:".yellow().bold()),
+        Response::Plan(_) => {
             proposal(session);
             waiting(interactive);
         }
-        Need::Ending(endings) => ended(session, endings),
-        Need::Help => {
-            if let Some(stuck) = session.stuck() {
-                match &stuck.answer {
-                    Some(answer) => show::answer(answer, show::Changes::Hidden),
-                    None => print_line!("{} {}", "No plan:".red().bold(), stuck.why),
-                }
-            }
-        }
-        Need::Instruction | Need::Model(_) => {}
+        Response::Endings(endings) => ended(session, &endings),
+        Response::NoPlan(failure) => match failure.answer() {
+            Some(answer) => show::answer(answer, show::Changes::Hidden),
+            None => print_line!("{} {failure}", "No plan:".red().bold()),
+        },
+        // Nothing has happened that the person does not know.
+        _ => {}
     }
 }
 
@@ -75,7 +72,10 @@ fn proposal(session: &Session) {
     let Some(proposal) = session.proposal() else { return };
     if !proposal.refused.is_empty() {
         // The reasons refer to the changed plan, in which steps have other numbers.
-        let of_steps = proposal.refused.iter().any(|why| why.starts_with("step "));
+        let of_steps = proposal
+            .refused
+            .iter()
+            .any(|why| matches!(why, Refusal::Change(obstacle) if obstacle.step().is_some()));
         let title = match of_steps {
             true => "That cannot be had. In the plan with your change:",
             false => "That cannot be had",
@@ -195,11 +195,7 @@ pub(super) fn where_we_are(session: &Session, interactive: bool) {
     if session.proposal().is_some() {
         plan(session);
         waiting(interactive);
-    } else if let Some(question) = session.question() {
-        need(session, &Need::Answer(question.to_owned()), interactive);
-    } else if !session.endings().is_empty() {
-        need(session, &Need::Ending(session.endings()), interactive);
-    } else if session.stuck().is_some() {
-        need(session, &Need::Help, interactive);
+    } else {
+        response(session, interactive);
     }
 }

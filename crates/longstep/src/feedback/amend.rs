@@ -1,7 +1,7 @@
 //! Amendment of a plan: from wishes to a verified plan or to the reasons against it.
 
-use super::StepWish;
 use super::apply::{Applied, apply, completed, reopened};
+use super::{Obstacle, StepWish};
 use crate::environment::{State, World, fact_text};
 use crate::goal::GoalFact;
 use crate::model::Domain;
@@ -20,8 +20,8 @@ pub enum Amended {
     Done(Box<Amendment>),
     /// No valid plan fulfils the wishes.
     Impossible {
-        /// The reasons, one sentence for each.
-        why: Vec<String>,
+        /// The reasons.
+        why: Vec<Obstacle>,
         /// The report on the plan with the wishes.
         report: Box<Report>,
     },
@@ -56,7 +56,7 @@ pub struct Amendment {
 /// let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };
 /// let amended = amend(&domain, &world, &plan, &[StepWish::Drop { step: 1 }], &goal.purpose(&domain));
 /// let Amended::Impossible { why, .. } = amended else { panic!("{amended:?}") };
-/// assert_eq!(why, ["step 3: Put(<mug_3>, <shelf_2>) needs that the mug is in hand"]);
+/// assert_eq!(why[0].to_string(), "step 3: Put(<mug_3>, <shelf_2>) needs that the mug is in hand");
 /// ```
 pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose) -> Amended {
     let length = plan.steps().len();
@@ -66,7 +66,7 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
     };
     if let Some(step) = wishes.iter().find_map(out_of_range) {
         return Amended::Impossible {
-            why: vec![format!("the plan has no step {}", step + 1)],
+            why: vec![Obstacle::NoSuchStep(step)],
             report: Box::new(check(domain, world, plan.clone(), purpose)),
         };
     }
@@ -92,18 +92,19 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
     let (mut why, report) = match verified(domain, world, &ways[0].draft, purpose) {
         Ok(report) => (in_the_way(domain, world, &report, purpose), report),
         Err(violation) => {
-            let why = violation.message(domain, world, &[], None);
+            let message = violation.message(domain, world, &[], None);
+            let why = Obstacle::Violation { violation, message };
             (vec![why], check(domain, world, plan.clone(), purpose))
         }
     };
     if unchanged {
-        why.push("with the rest of the plan changed to fit, it would be the plan as it is".to_owned());
+        why.push(Obstacle::Unchanged);
     }
     if let Some(changes) = too_many {
-        why.push(format!("it would take {changes} other changes of the plan"));
+        why.push(Obstacle::TooManyChanges(changes));
     }
     if let Some(limit) = gave_up {
-        why.push(format!("there may be a way around this that was not found: {limit}"));
+        why.push(Obstacle::GaveUp(limit));
     }
     Amended::Impossible {
         why,
@@ -172,8 +173,8 @@ fn verified(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose)
     Ok(report)
 }
 
-/// Returns the violations as sentences for a person.
-fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose) -> Vec<String> {
+/// Returns the violations with sentences for a person.
+fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose) -> Vec<Obstacle> {
     let sentence = |violation: &Violation| match violation {
         Violation::Goal { index } => match purpose.wanted.get(*index) {
             Some(wanted) => format!(
@@ -184,7 +185,11 @@ fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose
         },
         other => other.message(domain, world, report.plan.steps(), None),
     };
-    report.violations.iter().map(sentence).collect()
+    let violations = report.violations.iter().map(|violation| Obstacle::Violation {
+        message: sentence(violation),
+        violation: violation.clone(),
+    });
+    violations.collect()
 }
 
 /// Returns the sentence of the goal word, or else the missing facts.

@@ -13,6 +13,7 @@ mod example;
 mod grammar;
 mod heard;
 mod language;
+mod obstacle;
 mod offer;
 mod order;
 #[cfg(test)]
@@ -24,6 +25,7 @@ pub use dialogue::{FeedbackDialogue, Wish};
 pub use difference::pins;
 pub(crate) use example::check_feedback_example;
 pub use language::{WishError, parse, written};
+pub use obstacle::Obstacle;
 pub(crate) use order::reordered;
 
 use crate::environment::EntityId;

@@ -64,7 +64,7 @@ impl Scene {
                 let edits = done.edits.iter().map(|edit| format!("({})", edit.told(usize::MAX)));
                 sentences.chain(edits).collect()
             }
-            Amended::Impossible { why, .. } => why,
+            Amended::Impossible { why, .. } => why.iter().map(ToString::to_string).collect(),
         }
     }
 

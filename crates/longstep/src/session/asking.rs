@@ -1,6 +1,6 @@
 //! Model requests and replies.
 
-use super::{Event, OutOfTurn, Session, Stage, Stuck, Trouble, Turn, direct, goal};
+use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct, goal};
 use crate::dialogue::{DialogueError, Finish, Prepared, PromptError, Reply, TokenCounter};
 use crate::feedback::{FeedbackDialogue, Wish};
 
@@ -94,12 +94,7 @@ impl Session {
                 Ok(Box::new(prepared))
             }
             Err(error) => {
-                let stuck = Stuck {
-                    why: error.to_string(),
-                    answer: None,
-                    trouble: Trouble::Limit,
-                };
-                self.give_up(turn, stuck);
+                self.give_up(turn, Failure::Prompt(error.clone()));
                 Err(error)
             }
         }
@@ -150,9 +145,10 @@ impl Session {
                 Ok(Wish::Steps(wishes)) => self.amend(turn, &dialogue, words, &wishes),
                 Ok(Wish::Question(question)) => self.ask_person(turn, question.clone(), question),
                 Err(error @ DialogueError::NoWish(_)) => {
-                    self.reread(turn, &dialogue, words, &[], vec![error.to_string()]);
+                    let why = vec![Refusal::Failure(Failure::Reply(error))];
+                    self.reread(turn, &dialogue, words, &[], why);
                 }
-                Err(error) => self.give_up(turn, unusable(&error)),
+                Err(error) => self.give_up(turn, Failure::Reply(error)),
             },
         }
         Ok(())
@@ -172,25 +168,8 @@ impl Session {
         self.events.push(Event::Failed {
             error: error.to_owned(),
         });
-        let stuck = Stuck {
-            why: error.to_owned(),
-            answer: None,
-            trouble: Trouble::Model,
-        };
-        self.give_up(turn, stuck);
+        self.give_up(turn, Failure::Model(error.to_owned()));
         Ok(())
-    }
-}
-
-/// Returns the failure for an unusable reply.
-pub(super) fn unusable(error: &DialogueError) -> Stuck {
-    Stuck {
-        why: error.to_string(),
-        answer: None,
-        trouble: match error {
-            DialogueError::CutOff(_) => Trouble::Limit,
-            _ => Trouble::Model,
-        },
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sessions with plans that have several endings.
 
 use super::tests::{goals, reply};
-use super::{Entry, Event, Log, ModelFacts, Need, Session, Settings};
+use super::{Entry, Event, Log, ModelFacts, Response, Session, Settings};
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment};
@@ -50,12 +50,12 @@ fn the_next_instruction_begins_where_the_plan_is_told_to_have_ended() {
         .instruct("If the cheese has expired put it in the trash bin, otherwise on the shelf")
         .unwrap();
     let counter = &mut EstimatedTokens::default();
-    assert!(matches!(session.need(counter), Ok(Need::Model(_))));
+    assert!(matches!(session.next_request(counter), Ok(Some(_))));
     let goal = "if expired(cheese) then put(cheese, trash bin) else put(cheese, shelf)";
     session.supply(&reply(&goals(&[goal])), 1.0).unwrap();
     assert!(!session.proposal().unwrap().plan.plan().is_sequence());
     session.accept().unwrap();
-    let Ok(Need::Ending(endings)) = session.need(counter) else {
+    let Response::Endings(endings) = session.response() else {
         panic!()
     };
     let when: Vec<&[String]> = endings.iter().map(|ending| ending.when.as_slice()).collect();

@@ -1,7 +1,7 @@
 //! The direct strategy: the model writes the whole plan and the final environment.
 
-use super::asking::{Asking, What, unusable};
-use super::{Accepted, Event, Proposal, RepairPolicy, Session, Stage, Stuck, Trouble, Turn};
+use super::asking::{Asking, What};
+use super::{Accepted, Event, Failure, Proposal, RepairPolicy, Session, Stage, Turn};
 use crate::dialogue::{
     DialogueError, Exchange, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query, whole,
 };
@@ -53,17 +53,17 @@ impl Session {
 
     pub(super) fn plan_reply(&mut self, turn: Turn, reply: &Reply) {
         if let Err(error) = whole(reply) {
-            return self.give_up(turn, unusable(&error));
+            return self.give_up(turn, Failure::Reply(error));
         }
         let draft = match plan::read(&reply.text) {
             Ok(draft) => draft,
             Err(error) => {
-                let stuck = unusable(&DialogueError::Unreadable(error.to_string()));
+                let failure = Failure::Reply(DialogueError::Unreadable(error.to_string()));
                 let told = format!(
                     "{error}. {} Answer with the whole plan, in the format above.",
                     error.hint()
                 );
-                return self.correct(turn, reply, told, stuck);
+                return self.correct(turn, reply, told, failure);
             }
         };
         let assessment = Assessment::new(&self.world, draft, Some(&turn.instruction));
@@ -80,15 +80,10 @@ impl Session {
         match self.check(&turn, assessment, mend) {
             Checked::Plan(proposal) => self.propose(turn, *proposal),
             Checked::AsBefore => {
-                let stuck = Stuck {
-                    why: "the model's plan is the same as before".to_owned(),
-                    trouble: Trouble::Model,
-                    answer: None,
-                };
                 let told = "This is the same plan as before. Answer with the whole plan, changed as I said.";
-                self.correct(turn, reply, told.to_owned(), stuck);
+                self.correct(turn, reply, told.to_owned(), Failure::SamePlan);
             }
-            Checked::Wrong { told, stuck } => self.correct(turn, reply, told, stuck),
+            Checked::Wrong { told, failure } => self.correct(turn, reply, told, failure),
         }
     }
 
@@ -131,33 +126,24 @@ impl Session {
                 refused: Vec::new(),
             })),
             None => {
-                let wrong: Vec<String> = answer.violations.iter().map(|v| v.message.clone()).collect();
-                let why = match wrong.is_empty() {
-                    true => answer.status.sentence().to_owned(),
-                    false => wrong.join("; "),
-                };
                 Checked::Wrong {
                     // Feedback is needed only if another round follows.
                     told: match turn.corrections >= self.settings.rounds {
                         true => String::new(),
                         false => assessment.feedback(),
                     },
-                    stuck: Stuck {
-                        why,
-                        trouble: Trouble::Plan,
-                        answer: Some(Box::new(answer)),
-                    },
+                    failure: Failure::NoPlan(Box::new(answer)),
                 }
             }
         }
     }
 
     /// Sends a correction to the model. After the last round, the instruction fails instead.
-    fn correct(&mut self, mut turn: Turn, reply: &Reply, told: String, stuck: Stuck) {
+    fn correct(&mut self, mut turn: Turn, reply: &Reply, told: String, failure: Failure) {
         if turn.corrections >= self.settings.rounds {
-            return self.give_up(turn, stuck);
+            return self.give_up(turn, failure);
         }
-        if let Some(answer) = &stuck.answer {
+        if let Some(answer) = failure.answer() {
             self.verdict(answer);
         }
         self.events.push(Event::Correction { text: told.clone() });
@@ -170,8 +156,8 @@ impl Session {
     }
 
     /// Returns the last reply of a failed instruction, for the next round.
-    pub(super) fn reply_of(&self, stuck: &Stuck) -> String {
-        match &stuck.answer {
+    pub(super) fn reply_of(&self, failure: &Failure) -> String {
+        match failure.answer() {
             Some(answer) if answer.status != Status::Question && !answer.goal.is_empty() => answer.goal.join(" & "),
             Some(answer) => answered(&self.domain, &answer.plan),
             None => String::new(),
@@ -186,7 +172,7 @@ enum Checked {
     /// The plan equals the one that the feedback rejects.
     AsBefore,
     /// An invalid plan: feedback for the model, and the failure if no round follows.
-    Wrong { told: String, stuck: Stuck },
+    Wrong { told: String, failure: Failure },
 }
 
 impl Turn {

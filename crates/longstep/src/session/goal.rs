@@ -1,7 +1,7 @@
 //! The goal strategy: the model writes goals, and search finds the steps.
 
-use super::asking::{Asking, What, unusable};
-use super::{Event, Proposal, Session, Stage, Stuck, Trouble, Turn};
+use super::asking::{Asking, What};
+use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
 use crate::dialogue::{
     DialogueError, GoalDialogue, GoalInput, PartCost, Prepared, PromptError, Reply, Round, TokenCounter,
     Turn as DialogueTurn,
@@ -136,18 +136,18 @@ impl Session {
                     Some(Understanding::Goal(goal, left_out)) if turn.accepts_as_goal(&goal) => {
                         self.pursue(turn, goal, &left_out);
                     }
-                    Some(Understanding::Goal(..)) => self.end_rereading(turn, Some("the words name none".to_owned())),
+                    Some(Understanding::Goal(..)) => self.end_rereading(turn, Refusal::NoFurtherGoal),
                     Some(Understanding::Question(question)) if turn.rereading.is_some() => {
-                        self.end_rereading(turn, Some(question));
+                        self.end_rereading(turn, Refusal::OpenQuestion(question));
                     }
                     Some(Understanding::Question(question)) => {
                         self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
                     }
                     // Unreachable: each entity of the part exists in the whole world.
-                    None => self.give_up(turn, unusable(&DialogueError::Refused)),
+                    None => self.give_up(turn, Failure::Reply(DialogueError::Refused)),
                 }
             }
-            Err(error) => self.give_up(turn, unusable(&error)),
+            Err(error) => self.give_up(turn, Failure::Reply(error)),
         }
     }
 
@@ -175,14 +175,7 @@ impl Session {
                 };
                 self.propose(turn, proposal);
             }
-            None => {
-                let stuck = Stuck {
-                    why: answer.status.sentence().to_owned(),
-                    answer: Some(Box::new(answer)),
-                    trouble: Trouble::Plan,
-                };
-                self.give_up(turn, stuck);
-            }
+            None => self.give_up(turn, Failure::NoPlan(Box::new(answer))),
         }
     }
 
@@ -213,7 +206,10 @@ impl Session {
         let started = (self.now)();
         match amend(domain, world, proposal.plan.plan(), wishes, &proposal.purpose) {
             Amended::Done(amendment) => self.propose_amended(turn, *amendment, started),
-            Amended::Impossible { why, .. } => self.reread(turn, dialogue, words, wishes, why),
+            Amended::Impossible { why, .. } => {
+                let why = why.into_iter().map(Refusal::Change).collect();
+                self.reread(turn, dialogue, words, wishes, why);
+            }
         }
     }
 }

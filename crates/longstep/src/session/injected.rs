@@ -4,7 +4,7 @@
 use serde_json::json;
 
 use super::tests::{MOVE_PEN, direct, edits, goals, household, pen_plan, reply, text_of};
-use super::{Log, ModelFacts, Need, RepairPolicy, Session, Settings, Stage, replay};
+use super::{Log, ModelFacts, RepairPolicy, Session, Settings, Stage, replay};
 use crate::dialogue::{ConstraintKind, EstimatedTokens, Message, Prepared, Role};
 use crate::environment::{self, Environment};
 use crate::json::Path;
@@ -102,8 +102,8 @@ fn usual_reply(settings: Settings) -> String {
 }
 
 fn prepared(session: &mut Session) -> Box<Prepared> {
-    match session.need(&mut EstimatedTokens::default()).unwrap() {
-        Need::Model(prepared) => prepared,
+    match session.next_request(&mut EstimatedTokens::default()).unwrap() {
+        Some(prepared) => prepared,
         need => panic!("{need:?}"),
     }
 }
@@ -172,8 +172,8 @@ fn check_log(session: &mut Session) {
     assert_eq!(again.instruction(), session.instruction());
     assert_eq!(again.question(), session.question());
     assert_eq!(
-        again.stuck().map(|stuck| &stuck.why),
-        session.stuck().map(|stuck| &stuck.why)
+        again.failure().map(ToString::to_string),
+        session.failure().map(ToString::to_string)
     );
     let steps = |session: &Session| session.proposal().map(|proposal| proposal.plan.steps().to_vec());
     assert_eq!(steps(&again), steps(session));

@@ -45,6 +45,7 @@ mod goal;
 #[cfg(test)]
 mod injected;
 mod log;
+mod refusal;
 mod reread;
 #[cfg(test)]
 mod reread_tests;
@@ -59,9 +60,10 @@ pub use accepted::Accepted;
 pub use ended::Ended;
 pub use event::{Event, MessageRecord, StepRecord, UsageRecord, VERSION};
 pub use log::{Entry, Log, LogError};
+pub use refusal::{Failure, Refusal};
 pub use resume::{Replay, ReplayDifference, ResumeError, Resumed, replay};
 pub use settings::{ModelFacts, RepairPolicy, Settings, Strategy};
-pub use stage::{Need, OutOfTurn, Proposal, Stuck, Trouble};
+pub use stage::{OutOfTurn, Proposal, Response};
 pub use why::{Why, why};
 
 use std::sync::Arc;
@@ -129,31 +131,42 @@ impl Session {
         Self { limits, ..self }
     }
 
-    /// Returns the next input that the session needs. `counter` counts tokens as the model does; it is used only if the
-    /// context length is known.
+    /// Returns the next request for the model; none when it is the person's turn, see [`Session::response`]. `counter`
+    /// counts tokens as the model does; it is used only if the context length is known.
     ///
     /// # Errors
     ///
     /// The prompt exceeds the context length even after shortening, or the domain's prompt cannot be rendered. The
-    /// instruction is then stuck.
-    pub fn need(&mut self, counter: &mut dyn TokenCounter) -> Result<Need, PromptError> {
-        self.stage = match std::mem::replace(&mut self.stage, Stage::Idle) {
+    /// instruction then has no plan.
+    pub fn next_request(&mut self, counter: &mut dyn TokenCounter) -> Result<Option<Box<Prepared>>, PromptError> {
+        match std::mem::replace(&mut self.stage, Stage::Idle) {
             Stage::Asking(turn, asking) => {
                 let counter = match self.model.context {
                     Some(_) => counter,
                     None => &mut Uncounted,
                 };
-                return self.request(turn, asking, counter).map(Need::Model);
+                self.request(turn, asking, counter).map(Some)
             }
-            other => other,
-        };
-        Ok(match &self.stage {
-            Stage::Idle | Stage::Asking(..) => Need::Instruction,
-            Stage::Question(_, _, question) => Need::Answer(question.clone()),
-            Stage::Proposed(_) => Need::Decision,
-            Stage::Stuck(..) => Need::Help,
-            Stage::Ending(_) => Need::Ending(self.endings()),
-        })
+            other => {
+                self.stage = other;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Returns the state for the person.
+    pub fn response(&self) -> Response<'_> {
+        match &self.stage {
+            Stage::Idle => Response::Ready,
+            Stage::Asking(..) => Response::Waiting,
+            Stage::Question(_, _, question) => Response::Question(question),
+            Stage::Proposed(turn) => match turn.proposal.as_deref() {
+                Some(proposal) => Response::Plan(proposal),
+                None => Response::Ready,
+            },
+            Stage::Stuck(_, failure) => Response::NoPlan(failure),
+            Stage::Ending(_) => Response::Endings(self.endings()),
+        }
     }
 
     /// Returns the next request with its token counts by part, or none if no model reply is pending.
@@ -205,9 +218,9 @@ impl Session {
     }
 
     /// Returns the reason why the instruction failed, if it did.
-    pub fn stuck(&self) -> Option<&Stuck> {
+    pub fn failure(&self) -> Option<&Failure> {
         match &self.stage {
-            Stage::Stuck(_, stuck) => Some(stuck),
+            Stage::Stuck(_, failure) => Some(failure),
             _ => None,
         }
     }
@@ -321,11 +334,11 @@ impl Session {
                 let asking = self.ask_about(&mut turn, text);
                 (turn, asking)
             }
-            Stage::Stuck(turn, stuck) => {
+            Stage::Stuck(turn, failure) => {
                 let mut turn = turn.clone();
                 turn.corrections = 0;
                 turn.rounds.push(Round {
-                    replied: self.reply_of(stuck),
+                    replied: self.reply_of(failure),
                     said: text.to_owned(),
                 });
                 (turn, self.ask())
@@ -446,17 +459,19 @@ impl Session {
     }
 
     /// Ends an instruction without a plan, or refuses feedback and keeps the proposed plan.
-    fn give_up(&mut self, turn: Turn, stuck: Stuck) {
-        if let Some(answer) = &stuck.answer {
+    fn give_up(&mut self, turn: Turn, failure: Failure) {
+        if let Some(answer) = failure.answer() {
             self.verdict(answer);
         }
         if turn.rereading.is_some() {
-            self.end_rereading(turn, Some(stuck.why));
+            self.end_rereading(turn, Refusal::FurtherGoal(failure));
         } else if turn.proposal.is_some() {
-            self.refuse(turn, vec![stuck.why]);
+            self.refuse(turn, vec![Refusal::Failure(failure)]);
         } else {
-            self.events.push(Event::Stuck { why: stuck.why.clone() });
-            self.stage = Stage::Stuck(turn, stuck);
+            self.events.push(Event::Stuck {
+                why: failure.to_string(),
+            });
+            self.stage = Stage::Stuck(turn, failure);
         }
     }
 

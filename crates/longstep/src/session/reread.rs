@@ -9,7 +9,7 @@
 //! step or a call are about the steps, and are not read as a goal.
 
 use super::asking::{Asking, What};
-use super::{Event, Proposal, Session, Stage, Turn};
+use super::{Event, Proposal, Refusal, Session, Stage, Turn};
 use crate::feedback::{Amendment, FeedbackDialogue, StepWish, reordered};
 use crate::goal::Goal;
 use crate::report::{Answer, EditAnswer};
@@ -22,7 +22,7 @@ impl Session {
         dialogue: &FeedbackDialogue,
         words: String,
         wishes: &[StepWish],
-        why: Vec<String>,
+        why: Vec<Refusal>,
     ) {
         let Some(proposal) = turn.proposal.as_deref() else {
             return self.stage = Stage::Idle;
@@ -40,21 +40,23 @@ impl Session {
         if may_be_goal && self.goal_asking(&turn, None).is_further() {
             self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
         } else {
-            self.end_rereading(turn, None);
+            let why = turn.end_rereading().unwrap_or_default();
+            self.refuse(turn, why);
         }
     }
 
-    /// Refuses feedback; the reading as a further goal failed for the given reason if it was tried.
-    pub(super) fn end_rereading(&mut self, mut turn: Turn, why: Option<String>) {
+    /// Refuses feedback whose reading as a further goal failed, too.
+    pub(super) fn end_rereading(&mut self, mut turn: Turn, why: Refusal) {
         let mut all = turn.end_rereading().unwrap_or_default();
-        all.extend(why.map(|why| format!("as a further goal: {why}")));
+        all.push(why);
         self.refuse(turn, all);
     }
 
     /// Keeps the proposed plan and records why the feedback is refused.
-    pub(super) fn refuse(&mut self, mut turn: Turn, why: Vec<String>) {
+    pub(super) fn refuse(&mut self, mut turn: Turn, why: Vec<Refusal>) {
         turn.end_rereading();
-        self.events.push(Event::Refused { why: why.clone() });
+        let sentences = why.iter().map(Refusal::to_string).collect();
+        self.events.push(Event::Refused { why: sentences });
         if let Some(proposal) = &mut turn.proposal {
             proposal.refused = why;
         }
@@ -66,7 +68,8 @@ impl Session {
         if let Stage::Asking(turn, _) = &self.stage
             && turn.rereading.is_some()
         {
-            self.refuse(turn.clone(), why.to_vec());
+            let why = why.iter().cloned().map(Refusal::Recorded).collect();
+            self.refuse(turn.clone(), why);
         }
     }
 
@@ -105,7 +108,7 @@ impl Turn {
     }
 
     /// Stops reading the feedback as a further goal, and returns what stood in the way of its first reading.
-    pub(super) fn end_rereading(&mut self) -> Option<Vec<String>> {
+    pub(super) fn end_rereading(&mut self) -> Option<Vec<Refusal>> {
         let why = self.rereading.take()?;
         self.rounds.pop();
         Some(why)

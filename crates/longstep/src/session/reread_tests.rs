@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::tests::{edits, goals, reply, text_of};
-use super::{Event, Log, ModelFacts, Need, Session, Settings, replay};
+use super::{Event, Log, ModelFacts, Session, Settings, replay};
 use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain;
 use crate::environment::{self, Environment};
@@ -36,7 +36,7 @@ fn session(name: &str, environment: &str, kind: ConstraintKind) -> Session {
 
 /// Has a model answer the request that the session has for it.
 fn answer(session: &mut Session, text: &str) {
-    session.need(&mut EstimatedTokens::default()).unwrap();
+    session.next_request(&mut EstimatedTokens::default()).unwrap();
     session.supply(&reply(text), 1.0).unwrap();
 }
 
@@ -67,6 +67,11 @@ fn sentences(session: &Session) -> Vec<&str> {
 
 const CEREAL: (&str, &str) = ("Put the cereal in the fridge", "put(cereal, fridge)");
 const MILK: (&str, &str) = ("Put the milk in the fridge", "put(milk, fridge)");
+
+fn refusals(session: &Session) -> Vec<String> {
+    let refused = &session.proposal().unwrap().refused;
+    refused.iter().map(ToString::to_string).collect()
+}
 
 #[test]
 fn a_step_that_cannot_be_had_is_read_as_a_further_goal() {
@@ -135,7 +140,7 @@ fn a_grammar_goes_on_from_the_goals_of_the_plan() {
     answer(&mut session, CEREAL.1);
     session.feedback("close the fridge").unwrap();
     answer(&mut session, "insert close_by_rotate() after 3");
-    let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+    let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
         panic!("{:?}", session.proposal())
     };
     assert_eq!(prepared.request.answer_so_far, "put(cereal, fridge) &");
@@ -173,7 +178,7 @@ fn a_wish_without_any_reading_is_refused_with_every_reason() {
         "at the end, this is not reached: the milk is in hand",
         "as a further goal: no plan can do this",
     ];
-    assert_eq!(session.proposal().unwrap().refused, reasons);
+    assert_eq!(refusals(&session), reasons);
     assert_eq!(goal_texts(&session), ["held(milk)"]);
 }
 
@@ -204,7 +209,7 @@ fn a_failed_call_for_another_reading_leaves_the_reasons_of_the_first() {
         "step 4: close_by_rotate() needs that the cereal is open",
         "as a further goal: the server is down",
     ];
-    assert_eq!(session.proposal().unwrap().refused, reasons);
+    assert_eq!(refusals(&session), reasons);
     let mut session = reread(
         "household",
         LARDER,
@@ -236,7 +241,7 @@ fn a_log_that_refuses_at_once_is_gone_through() {
     });
     let log = Log::read(text_of(events).as_bytes()).unwrap();
     let resumed = Session::resume(Arc::new(domain::shipped("household").unwrap().unwrap()), &log, || 0.0).unwrap();
-    assert_eq!(resumed.session.proposal().unwrap().refused, ["step 4: no"]);
+    assert_eq!(refusals(&resumed.session), ["step 4: no"]);
     let replayed = replay(Arc::new(domain::shipped("household").unwrap().unwrap()), &log, || 0.0).unwrap();
     assert_eq!(replayed.differing.len(), 1);
 }

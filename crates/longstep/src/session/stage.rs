@@ -1,28 +1,44 @@
 //! The states of a session and the inputs that they need.
 
-use super::Ended;
+use std::fmt;
+
 use super::asking::Asking;
 use super::ended::Left;
-use crate::dialogue::{Prepared, Round, Usage};
+use super::{Ended, Failure, Refusal};
+use crate::dialogue::{Round, Usage};
 use crate::goal::Goal;
 use crate::report::Answer;
 use crate::verify::{Purpose, VerifiedPlan};
 
-/// The next input that a session needs.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Need {
-    /// An instruction.
-    Instruction,
-    /// A model's reply to this request.
-    Model(Box<Prepared>),
-    /// The person's answer to this question.
-    Answer(String),
-    /// A decision on [`proposal`](super::Session::proposal): acceptance or feedback.
-    Decision,
-    /// The ending of the last accepted plan, one of these; [`ended`](super::Session::ended) takes its index.
-    Ending(Vec<Ended>),
-    /// Another instruction or feedback; [`stuck`](super::Session::stuck) returns the reason.
-    Help,
+/// The state of a session as the person finds it when no model is to be called.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Response<'a> {
+    /// No instruction is under way.
+    Ready,
+    /// A model's reply is awaited; see [`next_request`](super::Session::next_request).
+    Waiting,
+    /// A verified plan, which waits for acceptance or feedback.
+    Plan(&'a Proposal),
+    /// A question, which waits for an answer.
+    Question(&'a str),
+    /// There is no plan; another instruction or feedback may follow.
+    NoPlan(&'a Failure),
+    /// The last accepted plan can end in these ways; [`ended`](super::Session::ended) takes the index of one.
+    Endings(Vec<Ended>),
+}
+
+impl fmt::Display for Response<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Ready => f.write_str("ready for an instruction"),
+            Self::Waiting => f.write_str("waiting for the model"),
+            Self::Plan(proposal) => write!(f, "a verified plan of {} steps", proposal.plan.steps().len()),
+            Self::Question(question) => f.write_str(question),
+            Self::NoPlan(failure) => failure.fmt(f),
+            Self::Endings(endings) => write!(f, "the last plan can have ended in {} ways", endings.len()),
+        }
+    }
 }
 
 /// A verified plan that waits for the person's decision.
@@ -37,29 +53,7 @@ pub struct Proposal {
     /// The answer for people and programs.
     pub answer: Answer,
     /// Reasons why the last feedback was refused; empty if it was fulfilled.
-    pub refused: Vec<String>,
-}
-
-/// Reason why an instruction led to no plan.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stuck {
-    /// The reason, in one sentence.
-    pub why: String,
-    /// The answer with the invalid plan or without a plan; none if the reply could not be parsed.
-    pub answer: Option<Box<Answer>>,
-    /// The category of the reason.
-    pub trouble: Trouble,
-}
-
-/// A category of failure, which decides the exit code of a program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trouble {
-    /// No valid plan; see the answer.
-    Plan,
-    /// A limit on tokens or rounds.
-    Limit,
-    /// The model call failed, or its reply is unusable.
-    Model,
+    pub refused: Vec<Refusal>,
 }
 
 /// One instruction until its plan is accepted.
@@ -75,7 +69,7 @@ pub(super) struct Turn {
     /// The plan that feedback refers to.
     pub(super) proposal: Option<Box<Proposal>>,
     /// While feedback is read as a further goal: what stands in the way of it as a change of the steps.
-    pub(super) rereading: Option<Vec<String>>,
+    pub(super) rereading: Option<Vec<Refusal>>,
 }
 
 /// The state of a session.
@@ -87,7 +81,7 @@ pub(super) enum Stage {
     Question(Turn, String, String),
     /// The turn has a proposed plan.
     Proposed(Turn),
-    Stuck(Turn, Stuck),
+    Stuck(Turn, Failure),
     /// The accepted plan has several endings.
     Ending(Vec<Left>),
 }

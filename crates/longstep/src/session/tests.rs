@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, LazyLock};
 
-use super::{Entry, Event, Log, LogError, ModelFacts, Need, RepairPolicy, Session, Settings, Strategy, replay};
+use super::{
+    Entry, Event, Failure, Log, LogError, ModelFacts, Refusal, RepairPolicy, Session, Settings, Strategy, replay,
+};
 use crate::dialogue::{ConstraintKind, EstimatedTokens, Finish, PromptError, Reply, Usage};
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment};
@@ -86,8 +88,8 @@ fn play(session: &mut Session, script: &[(&str, &str)]) {
         let done = match *who {
             "person" => session.instruct(text),
             "model" => {
-                let need = session.need(&mut EstimatedTokens::default()).unwrap();
-                assert!(matches!(need, Need::Model(_)), "{text}: {need:?}");
+                let request = session.next_request(&mut EstimatedTokens::default()).unwrap();
+                assert!(request.is_some(), "{text}");
                 session.supply(&reply(text), 5.0)
             }
             "answer" => session.answer(text),
@@ -150,10 +152,10 @@ fn questions_are_passed_on_and_answers_go_back() {
     let mut session = session(Settings::default());
     let question = r#"{"question": "Which one?", "goals": []}"#;
     play(&mut session, &[("person", "Move it over"), ("model", question)]);
-    let need = session.need(&mut EstimatedTokens::default()).unwrap();
-    assert_eq!(need, Need::Answer("Which one?".to_owned()));
+    assert!(session.next_request(&mut EstimatedTokens::default()).unwrap().is_none());
+    assert_eq!(session.question(), Some("Which one?"));
     play(&mut session, &[("answer", "the pen, on the shelf")]);
-    let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+    let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
         panic!("the model is to be asked")
     };
     let said: Vec<&str> = prepared.request.messages.iter().map(|m| m.text.as_str()).collect();
@@ -182,7 +184,7 @@ fn words_about_steps_change_the_plan_or_are_refused() {
     );
     let proposal = session.proposal().unwrap();
     assert!(
-        proposal.refused[0].contains("the hand holds the pen"),
+        proposal.refused[0].to_string().contains("the hand holds the pen"),
         "{:?}",
         proposal.refused
     );
@@ -223,7 +225,10 @@ fn a_called_off_call_brings_the_plan_back() {
     assert!(session.proposal().is_some());
     play(&mut session, &[("feedback", "hm")]);
     session.failed("the server is down").unwrap();
-    assert_eq!(session.proposal().unwrap().refused, ["the server is down"]);
+    assert_eq!(
+        session.proposal().unwrap().refused,
+        [Refusal::Failure(Failure::Model("the server is down".to_owned()))]
+    );
     play(&mut session, &[("cancel", "")]);
     assert!(session.instruction().is_none());
 }
@@ -282,7 +287,7 @@ fn without_repair_the_model_is_told_what_is_wrong() {
             &mut session,
             &[("person", "The pen goes on the shelf"), ("model", &bad)],
         );
-        let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+        let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
             panic!("{repair:?}")
         };
         let told = &prepared.request.messages.last().unwrap().text;
@@ -292,7 +297,7 @@ fn without_repair_the_model_is_told_what_is_wrong() {
         );
         play(&mut session, &[("model", &bad)]);
         assert_eq!(session.proposal().is_some(), mended, "{repair:?}");
-        assert_eq!(session.stuck().is_some(), !mended, "{repair:?}");
+        assert_eq!(session.failure().is_some(), !mended, "{repair:?}");
     }
 }
 
@@ -315,7 +320,7 @@ fn replies_that_are_no_plan_are_asked_for_again_and_then_given_up() {
                 ("model", text),
             ],
         );
-        assert!(session.stuck().is_some(), "{text}");
+        assert!(session.failure().is_some(), "{text}");
         assert!(session.accept().is_err());
         play(
             &mut session,
@@ -349,7 +354,7 @@ fn what_a_person_asked_for_is_not_repaired_away_when_the_model_writes_the_plan()
     );
     let proposal = session.proposal().unwrap();
     assert!(
-        proposal.refused[0].contains("the hand holds the pen"),
+        proposal.refused[0].to_string().contains("the hand holds the pen"),
         "{:?}",
         proposal.refused
     );
@@ -374,7 +379,7 @@ fn feedback_to_the_model_does_not_bring_back_what_a_person_took_out() {
             ("model", &pen_plan(&without_grasp, "shelf")),
         ],
     );
-    let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+    let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
         panic!("the model was not asked again")
     };
     let told = &prepared.request.messages.last().unwrap().text;
@@ -396,14 +401,14 @@ fn a_plan_that_ignores_what_the_person_said_is_not_taken_for_an_answer() {
             ("model", &plan),
         ],
     );
-    let Need::Model(prepared) = session.need(&mut EstimatedTokens::default()).unwrap() else {
+    let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
         panic!("the model was not asked again")
     };
     let told = &prepared.request.messages.last().unwrap().text;
     assert!(told.contains("the same plan as before"), "{told}");
     play(&mut session, &[("model", &plan)]);
     let refused = &session.proposal().unwrap().refused;
-    assert_eq!(refused, &["the model's plan is the same as before"]);
+    assert_eq!(refused, &[Refusal::Failure(Failure::SamePlan)]);
 }
 
 #[test]
@@ -453,7 +458,7 @@ fn plans_are_accepted_without_asking_where_that_is_wanted() {
         ],
     );
     assert_eq!(session.accepted().len(), 1);
-    assert!(session.stuck().is_some());
+    assert!(session.failure().is_some());
 }
 
 #[test]
@@ -466,12 +471,12 @@ fn a_prompt_that_cannot_fit_is_a_limit_and_says_by_how_much() {
     };
     session.set_model(small);
     session.instruct("The pen goes on the shelf").unwrap();
-    let error = session.need(&mut EstimatedTokens::default()).unwrap_err();
+    let error = session.next_request(&mut EstimatedTokens::default()).unwrap_err();
     let PromptError::OverBudget(over) = &error else {
         panic!("{error}")
     };
     assert!(error.to_string().contains(&over.by().to_string()), "{error}");
-    assert!(session.stuck().is_some());
+    assert!(session.failure().is_some());
     assert!(session.instruct("again").is_ok());
 }
 
