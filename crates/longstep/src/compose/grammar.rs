@@ -1,11 +1,11 @@
 //! Structured output for compositions: a grammar for the script and a JSON schema for the tree.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::asked::Check;
 use super::menu::{Menu, Offered};
-use crate::dialogue::{TreeForms, closed, tree_schema};
-use crate::goal::{QUESTION, quoted};
+use crate::dialogue::answer_grammar::{Grammar, any_text, closed, either, quoted};
+use crate::dialogue::{TreeForms, tree_schema};
 
 /// Maximum parts of a block. It stops a model that repeats itself.
 const MOST: usize = 6;
@@ -21,117 +21,122 @@ const LISTED: usize = 4;
 /// Every line is spelled out with its indentation, so only stored plans, checks and lanes that exist can be written. A
 /// check and the branch on its outcome form one rule, and no check repeats inside its own branch.
 pub(super) fn grammar(menu: &Menu) -> String {
-    let question = format!("question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n", quoted(QUESTION));
+    let mut grammar = Grammar::default();
+    grammar.question();
     if menu.plans.is_empty() {
-        return format!("start: question\n{question}");
+        return grammar.text();
     }
-    let mut text = format!("start: question | whole\n{question}");
+    grammar.start("whole");
     let mut forks = Vec::new();
     if !menu.checks.is_empty() {
         forks.push("branch0");
-        text.push_str(&branches(menu));
+        branches(menu, &mut grammar);
     }
     if !menu.lanes.is_empty() {
         forks.push("sides");
-        text.push_str(&sides(menu));
+        grammar.rule("sides", sides(menu));
     }
-    let plan = menu.plans.iter().map(|plan| quoted(&format!("{}()", plan.name)));
-    text.push_str(&format!("plan0: {}\n", any(plan)));
+    grammar.rule("plan0", calls(menu, 0));
     let forks = forks.join(" | ");
-    text.push_str(&match (forks.is_empty(), menu.fork_wanted) {
-        (true, _) => format!("whole: plan0 (\"\\n\" plan0){{0,{}}}\n", MOST - 1),
-        (false, false) => format!("whole: part (\"\\n\" part){{0,{}}}\npart: plan0 | {forks}\n", MOST - 1),
-        // The instruction asks for a branch or lanes, so the grammar requires one.
-        (false, true) => format!(
-            "whole: (plan0 \"\\n\"){{0,{n}}} ({forks}) (\"\\n\" part){{0,{n}}}\npart: plan0 | {forks}\n",
-            n = MOST - 2
-        ),
-    });
-    text
+    if forks.is_empty() {
+        grammar.rule("whole", [block("plan0")]);
+        return grammar.text();
+    }
+    // Where the instruction asks for a branch or lanes, the grammar requires one.
+    grammar.rule(
+        "whole",
+        [match menu.fork_wanted {
+            true => format!(
+                "(plan0 \"\\n\"){{0,{n}}} ({forks}) (\"\\n\" part){{0,{n}}}",
+                n = MOST - 2
+            ),
+            false => block("part"),
+        }],
+    );
+    grammar.rule("part", [format!("plan0 | {forks}")]);
+    grammar.text()
 }
 
-fn any(alternatives: impl Iterator<Item = String>) -> String {
-    alternatives.collect::<Vec<_>>().join("\n  | ")
+/// Returns the rule for lines of one kind.
+fn block(line: &str) -> String {
+    format!("{line} (\"\\n\" {line}){{0,{}}}", MOST - 1)
 }
 
-/// Returns the rules for a branch on each check, with branches on the other checks nested inside.
-fn branches(menu: &Menu) -> String {
-    let mut text = String::new();
+/// Returns the calls of the stored plans, indented for this depth.
+fn calls(menu: &Menu, depth: usize) -> impl Iterator<Item = String> {
+    let margin = "    ".repeat(depth);
+    let plans = menu.plans.iter();
+    plans.map(move |plan| quoted(&format!("{margin}{}()", plan.name)))
+}
+
+/// Adds the rules for a branch on each check, with branches on the other checks nested inside.
+fn branches(menu: &Menu, grammar: &mut Grammar) {
     let all = 0..menu.checks.len();
-    let rules = all.clone().map(|index| format!("branch0_{index}"));
-    text.push_str(&format!("branch0: {}\n", any(rules)));
+    let nested = menu.checks.len() > 1;
+    grammar.rule("branch0", all.clone().map(|index| format!("branch0_{index}")));
     for index in all.clone() {
-        text.push_str(&branch(menu, index, 0, &format!("block1_{index}")));
+        branch(menu, index, 0, &format!("block1_{index}"), grammar);
+        let part = format!("part1_{index}");
+        grammar.rule(&format!("block1_{index}"), [block(&part)]);
         let others = all.clone().filter(|other| *other != index);
         let inner = std::iter::once("plan1".to_owned()).chain(others.map(|other| format!("branch1_{other}")));
-        let inner = any(inner);
-        text.push_str(&format!(
-            "block1_{index}: part1_{index} (\"\\n\" part1_{index}){{0,{}}}\npart1_{index}: {inner}\n",
-            MOST - 1
-        ));
-        if menu.checks.len() > 1 {
-            text.push_str(&branch(menu, index, 1, "block2"));
+        grammar.rule(&part, inner);
+        if nested {
+            branch(menu, index, 1, "block2", grammar);
         }
     }
-    let levels = if menu.checks.len() > 1 { 1..=DEPTH } else { 1..=1 };
-    for depth in levels {
-        let margin = "    ".repeat(depth);
-        let calls = menu
-            .plans
-            .iter()
-            .map(|plan| quoted(&format!("{margin}{}()", plan.name)));
-        text.push_str(&format!("plan{depth}: {}\n", any(calls)));
+    for depth in 1..=if nested { DEPTH } else { 1 } {
+        grammar.rule(&format!("plan{depth}"), calls(menu, depth));
     }
-    if menu.checks.len() > 1 {
-        text.push_str(&format!("block2: plan2 (\"\\n\" plan2){{0,{}}}\n", MOST - 1));
+    if nested {
+        grammar.rule("block2", [block("plan2")]);
     }
-    text
 }
 
-/// Returns the rule for a check in one line and the branch on its outcome in the next lines.
-fn branch(menu: &Menu, index: usize, depth: usize, block: &str) -> String {
+/// Adds the rule for a check in one line and the branch on its outcome in the next lines.
+fn branch(menu: &Menu, index: usize, depth: usize, body: &str, grammar: &mut Grammar) {
     let check = &menu.checks[index];
     let margin = "    ".repeat(depth);
-    let call = check.script();
-    let asked = match check.outcomes.is_empty() {
+    let sensed = match check.outcomes.is_empty() {
         true => String::new(),
-        false => quoted(&format!("{margin}{call}\n")),
+        false => quoted(&format!("{margin}{}\n", check.script())),
     };
     let conditions = check.conditions();
-    let one_of = |word: &str| {
-        let lines = conditions
-            .iter()
-            .map(|condition| quoted(&format!("{margin}{word} {condition}:\n")));
-        format!("({}) {block}", any(lines))
-    };
     // With two outcomes, `else` covers the second.
     let elif = match conditions.len() {
         0..=2 => String::new(),
-        _ => format!(" (\"\\n\" {})?", one_of("elif")),
+        _ => format!(" (\"\\n\" {} {body})?", heads(&margin, "elif", &conditions)),
     };
+    let heads = heads(&margin, "if", &conditions);
     let otherwise = quoted(&format!("\n{margin}else:\n"));
-    format!(
-        "branch{depth}_{index}: {asked} {}{elif} ({otherwise} {block})?\n",
-        one_of("if")
-    )
+    grammar.rule(
+        &format!("branch{depth}_{index}"),
+        [format!("{sensed} {heads} {body}{elif} ({otherwise} {body})?")],
+    );
 }
 
-/// Returns the rule for parallel lanes: each ordered pair of two lanes that have plans.
-fn sides(menu: &Menu) -> String {
-    let lane = |lane: &String| {
-        let fitting = menu.plans.iter().filter(|plan| plan.lane.as_ref() == Some(lane));
-        format!(
-            "{} ({})",
-            quoted(&format!("\n    with lane({}):\n", quoted(lane))),
-            any(orders(&fitting.collect::<Vec<_>>()).into_iter())
-        )
-    };
-    let lanes: Vec<String> = menu.lanes.iter().map(lane).collect();
+/// Returns the lines that begin a branch, one for each condition.
+fn heads(margin: &str, word: &str, conditions: &[String]) -> String {
+    let lines = conditions.iter();
+    let lines = lines.map(|condition| quoted(&format!("{margin}{word} {condition}:\n")));
+    format!("({})", either(lines))
+}
+
+/// Returns the alternatives for parallel lanes: each ordered pair of two lanes that have plans.
+fn sides(menu: &Menu) -> Vec<String> {
+    let lanes: Vec<String> = menu.lanes.iter().map(|lane| lane_rule(menu, lane)).collect();
     let all = 0..lanes.len();
     let pairs = all.clone().flat_map(|one| all.clone().map(move |other| (one, other)));
     let pairs = pairs.filter(|(one, other)| one != other);
     let pairs = pairs.map(|(one, other)| format!("\"with parallel():\" {} {}", lanes[one], lanes[other]));
-    format!("sides: {}\n", any(pairs))
+    pairs.collect()
+}
+
+/// Returns the rule for a lane with its plans.
+fn lane_rule(menu: &Menu, lane: &String) -> String {
+    let head = quoted(&format!("\n    with lane({}):\n", quoted(lane)));
+    let fitting = menu.plans.iter().filter(|plan| plan.lane.as_ref() == Some(lane));
+    format!("{head} ({})", either(orders(&fitting.collect::<Vec<_>>())))
 }
 
 /// Returns the possible contents of a lane: a non-empty subset of its plans, in any order.
@@ -139,8 +144,7 @@ fn orders<'a>(plans: &[&'a Offered]) -> Vec<String> {
     let line = |plan: &Offered| format!("        {}()", plan.name);
     if plans.len() > LISTED {
         let lines = plans.iter().map(|plan| quoted(&line(plan)));
-        let one = any(lines);
-        return vec![format!("({one}) (\"\\n\" ({one})){{0,{}}}", MOST - 1)];
+        return vec![block(&format!("({})", either(lines)))];
     }
     let mut all = Vec::new();
     let mut longest: Vec<Vec<&'a Offered>> = vec![Vec::new()];
@@ -181,7 +185,7 @@ pub(super) fn schema(menu: &Menu) -> Value {
         explained: false,
         depth: DEPTH,
     });
-    let mut schema = closed(&[("task_tree", tree.nodes), ("question", json!({"type": "string"}))]);
+    let mut schema = closed(&[("task_tree", tree.nodes), ("question", any_text())]);
     schema["$defs"] = tree.definitions;
     schema
 }

@@ -1,7 +1,7 @@
 //! Parsing of compositions.
 
-use super::request::asks;
 use crate::diagnostic::Position;
+use crate::dialogue::answer_grammar::question_in;
 use crate::dialogue::in_schema;
 use crate::plan::{self, Unreadable, Written, script, write_tree};
 use serde_json::json;
@@ -29,7 +29,7 @@ pub enum Said {
 ///
 /// The text contains no plan, or its plan cannot be parsed.
 pub fn read(text: &str) -> Result<Said, Unreadable> {
-    if let Some(question) = asks(text) {
+    if let Some(question) = question_in(text) {
         return Ok(Said::Question(question.to_owned()));
     }
     let file = plan::read(text)?.file;
@@ -44,7 +44,7 @@ pub fn read(text: &str) -> Result<Said, Unreadable> {
 
 /// Converts the answer of an example to the JSON that the schema describes.
 pub(super) fn in_json(answer: &str) -> String {
-    let (tree, question) = match (asks(answer), script::read(answer)) {
+    let (tree, question) = match (question_in(answer), script::read(answer)) {
         (Some(question), _) => (json!([]), question),
         (None, Ok(written)) => (in_schema(&write_tree(&written), false), ""),
         // Unreachable for the examples: a test parses all of them.

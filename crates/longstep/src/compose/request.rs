@@ -7,7 +7,6 @@ use super::menu::Menu;
 use super::read::in_json;
 use crate::dialogue::{ChatRequest, Constraint, ConstraintKind, Message, Role, Round, plain_line};
 use crate::environment::World;
-use crate::goal::QUESTION;
 use crate::model::Domain;
 
 /// Token budget of a script. The longest useful script under the grammar is shorter.
@@ -125,9 +124,4 @@ fn whole_query(plans: Vec<String>, checks: Vec<String>, wish: &str) -> String {
         text.push_str(&format!("Checks:\n{}\n", checks.join("\n")));
     }
     format!("{text}Wish: {wish}")
-}
-
-/// Returns the question of an answer, if it is one.
-pub(super) fn asks(answer: &str) -> Option<&str> {
-    answer.trim().strip_prefix(QUESTION.trim()).map(str::trim)
 }

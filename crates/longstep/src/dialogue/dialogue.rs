@@ -6,7 +6,9 @@
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::answer_grammar::question_in;
 use super::example::{fixed_turns, in_form, scene_and_instruction};
+use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
 use super::query::plain_line;
 use super::{
     ChatRequest, Constraint, ConstraintKind, Finish, Message, PartCost, Reply, Role, Round, TokenCounter, Usage, scene,
@@ -14,8 +16,8 @@ use super::{
 use crate::effort;
 use crate::environment::{EntityId, World};
 use crate::goal::{
-    self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Place, Request, Spoken, Understanding, Ways,
-    ended, grammar_of, offers, offers_on, schema_of, understand_spoken,
+    self, Begun, Correction, Goal, GoalError, GoalFact, Next, Offer, Request, Spoken, Understanding, ended, offers,
+    offers_on, understand_spoken,
 };
 use crate::model::{Domain, plain_words};
 use crate::search;
@@ -262,7 +264,7 @@ impl GoalDialogue {
             ConstraintKind::Grammar => Constraint::Lark(self.grammar(domain, world)),
             ConstraintKind::JsonSchema => {
                 let depends = !goal::conditions(domain, world, &self.heard.spoken).is_empty();
-                Constraint::JsonSchema(schema_of(domain, world, &self.open, depends))
+                Constraint::JsonSchema(goal_schema(domain, world, &self.open, depends))
             }
         };
         ChatRequest {
@@ -314,7 +316,7 @@ impl GoalDialogue {
             joints: &joints,
             may_end: !must_depend,
         };
-        grammar_of(domain, world, &ways, place)
+        goal_grammar(domain, world, &ways, place)
     }
 
     /// Returns the token counts by part: `task`, `examples`, `query`, and `frame` for the chat template around the
@@ -396,8 +398,8 @@ impl GoalDialogue {
     }
 
     fn supply_part(&mut self, domain: &Domain, world: &World) -> Result<Turn, DialogueError> {
-        if let Some(question) = self.answer.strip_prefix(goal::QUESTION) {
-            let question = question.trim().to_owned();
+        if let Some(question) = question_in(&self.answer) {
+            let question = question.to_owned();
             if !self.mistaken && self.denies_what_is_here(world, &question) && !self.open.is_empty() {
                 self.mistaken = true;
                 self.answer.clear();

@@ -5,6 +5,7 @@
 //! [`query`]; [`crate::plan::read`] parses the reply. A prompt beyond the token budget is shortened ([`fit`],
 //! [`focus`]), and the result reports the omissions.
 
+pub(crate) mod answer_grammar;
 mod budget;
 mod chat;
 mod count;
@@ -15,6 +16,7 @@ mod explain;
 mod fitted;
 mod focus;
 mod forms;
+mod goal_grammar;
 mod parts;
 mod query;
 mod reply;
@@ -46,4 +48,4 @@ pub use query::query;
 pub(crate) use reply::answered;
 pub use reply::direct_schema;
 pub use scene::scene;
-pub(crate) use tree_schema::{TreeForms, closed, in_schema, tree_schema};
+pub(crate) use tree_schema::{TreeForms, in_schema, tree_schema};

@@ -5,9 +5,10 @@ use longstep_core::model::state_word;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::answer_grammar::{ENUM_BYTES, ENUM_LIMIT, any_text, closed, list, listed, one_of};
 use super::forms::{actors, has_trees, senses};
 use super::query::contained_json;
-use super::tree_schema::{TreeForms, TreeSchema, closed, in_schema, tree_schema};
+use super::tree_schema::{TreeForms, TreeSchema, in_schema, tree_schema};
 use crate::call::Call;
 use crate::environment::{EntityId, Environment, World};
 use crate::model::{Action, Domain, TypeId};
@@ -128,11 +129,6 @@ pub(crate) fn answered(domain: &Domain, file: &PlanFile) -> String {
     })
 }
 
-/// Maximum number of values in an enumeration, and of properties in a schema.
-const VALUES: usize = 500;
-/// Maximum total length of these values, in bytes.
-const BYTES: usize = 12_000;
-
 /// Returns a JSON schema for a direct answer in this world: only calls of the domain, and an entry for each entity.
 ///
 /// All keys are required and no others are allowed, as OpenAI's strict mode demands. Calls with well-typed arguments
@@ -153,29 +149,18 @@ const BYTES: usize = 12_000;
 /// ```
 pub fn direct_schema(domain: &Domain, world: &World) -> Value {
     let Environment { assets, objects, .. } = world.environment();
-    let listed = assets.len() + objects.len();
+    let things = assets.len() + objects.len();
     let bytes: usize = assets.iter().chain(objects).map(String::len).sum();
     // Each entity has an entry before and after, and may be the object.
-    let small = 3 * listed <= VALUES && 3 * bytes <= BYTES;
-    let texts = json!({"type": "array", "items": {"type": "string"}});
-    let call = match calls(domain, world, |_| true) {
-        Some(calls) => json!({"type": "string", "enum": calls}),
-        None => json!({"type": "string"}),
-    };
-    let identifier = |nullable: bool| {
-        let kind = if nullable {
-            json!(["string", "null"])
-        } else {
-            json!("string")
-        };
-        let mut all: Vec<Value> = assets.iter().chain(objects).map(|name| json!(name)).collect();
-        if !small || all.is_empty() {
-            return json!({"type": kind});
+    let small = 3 * things <= ENUM_LIMIT && 3 * bytes <= ENUM_BYTES;
+    let texts = list(any_text());
+    let kind = json!(["string", "null"]);
+    let object = match small && things > 0 {
+        true => {
+            let names = assets.iter().chain(objects).map(|name| json!(name));
+            json!({"type": kind, "enum": names.chain([Value::Null]).collect::<Value>()})
         }
-        if nullable {
-            all.push(Value::Null);
-        }
-        json!({"type": kind, "enum": all})
+        false => json!({"type": kind}),
     };
     let states = |identifiers: &[String]| {
         if !small {
@@ -194,20 +179,17 @@ pub fn direct_schema(domain: &Domain, world: &World) -> Value {
     let steps = match &tree {
         Some(tree) => vec![("task_tree", tree.nodes.clone())],
         None => vec![
-            ("task_sequence", json!({"type": "array", "items": call})),
+            ("task_sequence", list(one_of(calls(domain, world, |_| true).as_deref()))),
             ("step_instructions", texts.clone()),
         ],
     };
-    let handled = [
-        ("object_name", identifier(true)),
-        ("object_names", json!({"type": "array", "items": {"type": "string"}})),
-    ];
+    let handled = [("object_name", object), ("object_names", texts.clone())];
     let mut schema = closed(&[
         ("task_cohesion", closed(&[&steps[..], &handled[..]].concat())),
         ("environment_before", environment.clone()),
         ("environment_after", environment),
-        ("instruction_summary", json!({"type": "string"})),
-        ("question", json!({"type": "string"})),
+        ("instruction_summary", any_text()),
+        ("question", any_text()),
     ]);
     if let Some(tree) = tree {
         schema["$defs"] = tree.definitions;
@@ -224,7 +206,7 @@ fn tree(domain: &Domain, world: &World) -> TreeSchema {
     let senses = senses(domain);
     let asked = match senses {
         true => self::calls(domain, world, |action| !action.senses.is_empty())
-            .and_then(|sensing| listed([sensing, told_states(domain, world)].concat())),
+            .and_then(|sensing| listed_calls([sensing, sensed_states(domain, world)].concat())),
         false => Some(Vec::new()),
     };
     let lanes: Vec<String> = actors(domain, world)
@@ -242,7 +224,7 @@ fn tree(domain: &Domain, world: &World) -> TreeSchema {
 }
 
 /// Returns the sensed states in condition notation, with well-typed arguments.
-fn told_states(domain: &Domain, world: &World) -> Vec<String> {
+fn sensed_states(domain: &Domain, world: &World) -> Vec<String> {
     let mut all = Vec::new();
     for outcome in domain.actions.iter().flat_map(|action| &action.senses) {
         let Some(word) = state_word(domain, outcome.predicate) else {
@@ -265,7 +247,7 @@ fn calls(domain: &Domain, world: &World, wanted: impl Fn(&Action) -> bool) -> Op
         let choices = choices(world, shown.map(|parameter| action.parameters[*parameter].kind))?;
         all.extend(choices.into_iter().map(|arguments| written(&action.call, arguments)));
     }
-    listed(all)
+    listed_calls(all)
 }
 
 fn written(name: &str, arguments: Vec<String>) -> String {
@@ -278,7 +260,7 @@ fn choices(world: &World, kinds: impl Iterator<Item = TypeId>) -> Option<Vec<Vec
     let mut choices: Vec<Vec<String>> = vec![Vec::new()];
     for kind in kinds {
         let fitting = world.of_kind(kind);
-        if choices.len() * fitting.len() > VALUES {
+        if choices.len() * fitting.len() > ENUM_LIMIT {
             return None;
         }
         let with = |given: &Vec<String>| {
@@ -290,10 +272,9 @@ fn choices(world: &World, kinds: impl Iterator<Item = TypeId>) -> Option<Vec<Vec
     Some(choices)
 }
 
-/// Returns the texts if servers can be expected to accept them as an enumeration.
-fn listed(mut all: Vec<String>) -> Option<Vec<String>> {
+/// Returns the calls if servers can be expected to accept them as an enumeration.
+fn listed_calls(mut all: Vec<String>) -> Option<Vec<String>> {
     // Two actions may have one notation.
     all.dedup();
-    let bytes: usize = all.iter().map(String::len).sum();
-    (!all.is_empty() && all.len() <= VALUES && bytes <= BYTES).then_some(all)
+    listed(all)
 }

@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use super::answer_grammar::{any_text, closed, list, one_of};
+
 /// Elements that a plan tree may contain.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TreeForms<'a> {
@@ -35,11 +37,10 @@ pub(crate) fn tree_schema(forms: TreeForms<'_>) -> TreeSchema {
         definitions.insert(name.to_owned(), schema);
     };
     define("call", one_of(forms.calls));
-    let text = json!({"type": "string"});
     define(
         "step",
         match forms.explained {
-            true => closed(&[("call", refer("call")), ("explanation", text.clone())]),
+            true => closed(&[("call", refer("call")), ("explanation", any_text())]),
             false => closed(&[("call", refer("call"))]),
         },
     );
@@ -64,7 +65,7 @@ pub(crate) fn tree_schema(forms: TreeForms<'_>) -> TreeSchema {
             }
         }
         if level == 0 && forms.lanes.len() > 1 {
-            let items = json!({"anyOf": [refer("step"), closed(&[("sync", text.clone())])]});
+            let items = json!({"anyOf": [refer("step"), closed(&[("sync", any_text())])]});
             let lane = closed(&[("lane", one_of(Some(forms.lanes))), ("do", list(items))]);
             nodes.push(closed(&[("parallel", list(lane))]));
         }
@@ -78,27 +79,6 @@ pub(crate) fn tree_schema(forms: TreeForms<'_>) -> TreeSchema {
 
 fn refer(name: &str) -> Value {
     json!({"$ref": format!("#/$defs/{name}")})
-}
-
-fn list(items: Value) -> Value {
-    json!({"type": "array", "items": items})
-}
-
-fn one_of(texts: Option<&[String]>) -> Value {
-    match texts {
-        Some(texts) if !texts.is_empty() => json!({"type": "string", "enum": texts}),
-        _ => json!({"type": "string"}),
-    }
-}
-
-/// Returns an object schema with exactly these keys, all required, as OpenAI's strict mode demands.
-pub(crate) fn closed(entries: &[(&str, Value)]) -> Value {
-    let required: Vec<&str> = entries.iter().map(|(key, _)| *key).collect();
-    let properties: serde_json::Map<String, Value> = entries
-        .iter()
-        .map(|(key, value)| ((*key).to_owned(), value.clone()))
-        .collect();
-    json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
 }
 
 /// Converts a tree of a plan file to the form of the schema: all keys present, remarks removed.

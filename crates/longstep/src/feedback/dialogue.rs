@@ -8,6 +8,7 @@ use super::grammar::{GOAL, MOST, grammar, schema};
 use super::heard::{Heard, what_for};
 use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
+use crate::dialogue::answer_grammar::question_in;
 use crate::dialogue::{
     ChatRequest, Constraint, ConstraintKind, DialogueError, Message, Reply, Role, Usage, object, one_line, whole,
 };
@@ -126,8 +127,8 @@ impl FeedbackDialogue {
             ConstraintKind::Grammar => reply.text.trim().to_owned(),
             ConstraintKind::JsonSchema => self.unwrapped(&reply.text)?,
         };
-        if let Some(question) = text.strip_prefix(QUESTION) {
-            return Ok(Wish::Question(question.trim().to_owned()));
+        if let Some(question) = question_in(&text) {
+            return Ok(Wish::Question(question.to_owned()));
         }
         if text == GOAL {
             return Ok(Wish::Goal);

@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 
 use super::language::{JOINT, everyday};
 use super::offer::{Called, Offers};
+use crate::dialogue::answer_grammar::{Grammar, any_text, closed, group, list, listed, one_of, quoted};
 use crate::environment::World;
-use crate::goal::{QUESTION, quoted};
 use crate::model::Domain;
 
 /// Answer for feedback that concerns the goal.
@@ -15,16 +15,11 @@ pub(super) const GOAL: &str = "goal";
 /// Maximum number of changes in an answer.
 pub(super) const MOST: usize = 4;
 
-/// Limits of enumerations that servers accept: number of values, and total length in bytes.
-const ENUM_LIMIT: usize = 500;
-const ENUM_BYTES: usize = 12_000;
-
 /// Returns a grammar in llguidance's Lark dialect for a whole answer about a plan of `length` steps.
 pub(super) fn grammar(domain: &Domain, world: &World, offers: &Offers, length: usize) -> String {
-    let mut starts = Vec::new();
-    let mut rules = String::new();
+    let mut grammar = Grammar::default();
     if offers.goal {
-        starts.push(quoted(GOAL));
+        grammar.start(quoted(GOAL));
     }
     let wishes = wishes(domain, world, offers, length);
     if !wishes.is_empty() {
@@ -32,66 +27,61 @@ pub(super) fn grammar(domain: &Domain, world: &World, offers: &Offers, length: u
         for _ in 1..if offers.several { MOST } else { 1 } {
             more = format!(" ({} wish{more})?", quoted(JOINT));
         }
-        starts.push(format!("wish{more}"));
-        rules.push_str(&format!("wish: {}\n", wishes.join("\n  | ")));
+        grammar.start(format!("wish{more}"));
+        grammar.rule("wish", wishes);
     }
-    if offers.question || starts.is_empty() {
-        starts.push("question".to_owned());
-        rules.push_str(&format!(
-            "question: {} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/\n",
-            quoted(QUESTION)
-        ));
+    if offers.question || grammar.is_empty() {
+        grammar.question();
     }
-    format!("start: {}\n{rules}", starts.join(" | "))
+    grammar.text()
 }
 
 fn wishes(domain: &Domain, world: &World, offers: &Offers, length: usize) -> Vec<String> {
-    let any = |texts: Vec<String>| match &texts[..] {
-        [one] => one.clone(),
-        _ => format!("({})", texts.join(" | ")),
-    };
-    let number = |step: &usize| quoted(&(step + 1).to_string());
-    let calls = |calls: &[&Called]| {
-        any(calls
-            .iter()
-            .map(|(a, args)| quoted(&everyday(domain, world, *a, args)))
-            .collect())
-    };
-    let place = |places: &[usize]| {
-        any(places
-            .iter()
-            .flat_map(|at| told(*at, length))
-            .map(|at| quoted(&at))
-            .collect())
-    };
     let mut rules = Vec::new();
     let mut by_place: IndexMap<&[usize], Vec<&Called>> = IndexMap::new();
     for (call, places) in &offers.inserts {
         by_place.entry(places).or_default().push(call);
     }
     for (places, inserted) in by_place {
-        rules.push(format!("\"insert \" {} \" \" {}", calls(&inserted), place(places)));
+        let calls = calls_rule(domain, world, inserted);
+        rules.push(format!("\"insert \" {calls} \" \" {}", places_rule(places, length)));
     }
     if !offers.drops.is_empty() {
-        rules.push(format!("\"drop \" {}", any(offers.drops.iter().map(number).collect())));
+        rules.push(format!("\"drop \" {}", steps_rule(&offers.drops)));
     }
     let mut by_calls: IndexMap<&[Called], Vec<usize>> = IndexMap::new();
     for (step, others) in &offers.replaces {
         by_calls.entry(others).or_default().push(*step);
     }
     for (others, steps) in by_calls {
-        let others: Vec<&Called> = others.iter().collect();
-        let steps = any(steps.iter().map(number).collect());
-        rules.push(format!("\"replace \" {steps} \" with \" {}", calls(&others)));
+        let calls = calls_rule(domain, world, others);
+        rules.push(format!("\"replace \" {} \" with \" {calls}", steps_rule(&steps)));
     }
     for (step, places) in &offers.moves {
-        rules.push(format!("\"move \" {} \" \" {}", number(step), place(places)));
+        let step = steps_rule(&[*step]);
+        rules.push(format!("\"move \" {step} \" \" {}", places_rule(places, length)));
     }
     rules
 }
 
+fn calls_rule<'a>(domain: &Domain, world: &World, calls: impl IntoIterator<Item = &'a Called>) -> String {
+    let calls = calls.into_iter();
+    let texts = calls.map(|(action, arguments)| quoted(&everyday(domain, world, *action, arguments)));
+    group(&texts.collect::<Vec<_>>())
+}
+
+fn steps_rule(steps: &[usize]) -> String {
+    let numbers = steps.iter().map(|step| quoted(&(step + 1).to_string()));
+    group(&numbers.collect::<Vec<_>>())
+}
+
+fn places_rule(places: &[usize], length: usize) -> String {
+    let texts = places.iter().flat_map(|at| place_texts(*at, length));
+    group(&texts.map(|text| quoted(&text)).collect::<Vec<_>>())
+}
+
 /// Returns the notations of a position between steps.
-fn told(at: usize, length: usize) -> Vec<String> {
+fn place_texts(at: usize, length: usize) -> Vec<String> {
     let after = (at > 0).then(|| format!("after {at}"));
     let before = (at < length).then(|| format!("before {}", at + 1));
     after.into_iter().chain(before).collect()
@@ -105,7 +95,9 @@ pub(super) fn schema(domain: &Domain, world: &World, offers: &Offers, length: us
     let call = |(action, arguments): &Called| everyday(domain, world, *action, arguments);
     let mut texts: Vec<String> = Vec::new();
     for (inserted, places) in &offers.inserts {
-        let places = places.iter().filter_map(|at| told(*at, length).into_iter().next());
+        let places = places
+            .iter()
+            .filter_map(|at| place_texts(*at, length).into_iter().next());
         texts.extend(places.map(|place| format!("insert {} {place}", call(inserted))));
     }
     texts.extend(offers.drops.iter().map(|step| format!("drop {}", step + 1)));
@@ -117,23 +109,14 @@ pub(super) fn schema(domain: &Domain, world: &World, offers: &Offers, length: us
         );
     }
     for (step, places) in &offers.moves {
-        let places = places.iter().filter_map(|at| told(*at, length).into_iter().next());
+        let places = places
+            .iter()
+            .filter_map(|at| place_texts(*at, length).into_iter().next());
         texts.extend(places.map(|place| format!("move {} {place}", step + 1)));
     }
-    let bytes: usize = texts.iter().map(String::len).sum();
-    let edit = if texts.is_empty() || texts.len() > ENUM_LIMIT || bytes > ENUM_BYTES {
-        json!({"type": "string"})
-    } else {
-        json!({"type": "string", "enum": texts})
-    };
-    json!({
-        "type": "object",
-        "properties": {
-            "question": {"type": "string"},
-            "goal": {"type": "boolean"},
-            "edits": {"type": "array", "items": edit},
-        },
-        "required": ["question", "goal", "edits"],
-        "additionalProperties": false,
-    })
+    closed(&[
+        ("question", any_text()),
+        ("goal", json!({"type": "boolean"})),
+        ("edits", list(one_of(listed(texts).as_deref()))),
+    ])
 }

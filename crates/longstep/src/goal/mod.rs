@@ -1,7 +1,7 @@
 //! Goals from instructions.
 //!
 //! A [`Goal`] is written as `put(cup, shelf) & closed(door)`. A model writes one under a grammar that admits only
-//! sensible goals ([`offers`], [`grammar()`]). [`understand`] then compares the answer with the entities that the
+//! sensible goals ([`offers`]). [`understand`] then compares the answer with the entities that the
 //! instruction mentions, and search turns the goal into steps.
 
 mod ambiguous;
@@ -9,7 +9,6 @@ mod ambiguous;
 mod conditional_tests;
 mod correction;
 mod depends;
-mod grammar;
 mod mention;
 mod negated;
 mod offer;
@@ -21,9 +20,7 @@ mod tests;
 pub use longstep_core::goal::*;
 
 pub(crate) use correction::{Correction, parts};
-pub(crate) use depends::{cannot_be_told, conditions, governs_all, has_other_case};
-pub use grammar::{Place, grammar, schema};
-pub(crate) use grammar::{Ways, quoted, schema_of, written as grammar_of};
+pub(crate) use depends::{Dependence, cannot_be_told, conditions, governs_all, has_other_case};
 pub(crate) use mention::understand_spoken;
 pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
 pub use offer::{Offer, offers};
