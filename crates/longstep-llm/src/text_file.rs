@@ -13,15 +13,15 @@ const TEXT_LIMIT: u64 = 64 << 20;
 #[derive(Debug)]
 pub struct TextFileError {
     path: PathBuf,
-    source: Error,
+    reason: Error,
 }
 
 impl TextFileError {
     /// The error of the system for a path.
-    pub fn new(path: impl Into<PathBuf>, source: Error) -> Self {
+    pub fn new(path: impl Into<PathBuf>, reason: Error) -> Self {
         Self {
             path: path.into(),
-            source,
+            reason,
         }
     }
 
@@ -32,7 +32,7 @@ impl TextFileError {
 
     /// The next step for the person, if there is one.
     pub fn hint(&self) -> Option<&'static str> {
-        match self.source.kind() {
+        match self.reason.kind() {
             ErrorKind::IsADirectory => None,
             ErrorKind::FileTooLarge => Some("check the path: no environment, plan or domain is as large as that"),
             ErrorKind::InvalidData => Some("save it as UTF-8"),
@@ -44,20 +44,16 @@ impl TextFileError {
 impl std::fmt::Display for TextFileError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let path = self.path.display();
-        match self.source.kind() {
+        match self.reason.kind() {
             ErrorKind::IsADirectory => write!(f, "{path} is a folder, not a file"),
             ErrorKind::FileTooLarge => write!(f, "{path} is larger than {} MiB", TEXT_LIMIT >> 20),
             ErrorKind::InvalidData => write!(f, "{path} is not a text file (not UTF-8)"),
-            _ => write!(f, "cannot read {path}: {}", plain_reason(&self.source)),
+            _ => write!(f, "cannot read {path}: {}", plain_reason(&self.reason)),
         }
     }
 }
 
-impl std::error::Error for TextFileError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        Some(&self.source)
-    }
-}
+impl std::error::Error for TextFileError {}
 
 /// The reason of an error of the system, without its number and in lower case.
 ///
