@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use longstep::compose::{self, Composed, Said, Stored};
-use longstep::dialogue::{Finish, Usage};
+use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, CompositionInput, Stored};
+use longstep::dialogue::{Dialogue, Usage};
 use longstep::domain::Domain;
 use longstep::environment::World;
 use longstep::report::{Answer, Status};
-use longstep_llm::{TextFileError, load_domain, read_text};
+use longstep_llm::{TextFileError, converse, load_domain, read_text};
 
 use crate::arguments::ComposeArguments;
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
-use crate::failure::{Failure, LIMIT, MODEL, UNREADABLE};
+use crate::failure::{Failure, UNREADABLE};
 use crate::plan::said;
 use crate::solve::finish;
 use crate::{inputs, output, show};
@@ -26,26 +26,18 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     compose::check_names(&domain, &stored)
         .map_err(|clash| Failure::unreadable(clash.to_string()).hint("a plan is called like its file: rename one"))?;
     let wish = arguments.instruction.as_deref().map(said).transpose()?;
-    let mut usage = Usage::default();
     let composition = match &arguments.script {
         Some(path) => written(path)?,
-        None => asked(
-            arguments,
-            &domain,
-            &world,
-            &stored,
-            wish.unwrap_or_default(),
-            &mut usage,
-        )?,
+        None => asked(arguments, &domain, &world, &stored, wish.unwrap_or_default())?,
     };
     let asked = stopwatch();
     let summary = match wish {
         Some(wish) => wish.to_owned(),
         None => summary(&composition, &stored),
     };
-    let mut answer = match composition.said {
-        Said::Question(question) => Answer::without_plan(Status::Question, &world, &summary, &question),
-        Said::Composition(written) => match compose::inline(&domain, &world, &written, &stored) {
+    let mut answer = match composition.answer {
+        CompositionAnswer::Question(question) => Answer::without_plan(Status::Question, &world, &summary, &question),
+        CompositionAnswer::Composition(written) => match compose::inline(&domain, &world, &written, &stored) {
             Ok(inlined) => {
                 let composed = Composed::new(&world, inlined, &summary);
                 match arguments.no_repair {
@@ -56,7 +48,7 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
             Err(misfits) => compose::refused(&world, &summary, &misfits),
         },
     };
-    answer.usage = usage.into();
+    answer.usage = composition.usage.into();
     answer.timings_ms.verify = stopwatch() - asked;
     if arguments.script.is_none() {
         answer.timings_ms.model = asked - started;
@@ -70,18 +62,23 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     finish(&answer, &[], &[], arguments.save.as_deref(), arguments.json)
 }
 
-/// The text of a composition, and its parsed form.
+/// The text of a composition, its parsed form, and what the model needed for it.
 struct Composition {
     text: String,
-    said: Said,
+    answer: CompositionAnswer,
+    usage: Usage,
 }
 
 /// Reads a composition from a file.
 fn written(path: &Path) -> Result<Composition> {
     let text = read_text(path)?;
-    let said = compose::read(&text)
+    let answer = compose::read(&text)
         .map_err(|error| Failure::unreadable(format!("{}: {error}", path.display())).hint(error.hint()))?;
-    Ok(Composition { text, said })
+    Ok(Composition {
+        text,
+        answer,
+        usage: Usage::default(),
+    })
 }
 
 /// Requests a composition from a model.
@@ -91,28 +88,28 @@ fn asked(
     world: &World,
     stored: &[Stored],
     wish: &str,
-    usage: &mut Usage,
 ) -> Result<Composition> {
     let mut model = ask::model(&arguments.model.model, &arguments.model)?;
-    let request = compose::request(domain, world, stored, wish, &[], model.constraint_kind());
-    let reply = model.chat(&request, &mut Waiting::new())?;
-    *usage += reply.usage;
-    let hint = "say it in other words, or use another model with --model";
-    match reply.finish {
-        Finish::Stop => {}
-        Finish::Length => return Err(Failure::new("the model's answer was cut off", LIMIT).hint(hint).into()),
-        Finish::Refused => return Err(Failure::new("the model refused to answer", MODEL).hint(hint).into()),
-    }
-    let said = compose::read(&reply.text).map_err(|error| {
-        let message = format!("the model's answer cannot be read: {error}");
-        Failure::new(message, MODEL).hint(hint)
-    })?;
-    Ok(Composition { text: reply.text, said })
+    let mut dialogue = CompositionDialogue::new(CompositionInput {
+        domain,
+        world,
+        stored,
+        instruction: wish,
+        rounds: &[],
+        kind: model.constraint_kind(),
+    });
+    let answer = converse(model.as_mut(), &mut dialogue, &mut Waiting::new())?;
+    let transcript = dialogue.transcript();
+    Ok(Composition {
+        text: transcript.answer().to_owned(),
+        answer,
+        usage: transcript.usage(),
+    })
 }
 
 /// The summary of a composition without an instruction: the summaries of its plans.
 fn summary(composition: &Composition, stored: &[Stored]) -> String {
-    let Said::Composition(written) = &composition.said else {
+    let CompositionAnswer::Composition(written) = &composition.answer else {
         return String::new();
     };
     let plans = written

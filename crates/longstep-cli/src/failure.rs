@@ -1,10 +1,10 @@
 //! Errors for the user: one line with the problem and its place, a hint, and the exit code.
 
 use longstep::diagnostic::Diagnostics;
-use longstep::dialogue::PromptError;
+use longstep::dialogue::{DialogueError, PromptError};
 use longstep::goal::GoalError;
 use longstep::session::ResumeError;
-use longstep_llm::{AdvanceError, DomainError, FolderError, ModelError, TextFileError};
+use longstep_llm::{AdvanceError, ConverseError, DomainError, FolderError, ModelError, TextFileError};
 
 use crate::output::{Style, remark};
 
@@ -87,9 +87,20 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     if let Some(error) = error.downcast_ref::<TextFileError>() {
         return (error.hint().map(str::to_owned), UNREADABLE);
     }
-    let advance = error.downcast_ref::<AdvanceError>();
-    let model = error.downcast_ref::<ModelError>().or(match advance {
-        Some(AdvanceError::Model(error)) => Some(error),
+    let (advance, converse) = (
+        error.downcast_ref::<AdvanceError>(),
+        error.downcast_ref::<ConverseError>(),
+    );
+    if let Some(ConverseError::Answer(error)) = converse {
+        let code = match error {
+            DialogueError::CutOff(_) | DialogueError::TooMuchWork => LIMIT,
+            _ => MODEL,
+        };
+        let hint = "say it in other words, or use another model with --model";
+        return (Some(hint.to_owned()), code);
+    }
+    let model = error.downcast_ref::<ModelError>().or(match (advance, converse) {
+        (Some(AdvanceError::Model(error)), _) | (_, Some(ConverseError::Model(error))) => Some(error),
         _ => None,
     });
     if let Some(error) = model {

@@ -18,14 +18,14 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use longstep::dialogue::GoalDialogue;
+use longstep::dialogue::{Dialogue, GoalDialogue, GoalInput};
 use longstep::domain::{self, Domain};
 use longstep::environment::{self, Environment, World, differences};
 use longstep::goal::Understanding;
 use longstep::json::Path;
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{self, Report};
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open, understand};
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, converse, open};
 use serde_json::Value;
 
 fn read(file: &str) -> Value {
@@ -49,8 +49,8 @@ struct Made {
 
 fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: &str) -> Made {
     let started = Instant::now();
-    let mut dialogue = GoalDialogue::new(domain, world, instruction, model.constraint_kind());
-    let understanding = match understand(model, domain, world, &mut dialogue, &mut |_: Progress| {}) {
+    let mut dialogue = GoalDialogue::new(GoalInput::new(domain, world, instruction, model.constraint_kind()));
+    let understanding = match converse(model, &mut dialogue, &mut |_: Progress| {}) {
         Ok(understanding) => Some(understanding),
         Err(error) => {
             println!("    {error}");
@@ -58,7 +58,7 @@ fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: 
         }
     };
     let mut made = Made {
-        answer: dialogue.answer().to_owned(),
+        answer: dialogue.transcript().answer().to_owned(),
         left_out: 0,
         report: None,
         model_time: started.elapsed(),

@@ -1,39 +1,34 @@
-//! Runs a goal dialogue with a model.
+//! Carries out a dialogue with a model.
 
-use longstep::dialogue::{DialogueError, GoalDialogue, Turn};
-use longstep::domain::Domain;
-use longstep::environment::World;
-use longstep::goal::Understanding;
+use longstep::dialogue::{Dialogue, DialogueError};
 
 use crate::{ChatModel, ModelError, Watch};
 
-/// Reason why an instruction was not understood.
+/// Error of a dialogue with a model.
 #[derive(Debug, thiserror::Error)]
-pub enum UnderstandError {
+pub enum ConverseError {
     /// The model failed.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// The model's answer cannot be used.
+    /// The model's reply cannot be used.
     #[error(transparent)]
     Answer(#[from] DialogueError),
 }
 
-/// Sends requests to the model until the dialogue is done.
+/// Sends the requests of a dialogue to a model until the dialogue has a result.
 ///
 /// # Errors
 ///
-/// When the model fails, or its answer cannot be used.
-pub fn understand(
+/// The model fails, or a reply cannot be used.
+pub fn converse<D: Dialogue>(
     model: &mut dyn ChatModel,
-    domain: &Domain,
-    world: &World,
-    dialogue: &mut GoalDialogue,
+    dialogue: &mut D,
     watch: &mut dyn Watch,
-) -> Result<Understanding, UnderstandError> {
+) -> Result<D::Output, ConverseError> {
     loop {
-        let reply = model.chat(&dialogue.request(domain, world), watch)?;
-        if let Turn::Done(understanding) = dialogue.supply(domain, world, &reply)? {
-            return Ok(understanding);
+        let reply = model.chat(&dialogue.request(), watch)?;
+        if let Some(output) = dialogue.supply(&reply)? {
+            return Ok(output);
         }
     }
 }

@@ -31,6 +31,7 @@ mod bounded;
 mod cache;
 mod call;
 pub mod catalogue;
+mod converse;
 #[cfg(feature = "embedded")]
 mod embedded;
 mod error;
@@ -46,12 +47,12 @@ pub mod store;
 #[cfg(test)]
 mod test_server;
 mod text_file;
-mod understand;
 mod whole_file;
 
 pub use advance::{AdvanceError, advance, instruct};
 pub use bounded::{LOG_LIMIT, read_bounded};
 pub use cache::{cache_directory, session_directory};
+pub use converse::{ConverseError, converse};
 pub use error::{AnswerLimit, ModelError};
 pub use load_domain::{DomainError, domain_files, load_domain, overlay_prompt};
 pub use model::{ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch};
@@ -62,5 +63,4 @@ pub use reference::ModelReference;
 pub use server::server_address;
 pub use session_folder::{FolderError, LOG, SessionFolder};
 pub use text_file::{TextFileError, plain_reason, read_text, read_texts};
-pub use understand::{UnderstandError, understand};
 pub use whole_file::write_whole;

@@ -7,12 +7,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-use longstep::compose::{self, Composed, Said, Stored};
+use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, CompositionInput, Stored};
+use longstep::dialogue::Dialogue;
 use longstep::domain::{self, Domain};
 use longstep::environment::{self, Environment, World};
 use longstep::json;
 use longstep::plan::{Node, PlanFile, Written, script};
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open};
+use longstep_llm::{
+    ChatModel, ConverseError, ModelReference, OpenOptions, Progress, cache_directory, catalogue, converse, open,
+};
 use serde_json::{Value, json};
 
 fn model() -> Box<dyn ChatModel> {
@@ -48,9 +51,9 @@ fn scene(scene: &Value) -> (Domain, World, Vec<Stored>) {
 }
 
 /// Whether two compositions are the same but for the order in which their lanes are written.
-fn same(right: &Said, said: Option<&Said>) -> bool {
-    let text = |said: &Said| {
-        let Said::Composition(written) = said else {
+fn same(right: &CompositionAnswer, said: Option<&CompositionAnswer>) -> bool {
+    let text = |said: &CompositionAnswer| {
+        let CompositionAnswer::Composition(written) = said else {
             return String::new();
         };
         let mut written = written.clone();
@@ -73,19 +76,29 @@ fn own_cases() {
     for case in file["cases"].as_array().unwrap() {
         let (domain, world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
         let instruction = case["instruction"].as_str().unwrap();
-        let request = compose::request(&domain, &world, &stored, instruction, &[], model.constraint_kind());
+        let mut dialogue = CompositionDialogue::new(CompositionInput {
+            domain: &domain,
+            world: &world,
+            stored: &stored,
+            instruction,
+            rounds: &[],
+            kind: model.constraint_kind(),
+        });
+        let request = dialogue.request();
         if std::env::var_os("LONGSTEP_SHOW").is_some() {
             println!("{}\n{:?}", request.messages.last().unwrap().text, request.constraint);
         }
         let started = std::time::Instant::now();
-        let reply = model.chat(&request, &mut |_: Progress| {}).unwrap();
+        let said = match converse(model.as_mut(), &mut dialogue, &mut |_: Progress| {}) {
+            Err(ConverseError::Model(error)) => panic!("{error}"),
+            said => said,
+        };
         let seconds = started.elapsed().as_secs_f64();
-        let said = compose::read(&reply.text);
         let is = |script: &Value| same(&compose::read(script.as_str().unwrap()).unwrap(), said.as_ref().ok());
         let good = case["right"].as_array().unwrap().iter().any(is);
         let came = match &said {
-            Ok(Said::Composition(written)) => verdict(&domain, &world, written, &stored, instruction),
-            Ok(Said::Question(question)) => Err(question.clone()),
+            Ok(CompositionAnswer::Composition(written)) => verdict(&domain, &world, written, &stored, instruction),
+            Ok(CompositionAnswer::Question(question)) => Err(question.clone()),
             Err(error) => Err(error.to_string()),
         };
         all += 1;
@@ -95,7 +108,7 @@ fn own_cases() {
         println!(
             "{} {seconds:5.1} s  {instruction}\n{}\n  {came}\n",
             mark(good),
-            reply.text
+            dialogue.transcript().answer()
         );
     }
     println!("== {verified} of {all} verified, {right} of {all} right");
@@ -129,7 +142,7 @@ fn every_right_composition_is_valid() {
     for case in file["cases"].as_array().unwrap() {
         let (domain, world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
         for right in case["right"].as_array().unwrap() {
-            let Ok(Said::Composition(written)) = compose::read(right.as_str().unwrap()) else {
+            let Ok(CompositionAnswer::Composition(written)) = compose::read(right.as_str().unwrap()) else {
                 panic!("{right}")
             };
             let verdict = verdict(

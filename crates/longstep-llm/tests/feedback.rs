@@ -6,16 +6,18 @@
 
 use std::path::{Path, PathBuf};
 
-use longstep::dialogue::{GoalDialogue, GoalInput, Round};
+use longstep::dialogue::{Dialogue, GoalDialogue, GoalInput, Round};
 use longstep::domain::Domain;
 use longstep::environment::{self, Claim, Environment, World};
-use longstep::feedback::{self, Amended, FeedbackDialogue, StepWish, Wish, amend};
+use longstep::feedback::{self, Amended, FeedbackDialogue, FeedbackInput, StepWish, Wish, amend};
 use longstep::goal::{self, Understanding};
 use longstep::json;
 use longstep::plan::{Plan, PlanFile, TaskCohesion, resolve};
 use longstep::search::{self, Limits, Outcome};
 use longstep::verify::{Purpose, bind, check};
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, load_domain, open, understand};
+use longstep_llm::{
+    ChatModel, ConverseError, ModelReference, OpenOptions, Progress, cache_directory, converse, load_domain, open,
+};
 use serde_json::Value;
 
 fn domain_named(name: &str) -> Domain {
@@ -54,14 +56,23 @@ fn hear(
     instruction: &str,
     says: &str,
 ) -> (Option<Wish>, String) {
-    let mut dialogue = FeedbackDialogue::new(domain, world, plan, instruction, says, model.constraint_kind());
-    let request = dialogue.request(domain, world);
+    let mut dialogue = FeedbackDialogue::new(FeedbackInput {
+        domain,
+        world,
+        plan,
+        instruction,
+        feedback: says,
+        kind: model.constraint_kind(),
+    });
+    let request = dialogue.request();
     if std::env::var_os("LONGSTEP_SHOW").is_some() {
         println!("{}\n{:?}", request.messages.last().unwrap().text, request.constraint);
     }
-    let reply = model.chat(&request, &mut |_: Progress| {}).unwrap();
-    let wish = dialogue.supply(domain, world, &reply);
-    (wish.ok(), dialogue.answer().to_owned())
+    let wish = match converse(model, &mut dialogue, &mut |_: Progress| {}) {
+        Err(ConverseError::Model(error)) => panic!("{error}"),
+        wish => wish.ok(),
+    };
+    (wish, dialogue.transcript().answer().to_owned())
 }
 
 /// Wishes without their sentences, in order of the steps.
@@ -147,15 +158,15 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
                 replied: text("goal").to_owned(),
                 said: text("says").to_owned(),
             }];
-            let mut dialogue = GoalDialogue::again(GoalInput {
+            let mut dialogue = GoalDialogue::new(GoalInput {
                 domain: &domain,
                 world: &world,
                 instruction: text("instruction"),
                 rounds: &rounds,
                 kind: model.constraint_kind(),
             });
-            let understood = understand(model, &domain, &world, &mut dialogue, &mut |_: Progress| {});
-            told = format!("{told} -> {}", dialogue.answer());
+            let understood = converse(model, &mut dialogue, &mut |_: Progress| {});
+            told = format!("{told} -> {}", dialogue.transcript().answer());
             let expected = goal::parse(&domain, &world, text("then")).unwrap();
             let right = matches!(&understood, Ok(Understanding::Goal(goal, _)) if *goal == expected);
             (right, told)

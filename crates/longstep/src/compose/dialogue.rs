@@ -1,11 +1,14 @@
-//! Requests for compositions.
+//! Compositions as a dialogue with a model.
 
 use super::Stored;
 use super::examples::{EXAMPLES, Example};
 use super::grammar::{grammar, schema};
 use super::menu::Menu;
-use super::read::in_json;
-use crate::dialogue::{ChatRequest, Constraint, ConstraintKind, Message, Role, Round, plain_line};
+use super::read::{CompositionAnswer, in_json, read};
+use crate::dialogue::{
+    ChatRequest, Constraint, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Round, Transcript,
+    plain_line,
+};
 use crate::environment::World;
 use crate::model::Domain;
 
@@ -14,37 +17,74 @@ const SCRIPT_TOKENS: u32 = 512;
 /// Token budget of a JSON tree.
 const TREE_TOKENS: u32 = 2048;
 
-/// Builds the request for a composition of stored plans that fulfils the instruction, or for a question.
-///
-/// Task and examples come first and are equal in all requests, so a prefix cache can keep them. With
-/// [`ConstraintKind::Grammar`] the model writes a script; with [`ConstraintKind::JsonSchema`], which servers accept, it
-/// writes a JSON tree. `rounds` holds earlier replies and the feedback on them. [`super::read`] parses the reply.
-pub fn request(
-    domain: &Domain,
-    world: &World,
-    stored: &[Stored],
-    instruction: &str,
-    rounds: &[Round],
-    kind: ConstraintKind,
-) -> ChatRequest {
-    let menu = Menu::of(domain, world, stored, instruction);
-    let mut messages = fixed(kind);
-    let fixed = messages.len();
-    messages.push(Message::new(Role::User, query(&menu, instruction)));
-    for round in rounds {
-        messages.push(Message::new(Role::Assistant, round.replied.clone()));
-        messages.push(Message::new(Role::User, plain_line(&round.said)));
+/// The inputs of a composition dialogue.
+#[derive(Debug, Clone, Copy)]
+pub struct CompositionInput<'a> {
+    /// The domain.
+    pub domain: &'a Domain,
+    /// The current world.
+    pub world: &'a World,
+    /// The stored plans.
+    pub stored: &'a [Stored],
+    /// The instruction of the person.
+    pub instruction: &'a str,
+    /// The earlier answers of the model, each with the feedback on it.
+    pub rounds: &'a [Round],
+    /// The kind of constraint that the model supports.
+    pub kind: ConstraintKind,
+}
+
+/// Lets a model compose stored plans. One request, one reply.
+#[derive(Debug, Clone)]
+pub struct CompositionDialogue {
+    menu: Menu,
+    transcript: Transcript,
+}
+
+impl CompositionDialogue {
+    /// Starts a dialogue for a composition of stored plans that fulfils the instruction, or for a question.
+    ///
+    /// Task and examples come first and are equal in all requests, so a prefix cache can keep them. With
+    /// [`ConstraintKind::Grammar`] the model writes a script; with [`ConstraintKind::JsonSchema`], which servers accept,
+    /// it writes a JSON tree.
+    pub fn new(input: CompositionInput<'_>) -> Self {
+        let menu = Menu::of(input.domain, input.world, input.stored, input.instruction);
+        let mut transcript = Transcript::new(input.kind, fixed(input.kind));
+        transcript.push(Role::User, query(&menu, input.instruction));
+        for round in input.rounds {
+            transcript.push(Role::Assistant, round.replied.clone());
+            transcript.push(Role::User, plain_line(&round.said));
+        }
+        Self { menu, transcript }
     }
-    let (constraint, max_tokens) = match kind {
-        ConstraintKind::Grammar => (Constraint::Lark(grammar(&menu)), SCRIPT_TOKENS),
-        ConstraintKind::JsonSchema => (Constraint::JsonSchema(schema(&menu)), TREE_TOKENS),
-    };
-    ChatRequest {
-        messages,
-        fixed,
-        answer_so_far: String::new(),
-        constraint,
-        max_tokens,
+}
+
+impl Dialogue for CompositionDialogue {
+    type Output = CompositionAnswer;
+
+    fn request(&self) -> ChatRequest {
+        match self.transcript.kind {
+            ConstraintKind::Grammar => {
+                let constraint = Constraint::Lark(grammar(&self.menu));
+                self.transcript.request(constraint, SCRIPT_TOKENS)
+            }
+            ConstraintKind::JsonSchema => {
+                let constraint = Constraint::JsonSchema(schema(&self.menu));
+                self.transcript.request(constraint, TREE_TOKENS)
+            }
+        }
+    }
+
+    fn supply(&mut self, reply: &Reply) -> Result<Option<CompositionAnswer>, DialogueError> {
+        self.transcript.receive(reply)?;
+        match read(&reply.text) {
+            Ok(answer) => Ok(Some(answer)),
+            Err(error) => Err(DialogueError::Unreadable(error.to_string())),
+        }
+    }
+
+    fn transcript(&self) -> &Transcript {
+        &self.transcript
     }
 }
 

@@ -8,7 +8,7 @@ use serde_json::json;
 
 /// A parsed reply.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Said {
+pub enum CompositionAnswer {
     /// A composition whose calls are not resolved yet.
     Composition(Written),
     /// A question to the person.
@@ -18,27 +18,27 @@ pub enum Said {
 /// Parses a composition, as a script or as a JSON tree, with or without text around it.
 ///
 /// ```
-/// use longstep::compose::{Said, read};
+/// use longstep::compose::{CompositionAnswer, read};
 /// let said = read("fetch_pear()\nif rotten(\"pear\"):\n    compost_pear()\n").unwrap();
-/// let Said::Composition(written) = said else { panic!("{said:?}") };
+/// let CompositionAnswer::Composition(written) = said else { panic!("{said:?}") };
 /// assert_eq!(written.steps.len(), 2);
-/// assert_eq!(read("question: Which pear?").unwrap(), Said::Question("Which pear?".to_owned()));
+/// assert_eq!(read("question: Which pear?").unwrap(), CompositionAnswer::Question("Which pear?".to_owned()));
 /// ```
 ///
 /// # Errors
 ///
 /// The text contains no plan, or its plan cannot be parsed.
-pub fn read(text: &str) -> Result<Said, Unreadable> {
+pub fn read(text: &str) -> Result<CompositionAnswer, Unreadable> {
     if let Some(question) = question_in(text) {
-        return Ok(Said::Question(question.to_owned()));
+        return Ok(CompositionAnswer::Question(question.to_owned()));
     }
     let file = plan::read(text)?.file;
     Ok(match file.question.trim() {
-        "" => Said::Composition(file.task_cohesion.written().map_err(|error| Unreadable::Malformed {
+        "" => CompositionAnswer::Composition(file.task_cohesion.written().map_err(|error| Unreadable::Malformed {
             position: Position { line: 1, column: 1 },
             message: error.to_string(),
         })?),
-        question => Said::Question(question.to_owned()),
+        question => CompositionAnswer::Question(question.to_owned()),
     })
 }
 

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::*;
-use crate::dialogue::{Constraint, ConstraintKind};
+use crate::dialogue::{ChatRequest, Constraint, ConstraintKind, Dialogue};
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
@@ -16,6 +16,20 @@ struct Scene {
     domain: Domain,
     world: World,
     stored: Vec<Stored>,
+}
+
+impl Scene {
+    fn request(&self, instruction: &str, kind: ConstraintKind) -> ChatRequest {
+        let dialogue = CompositionDialogue::new(CompositionInput {
+            domain: &self.domain,
+            world: &self.world,
+            stored: &self.stored,
+            instruction,
+            rounds: &[],
+            kind,
+        });
+        dialogue.request()
+    }
 }
 
 fn world_of(domain: &Domain, environment: &Value) -> World {
@@ -266,14 +280,7 @@ fn lanes_are_of_those_who_do_the_plans() {
 }
 
 fn grammar_of(scene: &Scene, instruction: &str) -> String {
-    let request = request(
-        &scene.domain,
-        &scene.world,
-        &scene.stored,
-        instruction,
-        &[],
-        ConstraintKind::Grammar,
-    );
+    let request = scene.request(instruction, ConstraintKind::Grammar);
     let Constraint::Lark(grammar) = request.constraint else {
         panic!("a grammar")
     };
@@ -313,14 +320,7 @@ fn a_grammar_says_what_there_is_and_what_the_words_ask_for() {
 fn a_schema_lists_what_there_is() {
     let scene = shed(&["<saw>", "<vice>"]);
     let wish = "Put the saw and the vice away at once";
-    let request = request(
-        &scene.domain,
-        &scene.world,
-        &scene.stored,
-        wish,
-        &[],
-        ConstraintKind::JsonSchema,
-    );
+    let request = scene.request(wish, ConstraintKind::JsonSchema);
     let Constraint::JsonSchema(schema) = request.constraint else {
         panic!("a schema")
     };
@@ -342,7 +342,7 @@ fn every_example_can_be_read_in_both_forms() {
             "{}",
             example.wish
         );
-        if let Said::Composition(written) = said {
+        if let CompositionAnswer::Composition(written) = said {
             let known = |name: &str| example.plans.iter().any(|(plan, ..)| *plan == name);
             let looks = |name: &str| example.checks.iter().any(|(call, _)| call.starts_with(name));
             for step in &written.steps {
@@ -366,7 +366,10 @@ fn whatever_is_said_is_read_or_refused() {
     ] {
         let _ = read(text);
     }
-    assert_eq!(read("question: Which?").unwrap(), Said::Question("Which?".to_owned()));
+    assert_eq!(
+        read("question: Which?").unwrap(),
+        CompositionAnswer::Question("Which?".to_owned())
+    );
     let json = r#"{"task_tree": [], "question": "Which?"}"#;
-    assert_eq!(read(json).unwrap(), Said::Question("Which?".to_owned()));
+    assert_eq!(read(json).unwrap(), CompositionAnswer::Question("Which?".to_owned()));
 }

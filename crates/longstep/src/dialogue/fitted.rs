@@ -1,6 +1,6 @@
 //! Goal dialogues for worlds that may be too large for a prompt.
 
-use super::dialogue::ANSWER_TOKENS;
+use super::goal_dialogue::ANSWER_TOKENS;
 use super::{GoalDialogue, GoalInput, OverBudget, PartCost, PromptError, TokenCounter, focus};
 use crate::effort;
 use crate::environment::World;
@@ -14,22 +14,15 @@ const EFFORT: u64 = 2 * effort::OPERATION;
 /// A goal dialogue with the part of the world that it shows.
 #[derive(Debug, Clone)]
 pub struct FittedDialogue {
-    /// The dialogue; call it with [`FittedDialogue::world`].
+    /// The dialogue. If it shows a part of the world, [`crate::goal::Understanding::carried`] transfers its result to
+    /// the whole.
     pub dialogue: GoalDialogue,
-    /// The part of the world in the prompt; none for the whole world.
-    pub narrowed: Option<World>,
+    /// True if the dialogue shows only a part of the world.
+    pub is_narrowed: bool,
     /// Number of entities that the prompt omits.
     pub left_out: usize,
     /// Token counts of the first request, by part.
     pub costs: Vec<PartCost>,
-}
-
-impl FittedDialogue {
-    /// Returns the world of the dialogue, where `whole` is the original world. [`crate::goal::Understanding::carried`]
-    /// transfers the result back to `whole`.
-    pub fn world<'a>(&'a self, whole: &'a World) -> &'a World {
-        self.narrowed.as_ref().unwrap_or(whole)
-    }
 }
 
 impl GoalDialogue {
@@ -39,20 +32,14 @@ impl GoalDialogue {
     /// ([`focus`]).
     ///
     /// ```
-    /// use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue, GoalInput};
+    /// use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput};
     /// use longstep::{domain, json, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
     /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
-    /// let input = GoalInput {
-    ///     domain: &household,
-    ///     world: &world,
-    ///     instruction: "Put the cup on the table",
-    ///     rounds: &[],
-    ///     kind: ConstraintKind::JsonSchema,
-    /// };
+    /// let input = GoalInput::new(&household, &world, "Put the cup on the table", ConstraintKind::JsonSchema);
     /// let fitted = GoalDialogue::fitted(input, Some(4000), &mut EstimatedTokens::default()).unwrap();
-    /// let request = fitted.dialogue.request(&household, fitted.world(&world));
+    /// let request = fitted.dialogue.request();
     /// assert!(request.messages.last().unwrap().text.contains("cup"));
     /// ```
     ///
@@ -66,8 +53,7 @@ impl GoalDialogue {
     ) -> Result<FittedDialogue, PromptError> {
         let fitted = || Self::fitted_within(input, context, counter);
         let mut fitted = effort::within(EFFORT, fitted).result?;
-        let seen = fitted.narrowed.as_ref().unwrap_or(input.world);
-        fitted.dialogue.begin(input.domain, seen);
+        fitted.dialogue.begin();
         if fitted.dialogue.is_exhausted() {
             return Err(PromptError::TooMuchWork);
         }
@@ -99,7 +85,7 @@ impl GoalDialogue {
         {
             return Ok(FittedDialogue {
                 dialogue,
-                narrowed: None,
+                is_narrowed: false,
                 left_out: 0,
                 costs,
             });
@@ -108,14 +94,11 @@ impl GoalDialogue {
         let words: Vec<&str> = std::iter::once(input.instruction).chain(said).collect();
         let words = words.join(" ");
         let focus = focus(domain, world, &words);
-        let (part, (dialogue, costs)) = focus.most(SCENE, |keep| {
-            let part = world.narrowed(domain, keep);
-            attempt(&part).map(|made| (part, made))
-        })?;
+        let (dialogue, costs) = focus.most(SCENE, |keep| attempt(&world.narrowed(domain, keep)))?;
         Ok(FittedDialogue {
+            left_out: all - dialogue.world().entities().count(),
             dialogue,
-            left_out: all - part.entities().count(),
-            narrowed: Some(part),
+            is_narrowed: true,
             costs,
         })
     }

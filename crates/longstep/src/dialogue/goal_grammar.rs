@@ -1,13 +1,13 @@
 //! Structured output for goals: a grammar and a JSON schema of the offered goals.
 
 use indexmap::IndexMap;
-use longstep_core::model::written_fact;
+use longstep_core::model::{Domain, written_fact};
 use serde_json::Value;
 
 use super::answer_grammar::{Grammar, any_text, closed, group, list, listed, one_of, quoted};
 use crate::environment::{EntityId, World};
 use crate::goal::{Dependence, GoalFact, IF, NOT, Offer, THEN};
-use crate::model::{Domain, FormPiece, GoalWord};
+use crate::model::{FormPiece, GoalWord};
 
 /// Position of a goal in an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

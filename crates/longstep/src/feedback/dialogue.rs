@@ -10,7 +10,7 @@ use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
 use crate::dialogue::answer_grammar::question_in;
 use crate::dialogue::{
-    ChatRequest, Constraint, ConstraintKind, DialogueError, Message, Reply, Role, Usage, object, one_line, whole,
+    ChatRequest, Constraint, ConstraintKind, Dialogue, DialogueError, Reply, Role, Transcript, object, one_line,
 };
 use crate::environment::World;
 use crate::goal::QUESTION;
@@ -35,108 +35,54 @@ pub enum Wish {
 /// Lets a model interpret an utterance about a plan. One request, one reply.
 #[derive(Debug, Clone)]
 pub struct FeedbackDialogue {
+    world: World,
     words: String,
     length: usize,
     offers: Offers,
-    kind: ConstraintKind,
-    messages: Vec<Message>,
-    fixed: usize,
-    answer: String,
-    /// Token counts of the call.
-    pub usage: Usage,
+    transcript: Transcript,
+}
+
+/// The inputs of a feedback dialogue.
+#[derive(Debug, Clone, Copy)]
+pub struct FeedbackInput<'a> {
+    /// The domain with its prompts.
+    pub domain: &'a Domain,
+    /// The world of the plan.
+    pub world: &'a World,
+    /// The plan.
+    pub plan: &'a Plan,
+    /// The instruction that the plan is for.
+    pub instruction: &'a str,
+    /// The utterance about the plan.
+    pub feedback: &'a str,
+    /// The kind of constraint that the model supports.
+    pub kind: ConstraintKind,
 }
 
 impl FeedbackDialogue {
-    /// Starts a dialogue about `feedback` on the plan for an instruction.
-    pub fn new(
-        domain: &Domain,
-        world: &World,
-        plan: &Plan,
-        instruction: &str,
-        feedback: &str,
-        kind: ConstraintKind,
-    ) -> Self {
-        let mut messages = fixed_turns(domain, kind);
-        let fixed = messages.len();
-        let words = one_line(feedback);
-        let line = |step: &Step| {
-            let arguments: Vec<_> = step.arguments.iter().copied().map(Some).collect();
-            let call = everyday(domain, world, step.action, &arguments);
-            format!("{call}: {}", one_line(&step.explanation))
-        };
-        let lines: Vec<String> = plan.steps().iter().map(line).collect();
-        messages.push(Message::new(
-            Role::User,
-            plan_and_words(&one_line(instruction), &lines, &words),
-        ));
+    /// Starts a dialogue about feedback on a plan.
+    pub fn new(input: FeedbackInput<'_>) -> Self {
+        let FeedbackInput {
+            domain, world, plan, ..
+        } = input;
+        let words = one_line(input.feedback);
+        let lines: Vec<String> = plan.steps().iter().map(|step| line(domain, world, step)).collect();
+        let mut transcript = Transcript::new(input.kind, fixed_turns(domain, input.kind));
+        transcript.push(Role::User, plan_and_words(&one_line(input.instruction), &lines, &words));
         let heard = Heard::of(domain, world, plan, &words);
         let several = heard.steps.len() > 1 || says_several(&words);
         Self {
             offers: offers(domain, world, plan, &heard, several),
+            world: world.clone(),
             words,
             length: plan.steps().len(),
-            kind,
-            messages,
-            fixed,
-            answer: String::new(),
-            usage: Usage::default(),
-        }
-    }
-
-    /// Returns the request to the model.
-    pub fn request(&self, domain: &Domain, world: &World) -> ChatRequest {
-        let (constraint, max_tokens) = match self.kind {
-            ConstraintKind::Grammar => (
-                Constraint::Lark(grammar(domain, world, &self.offers, self.length)),
-                GRAMMAR_TOKENS,
-            ),
-            ConstraintKind::JsonSchema => (
-                Constraint::JsonSchema(schema(domain, world, &self.offers, self.length)),
-                ANSWER_TOKENS,
-            ),
-        };
-        ChatRequest {
-            messages: self.messages.clone(),
-            fixed: self.fixed,
-            answer_so_far: String::new(),
-            constraint,
-            max_tokens,
+            transcript,
         }
     }
 
     /// Returns true if the words can be about what is wanted: they name no step and no call.
     pub(crate) fn may_be_goal(&self) -> bool {
         self.offers.goal
-    }
-
-    /// Returns the model's answer, unchanged.
-    pub fn answer(&self) -> &str {
-        &self.answer
-    }
-
-    /// Interprets the model's reply.
-    ///
-    /// # Errors
-    ///
-    /// The reply is cut off, refused, or no change of this plan.
-    pub fn supply(&mut self, domain: &Domain, world: &World, reply: &Reply) -> Result<Wish, DialogueError> {
-        self.usage += reply.usage;
-        self.answer.clone_from(&reply.text);
-        whole(reply)?;
-        let text = match self.kind {
-            ConstraintKind::Grammar => reply.text.trim().to_owned(),
-            ConstraintKind::JsonSchema => self.unwrapped(&reply.text)?,
-        };
-        if let Some(question) = question_in(&text) {
-            return Ok(Wish::Question(question.to_owned()));
-        }
-        if text == GOAL {
-            return Ok(Wish::Goal);
-        }
-        let mut wishes =
-            parse(domain, world, &text, self.length).map_err(|error| DialogueError::NoWish(error.to_string()))?;
-        self.explain(world, &mut wishes);
-        Ok(Wish::Steps(wishes))
     }
 
     /// Converts the JSON answer of a server to the notation of the grammar.
@@ -160,17 +106,69 @@ impl FeedbackDialogue {
     }
 
     /// Takes the explanation of a single new step from the utterance, if it states a purpose.
-    fn explain(&self, world: &World, wishes: &mut [StepWish]) {
+    fn explain(&self, wishes: &mut [StepWish]) {
         let mut explanations = wishes.iter_mut().filter_map(|wish| match wish {
             StepWish::Insert { explanation, .. } | StepWish::Replace { explanation, .. } => Some(explanation),
             StepWish::Drop { .. } | StepWish::Move { .. } => None,
         });
         if let (Some(explanation), None) = (explanations.next(), explanations.next())
-            && let Some(clause) = what_for(world, &self.words)
+            && let Some(clause) = what_for(&self.world, &self.words)
         {
             *explanation = clause;
         }
     }
+}
+
+impl Dialogue for FeedbackDialogue {
+    type Output = Wish;
+
+    fn request(&self) -> ChatRequest {
+        let (domain, world) = (self.world.domain(), &self.world);
+        match self.transcript.kind {
+            ConstraintKind::Grammar => {
+                let constraint = Constraint::Lark(grammar(domain, world, &self.offers, self.length));
+                self.transcript.request(constraint, GRAMMAR_TOKENS)
+            }
+            ConstraintKind::JsonSchema => {
+                let constraint = Constraint::JsonSchema(schema(domain, world, &self.offers, self.length));
+                self.transcript.request(constraint, ANSWER_TOKENS)
+            }
+        }
+    }
+
+    /// Interprets the model's reply; a dialogue has only one.
+    ///
+    /// # Errors
+    ///
+    /// The reply is cut off, refused, or no change of this plan.
+    fn supply(&mut self, reply: &Reply) -> Result<Option<Wish>, DialogueError> {
+        self.transcript.receive(reply)?;
+        let text = match self.transcript.kind {
+            ConstraintKind::Grammar => reply.text.trim().to_owned(),
+            ConstraintKind::JsonSchema => self.unwrapped(&reply.text)?,
+        };
+        if let Some(question) = question_in(&text) {
+            return Ok(Some(Wish::Question(question.to_owned())));
+        }
+        if text == GOAL {
+            return Ok(Some(Wish::Goal));
+        }
+        let mut wishes = parse(self.world.domain(), &self.world, &text, self.length)
+            .map_err(|error| DialogueError::NoWish(error.to_string()))?;
+        self.explain(&mut wishes);
+        Ok(Some(Wish::Steps(wishes)))
+    }
+
+    fn transcript(&self) -> &Transcript {
+        &self.transcript
+    }
+}
+
+/// Returns a step as the model sees it: its call and its explanation.
+fn line(domain: &Domain, world: &World, step: &Step) -> String {
+    let arguments: Vec<_> = step.arguments.iter().copied().map(Some).collect();
+    let call = everyday(domain, world, step.action, &arguments);
+    format!("{call}: {}", one_line(&step.explanation))
 }
 
 /// Returns true if the utterance can ask for several changes.

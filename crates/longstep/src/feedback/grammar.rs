@@ -1,13 +1,13 @@
 //! Structured output for feedback: a grammar and a JSON schema of the offered changes.
 
 use indexmap::IndexMap;
+use longstep_core::model::Domain;
 use serde_json::{Value, json};
 
 use super::language::{JOINT, everyday};
 use super::offer::{Called, Offers};
 use crate::dialogue::answer_grammar::{Grammar, any_text, closed, group, list, listed, one_of, quoted};
 use crate::environment::World;
-use crate::model::Domain;
 
 /// Answer for feedback that concerns the goal.
 pub(super) const GOAL: &str = "goal";

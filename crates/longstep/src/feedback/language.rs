@@ -4,7 +4,8 @@ use super::StepWish;
 use crate::call::Call;
 use crate::diagnostic::nearest;
 use crate::environment::{EntityId, World};
-use crate::model::{ActionId, Domain};
+use crate::model::ActionId;
+use longstep_core::model::Domain;
 
 /// Reason why a text is not a wish about the steps of a plan.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

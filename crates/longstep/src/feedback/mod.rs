@@ -21,7 +21,7 @@ mod tests;
 
 pub use crate::model::FeedbackExample;
 pub use amend::{Amended, Amendment, amend};
-pub use dialogue::{FeedbackDialogue, Wish};
+pub use dialogue::{FeedbackDialogue, FeedbackInput, Wish};
 pub use difference::pins;
 pub(crate) use example::check_feedback_example;
 pub use language::{WishError, parse, written};

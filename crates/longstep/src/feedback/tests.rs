@@ -2,7 +2,7 @@
 
 use super::heard::{Heard, what_for};
 use super::*;
-use crate::dialogue::{ConstraintKind, Finish, Reply, Usage};
+use crate::dialogue::{ConstraintKind, Dialogue, Finish, Reply, Usage};
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
@@ -80,16 +80,23 @@ impl Scene {
 
     /// Interprets an answer about an utterance.
     fn supplied(&self, said: &str, answer: &str, kind: ConstraintKind) -> Result<Wish, String> {
-        let mut dialogue = FeedbackDialogue::new(&self.domain, &self.world, &self.plan, "Do it", said, kind);
-        let request = dialogue.request(&self.domain, &self.world);
-        assert_eq!(request, dialogue.request(&self.domain, &self.world));
+        let mut dialogue = FeedbackDialogue::new(FeedbackInput {
+            domain: &self.domain,
+            world: &self.world,
+            plan: &self.plan,
+            instruction: "Do it",
+            feedback: said,
+            kind,
+        });
+        let request = dialogue.request();
+        assert_eq!(request, dialogue.request());
         let reply = Reply {
             text: answer.to_owned(),
             finish: Finish::Stop,
             usage: Usage::default(),
         };
-        let supplied = dialogue.supply(&self.domain, &self.world, &reply);
-        supplied.map_err(|error| error.to_string())
+        let wish = dialogue.supply(&reply).map_err(|error| error.to_string())?;
+        Ok(wish.expect("one reply is enough"))
     }
 }
 

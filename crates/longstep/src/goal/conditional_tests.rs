@@ -1,7 +1,7 @@
 //! Goals that depend on sensing: notation, parsing, grammar and interpretation.
 
 use super::*;
-use crate::dialogue::{Constraint, ConstraintKind, Finish, GoalDialogue, Reply, Turn, Usage};
+use crate::dialogue::{Constraint, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Reply, Usage};
 use crate::domain;
 use crate::domain::Domain;
 use crate::environment::World;
@@ -88,16 +88,16 @@ fn conditional_goals_are_read_and_written() {
 #[track_caller]
 fn check_next(instruction: &str, replies: &[&str], expected: &[&str]) {
     let (domain, world) = kitchen();
-    let mut dialogue = GoalDialogue::new(&domain, &world, instruction, ConstraintKind::Grammar);
+    let mut dialogue = GoalDialogue::new(GoalInput::new(&domain, &world, instruction, ConstraintKind::Grammar));
     for text in replies {
         let reply = Reply {
             text: (*text).to_owned(),
             finish: Finish::Stop,
             usage: Usage::default(),
         };
-        assert_eq!(dialogue.supply(&domain, &world, &reply), Ok(Turn::GoOn), "{text}");
+        assert_eq!(dialogue.supply(&reply), Ok(None), "{text}");
     }
-    let Constraint::Lark(grammar) = dialogue.request(&domain, &world).constraint else {
+    let Constraint::Lark(grammar) = dialogue.request().constraint else {
         panic!("no grammar");
     };
     // The first line of the goals is sufficient.
@@ -154,7 +154,7 @@ fn a_condition_is_offered_where_the_instruction_has_one() {
 #[track_caller]
 fn check_understood(instruction: &str, replies: &[&str], kind: ConstraintKind, expected: &str) {
     let (domain, world) = kitchen();
-    let mut dialogue = GoalDialogue::new(&domain, &world, instruction, kind);
+    let mut dialogue = GoalDialogue::new(GoalInput::new(&domain, &world, instruction, kind));
     let mut understood = String::new();
     for text in replies {
         let reply = Reply {
@@ -162,7 +162,7 @@ fn check_understood(instruction: &str, replies: &[&str], kind: ConstraintKind, e
             finish: Finish::Stop,
             usage: Usage::default(),
         };
-        if let Turn::Done(done) = dialogue.supply(&domain, &world, &reply).unwrap() {
+        if let Some(done) = dialogue.supply(&reply).unwrap() {
             understood = match done {
                 Understanding::Goal(goal, left_out) => {
                     let all = goal.facts.iter().chain(left_out.iter().map(|left| &left.fact));
@@ -215,19 +215,19 @@ fn conditional_answers_are_understood() {
 fn a_model_that_does_not_see_what_is_there_is_asked_again() {
     let (domain, world) = kitchen();
     let said = |instruction: &str, question: &str| {
-        let mut dialogue = GoalDialogue::new(&domain, &world, instruction, ConstraintKind::Grammar);
+        let mut dialogue = GoalDialogue::new(GoalInput::new(&domain, &world, instruction, ConstraintKind::Grammar));
         let reply = Reply {
             text: format!("question: {question}"),
             finish: Finish::Stop,
             usage: Usage::default(),
         };
-        match dialogue.supply(&domain, &world, &reply).unwrap() {
-            Turn::GoOn => match dialogue.request(&domain, &world).constraint {
+        match dialogue.supply(&reply).unwrap() {
+            None => match dialogue.request().constraint {
                 Constraint::Lark(grammar) => grammar.lines().next().unwrap_or_default().to_owned(),
                 _ => unreachable!(),
             },
-            Turn::Done(Understanding::Question(question)) => question,
-            Turn::Done(other) => format!("{other:?}"),
+            Some(Understanding::Question(question)) => question,
+            Some(other) => format!("{other:?}"),
         }
     };
     let carton = "I see no milk carton here, which thing do you mean?";

@@ -3,7 +3,8 @@
 use super::Spoken;
 use super::mention::among;
 use crate::environment::{EntityId, World};
-use crate::model::{Domain, GoalWordId, plain_words};
+use crate::model::{GoalWordId, plain_words};
+use longstep_core::model::Domain;
 
 /// Pronouns that stand for an entity of an earlier sentence.
 const PRONOUNS: &str = "it them these those that this one ones both all";

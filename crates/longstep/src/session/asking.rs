@@ -1,11 +1,10 @@
 //! Model requests and replies.
 
-use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct, goal};
-use crate::dialogue::{DialogueError, Finish, Prepared, PromptError, Reply, TokenCounter};
-use crate::feedback::{FeedbackDialogue, Wish};
+use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct};
+use crate::dialogue::{Dialogue, DialogueError, Finish, FittedDialogue, Prepared, PromptError, Reply, TokenCounter};
+use crate::feedback::{FeedbackDialogue, FeedbackInput, Wish};
 
 use super::Strategy;
-use goal::GoalAsking;
 
 /// A pending model request.
 #[derive(Debug, Clone)]
@@ -18,7 +17,7 @@ pub(super) struct Asking {
 #[derive(Debug, Clone)]
 pub(super) enum What {
     /// A goal. The dialogue starts when the token budget is known.
-    Goal(Option<Box<GoalAsking>>),
+    Goal(Option<Box<FittedDialogue>>),
     /// A whole plan.
     Plan,
     /// The interpretation of feedback on a plan.
@@ -54,9 +53,14 @@ impl Session {
                 Asking::new(What::Goal(None))
             }
             Strategy::Goal if is_sequence => {
-                let (domain, world) = (&self.domain, &self.world);
-                let plan = proposal.plan.plan();
-                let dialogue = FeedbackDialogue::new(domain, world, plan, &turn.instruction, words, self.model.kind);
+                let dialogue = FeedbackDialogue::new(FeedbackInput {
+                    domain: &self.domain,
+                    world: &self.world,
+                    plan: proposal.plan.plan(),
+                    instruction: &turn.instruction,
+                    feedback: words,
+                    kind: self.model.kind,
+                });
                 Asking::new(What::Wish(Box::new(dialogue), words.to_owned()))
             }
             Strategy::Goal | Strategy::Direct => {
@@ -78,7 +82,7 @@ impl Session {
             What::Goal(goal) => self.goal_request(&turn, goal, counter),
             What::Plan => self.plan_request(&turn, counter),
             What::Wish(dialogue, _) => Ok(Prepared {
-                request: dialogue.request(&self.domain, &self.world),
+                request: dialogue.request(),
                 costs: Vec::new(),
                 dropped: 0,
                 left_out: 0,
@@ -140,10 +144,11 @@ impl Session {
         match asking.what {
             What::Goal(goal) => self.goal_reply(turn, goal, reply),
             What::Plan => self.plan_reply(turn, reply),
-            What::Wish(mut dialogue, words) => match dialogue.supply(&self.domain, &self.world, reply) {
-                Ok(Wish::Goal) => self.ask_for_another_goal(turn, words),
-                Ok(Wish::Steps(wishes)) => self.amend(turn, &dialogue, words, &wishes),
-                Ok(Wish::Question(question)) => self.ask_person(turn, question.clone(), question),
+            What::Wish(mut dialogue, words) => match dialogue.supply(reply) {
+                Ok(None) => self.stage = Stage::Asking(turn, Asking::new(What::Wish(dialogue, words))),
+                Ok(Some(Wish::Goal)) => self.ask_for_another_goal(turn, words),
+                Ok(Some(Wish::Steps(wishes))) => self.amend(turn, &dialogue, words, &wishes),
+                Ok(Some(Wish::Question(question))) => self.ask_person(turn, question.clone(), question),
                 Err(error @ DialogueError::NoWish(_)) => {
                     let why = vec![Refusal::Failure(Failure::Reply(error))];
                     self.reread(turn, &dialogue, words, &[], why);

@@ -3,8 +3,7 @@
 use super::asking::{Asking, What};
 use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
 use crate::dialogue::{
-    DialogueError, GoalDialogue, GoalInput, PartCost, Prepared, PromptError, Reply, Round, TokenCounter,
-    Turn as DialogueTurn,
+    Dialogue, DialogueError, FittedDialogue, GoalDialogue, GoalInput, Prepared, PromptError, Reply, Round, TokenCounter,
 };
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
@@ -12,59 +11,39 @@ use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
 use crate::report;
 use crate::report::Answer;
 
-/// A goal dialogue in progress.
-#[derive(Debug, Clone)]
-pub(super) struct GoalAsking {
-    dialogue: GoalDialogue,
-    /// The part of the world in the prompt; none for the whole world.
-    seen: Option<World>,
-    left_out: usize,
-    costs: Vec<PartCost>,
-}
-
-impl GoalAsking {
-    /// Returns true if only goals beside those of the last round can be answered.
-    pub(super) fn is_further(&self) -> bool {
-        self.dialogue.is_further()
-    }
-}
-
 impl Session {
     /// Returns the request for goals.
     pub(super) fn goal_request(
         &mut self,
         turn: &Turn,
-        goal: &mut Option<Box<GoalAsking>>,
+        goal: &mut Option<Box<FittedDialogue>>,
         counter: &mut dyn TokenCounter,
     ) -> Result<Prepared, PromptError> {
-        let asking = match goal {
-            Some(asking) => asking,
+        let fitted = match goal {
+            Some(fitted) => fitted,
             None => {
                 let instruction = self.spelled_out(turn);
                 let input = self.goal_input(turn, &self.world, &instruction);
                 let mut fitted = GoalDialogue::fitted(input, self.model.context, counter)?;
-                if let Some(seen) = &fitted.narrowed {
-                    let kept = seen.entities().map(|(_, entity)| entity.identifier.clone());
+                if fitted.is_narrowed {
+                    let kept = fitted
+                        .dialogue
+                        .world()
+                        .entities()
+                        .map(|(_, entity)| entity.identifier.clone());
                     self.events.push(Event::Focus { kept: kept.collect() });
                 }
                 if let (Some(_), Some(round)) = (&turn.rereading, turn.rounds.last()) {
-                    let seen = fitted.narrowed.as_ref().unwrap_or(&self.world);
-                    fitted.dialogue.further(&self.domain, seen, round);
+                    fitted.dialogue.further(round);
                 }
-                goal.insert(Box::new(GoalAsking {
-                    dialogue: fitted.dialogue,
-                    seen: fitted.narrowed,
-                    left_out: fitted.left_out,
-                    costs: fitted.costs,
-                }))
+                goal.insert(Box::new(fitted))
             }
         };
-        let seen = asking.seen.as_ref().unwrap_or(&self.world);
         Ok(Prepared {
-            request: asking.dialogue.request(&self.domain, seen),
-            costs: asking.costs.clone(),
+            request: fitted.dialogue.request(),
+            costs: fitted.costs.clone(),
             dropped: 0,
-            left_out: asking.left_out,
+            left_out: fitted.left_out,
         })
     }
 
@@ -90,20 +69,20 @@ impl Session {
     }
 
     /// Starts the dialogue with these entities in the prompt, or with all.
-    pub(super) fn goal_asking(&self, turn: &Turn, kept: Option<&[String]>) -> GoalAsking {
+    pub(super) fn goal_dialogue(&self, turn: &Turn, kept: Option<&[String]>) -> FittedDialogue {
         let (domain, world) = (&self.domain, &self.world);
-        let seen = kept.map(|kept| {
+        let part = kept.map(|kept| {
             let kept: Vec<_> = kept.iter().filter_map(|identifier| world.find(identifier)).collect();
             world.narrowed(domain, &kept)
         });
-        let told = seen.as_ref().unwrap_or(world);
-        let mut dialogue = GoalDialogue::again(self.goal_input(turn, told, &self.spelled_out(turn)));
+        let shown = part.as_ref().unwrap_or(world);
+        let mut dialogue = GoalDialogue::new(self.goal_input(turn, shown, &self.spelled_out(turn)));
         if let (Some(_), Some(round)) = (&turn.rereading, turn.rounds.last()) {
-            dialogue.further(domain, told, round);
+            dialogue.further(round);
         }
-        GoalAsking {
+        FittedDialogue {
             dialogue,
-            seen,
+            is_narrowed: part.is_some(),
             left_out: 0,
             costs: Vec::new(),
         }
@@ -115,22 +94,21 @@ impl Session {
             return;
         };
         if let What::Goal(None) = asking.what {
-            let begun = self.goal_asking(turn, kept.as_deref());
+            let begun = self.goal_dialogue(turn, kept.as_deref());
             self.stage = Stage::Asking(turn.clone(), Asking::new(What::Goal(Some(Box::new(begun)))));
         }
     }
 
-    pub(super) fn goal_reply(&mut self, turn: Turn, goal: Option<Box<GoalAsking>>, reply: &Reply) {
-        let mut asking = goal.unwrap_or_else(|| Box::new(self.goal_asking(&turn, None)));
-        let seen = asking.seen.as_ref().unwrap_or(&self.world);
-        match asking.dialogue.supply(&self.domain, seen, reply) {
-            Ok(DialogueTurn::GoOn) => {
-                self.stage = Stage::Asking(turn, Asking::new(What::Goal(Some(asking))));
+    pub(super) fn goal_reply(&mut self, turn: Turn, goal: Option<Box<FittedDialogue>>, reply: &Reply) {
+        let mut fitted = goal.unwrap_or_else(|| Box::new(self.goal_dialogue(&turn, None)));
+        match fitted.dialogue.supply(reply) {
+            Ok(None) => {
+                self.stage = Stage::Asking(turn, Asking::new(What::Goal(Some(fitted))));
             }
-            Ok(DialogueTurn::Done(understood)) => {
-                let carried = match &asking.seen {
-                    Some(seen) => understood.carried(&self.domain, seen, &self.world),
-                    None => Some(understood),
+            Ok(Some(understood)) => {
+                let carried = match fitted.is_narrowed {
+                    true => understood.carried(&self.domain, fitted.dialogue.world(), &self.world),
+                    false => Some(understood),
                 };
                 match carried {
                     Some(Understanding::Goal(goal, left_out)) if turn.accepts_as_goal(&goal) => {

@@ -37,7 +37,7 @@ impl Session {
         let round = self.goal_round(&turn, words);
         turn.rounds.push(round);
         turn.rereading = Some(why);
-        if may_be_goal && self.goal_asking(&turn, None).is_further() {
+        if may_be_goal && self.goal_dialogue(&turn, None).dialogue.is_further() {
             self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
         } else {
             let why = turn.end_rereading().unwrap_or_default();

@@ -1,6 +1,6 @@
 //! Goals: read, solved, offered to a model; instructions, and the prompts for them.
 
-use longstep::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue, GoalInput, direct_request};
+use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, direct_request};
 use longstep::domain::Domain;
 use longstep::environment::World;
 use longstep::goal::{self, Spoken};
@@ -42,15 +42,9 @@ fn instruct(domain: &str, environment: &Value, text: String) -> Work {
 fn requests(domain: &Domain, world: &World, text: &str) {
     let mut counter = EstimatedTokens::default();
     for kind in [ConstraintKind::Grammar, ConstraintKind::JsonSchema] {
-        let input = GoalInput {
-            domain,
-            world,
-            instruction: text,
-            rounds: &[],
-            kind,
-        };
+        let input = GoalInput::new(domain, world, text, kind);
         if let Ok(fitted) = GoalDialogue::fitted(input, Some(8_000), &mut counter) {
-            fitted.dialogue.request(domain, fitted.world(world));
+            fitted.dialogue.request();
         }
     }
     let _ = direct_request(domain, world, text, &[], &[], Some(8_000), &mut counter);

@@ -1,6 +1,6 @@
 //! Plans, verified and repaired: as replies, as scripts, composed of stored ones.
 
-use longstep::compose::{self, Composed, Said, Stored};
+use longstep::compose::{self, Composed, CompositionAnswer, Stored};
 use longstep::plan::{self, Draft, PlanFile, TaskCohesion, script};
 use longstep::report::Assessment;
 use longstep::report::Status;
@@ -53,7 +53,7 @@ fn repair(domain: &str, environment: &Value, text: &str) -> Work {
 fn composed(domain: &str, environment: &Value, text: &str, stored: &str) -> Work {
     let domain = shipped(domain);
     let world = world_of(&domain, environment);
-    let Said::Composition(script) = compose::read(text).unwrap() else {
+    let CompositionAnswer::Composition(script) = compose::read(text).unwrap() else {
         panic!("{text}")
     };
     let stored = vec![Stored::new("tidy", written(stored).file)];

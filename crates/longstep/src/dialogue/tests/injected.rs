@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::dialogue::{ConstraintKind, EstimatedTokens, GoalDialogue, Message, direct_request};
+use crate::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, Message, direct_request};
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
@@ -142,8 +142,8 @@ fn a_name_stays_between_its_fences() {
 }
 
 fn goal(domain: &Domain, world: &World, instruction: &str, kind: ConstraintKind) -> (Vec<Message>, usize) {
-    let dialogue = GoalDialogue::new(domain, world, instruction, kind);
-    let request = dialogue.request(domain, world);
+    let dialogue = GoalDialogue::new(GoalInput::new(domain, world, instruction, kind));
+    let request = dialogue.request();
     (request.messages, request.fixed)
 }
 

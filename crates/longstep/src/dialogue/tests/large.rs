@@ -3,8 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, EstimatedTokens, Finish, GoalDialogue, GoalInput, Reply, TokenCounter, Turn, Usage,
-    direct_request, focus,
+    ChatRequest, ConstraintKind, Dialogue, EstimatedTokens, Finish, GoalDialogue, GoalInput, Reply, TokenCounter,
+    Usage, direct_request, focus,
 };
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, Claim, Environment, Words, World};
@@ -60,18 +60,13 @@ fn check_fits(request: &ChatRequest) {
 #[track_caller]
 fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answer: &str) {
     let mut counter = EstimatedTokens::default();
-    let input = GoalInput {
-        domain,
-        world: depot,
-        instruction,
-        rounds: &[],
-        kind: ConstraintKind::JsonSchema,
-    };
+    let input = GoalInput::new(domain, depot, instruction, ConstraintKind::JsonSchema);
     let mut fitted = GoalDialogue::fitted(input, Some(ROOM), &mut counter).unwrap();
-    let part = fitted.narrowed.clone().unwrap();
+    assert!(fitted.is_narrowed);
+    let part = fitted.dialogue.world().clone();
     assert_eq!(fitted.left_out, 5_000 - part.entities().count());
     assert!(fitted.left_out > 4_000);
-    let request = fitted.dialogue.request(domain, &part);
+    let request = fitted.dialogue.request();
     check_fits(&request);
     let turn = &request.messages.last().unwrap().text;
     for name in shown {
@@ -82,7 +77,7 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
         finish: Finish::Stop,
         usage: Usage::default(),
     };
-    let Turn::Done(understood) = fitted.dialogue.supply(domain, &part, &reply).unwrap() else {
+    let Some(understood) = fitted.dialogue.supply(&reply).unwrap() else {
         panic!("the answer is whole");
     };
     let Understanding::Goal(found, left_out) = understood.carried(domain, &part, depot).unwrap() else {

@@ -1,0 +1,155 @@
+//! Dialogues that a caller carries out with a model.
+
+use serde::de::DeserializeOwned;
+
+use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage};
+use crate::goal::GoalError;
+
+/// A dialogue with a model about one matter: requests, and the replies to them.
+///
+/// A dialogue never calls the model. The caller sends [`Dialogue::request`] and passes the reply to
+/// [`Dialogue::supply`] until that returns a result; `longstep_llm::converse` does both.
+pub trait Dialogue {
+    /// The result of the dialogue.
+    type Output;
+
+    /// Returns the next request to the model.
+    fn request(&self) -> ChatRequest;
+
+    /// Interprets the reply to the last request. Returns none if the model must answer a further request.
+    ///
+    /// # Errors
+    ///
+    /// The reply is cut off, refused or invalid.
+    fn supply(&mut self, reply: &Reply) -> Result<Option<Self::Output>, DialogueError>;
+
+    /// Returns the messages and replies so far.
+    fn transcript(&self) -> &Transcript;
+}
+
+/// The messages of a dialogue, the model's answer so far, and its cost.
+#[derive(Debug, Clone)]
+pub struct Transcript {
+    pub(crate) kind: ConstraintKind,
+    pub(crate) messages: Vec<Message>,
+    pub(crate) fixed: usize,
+    pub(crate) answer: String,
+    usage: Usage,
+}
+
+impl Transcript {
+    /// Starts with messages that are equal in all requests of the domain.
+    pub(crate) fn new(kind: ConstraintKind, messages: Vec<Message>) -> Self {
+        Self {
+            kind,
+            fixed: messages.len(),
+            messages,
+            answer: String::new(),
+            usage: Usage::default(),
+        }
+    }
+
+    pub(crate) fn push(&mut self, role: Role, text: impl Into<String>) {
+        self.messages.push(Message::new(role, text));
+    }
+
+    pub(crate) fn request(&self, constraint: Constraint, max_tokens: u32) -> ChatRequest {
+        ChatRequest {
+            messages: self.messages.clone(),
+            fixed: self.fixed,
+            answer_so_far: self.answer.clone(),
+            constraint,
+            max_tokens,
+        }
+    }
+
+    /// Adds a reply to the answer.
+    ///
+    /// # Errors
+    ///
+    /// The reply was cut off or refused.
+    pub(crate) fn receive(&mut self, reply: &Reply) -> Result<(), DialogueError> {
+        self.usage += reply.usage;
+        self.answer.push_str(&reply.text);
+        whole(reply)
+    }
+
+    /// Returns the model's answer so far.
+    pub fn answer(&self) -> &str {
+        &self.answer
+    }
+
+    /// Returns the token counts of all replies.
+    pub fn usage(&self) -> Usage {
+        self.usage
+    }
+}
+
+/// Reason why a reply is unusable. Replies are never completed by guesses.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DialogueError {
+    /// The reply was cut off.
+    #[error("the model's answer was cut off: `{0}`")]
+    CutOff(String),
+    /// The model or its server refused to answer.
+    #[error("the model refused to answer")]
+    Refused,
+    /// The reply does not have the required form.
+    #[error("the model's answer cannot be read: {0}")]
+    Unreadable(String),
+    /// The reply names an unknown goal or entity.
+    #[error("the model's answer is no goal here: {0}")]
+    NoGoal(#[from] GoalError),
+    /// The reply is no change of the plan.
+    #[error("the model's answer is no change of this plan: {0}")]
+    NoWish(String),
+    /// Enumerating the possible goals exceeds the work budget.
+    #[error("{TOO_MUCH_WORK}")]
+    TooMuchWork,
+}
+
+/// Error for a domain and world with too many goals to enumerate.
+pub(super) const TOO_MUCH_WORK: &str =
+    "there are too many goals in this domain and world, or their conditions take too much work";
+
+/// Checks that a reply is complete.
+///
+/// # Errors
+///
+/// The reply was cut off or refused.
+pub(crate) fn whole(reply: &Reply) -> Result<(), DialogueError> {
+    match reply.finish {
+        Finish::Stop => Ok(()),
+        Finish::Length => Err(DialogueError::CutOff(shortened(&reply.text))),
+        Finish::Refused => Err(DialogueError::Refused),
+    }
+}
+
+/// Parses the JSON object of a server's answer.
+///
+/// # Errors
+///
+/// The text is no such object.
+pub(crate) fn object<T: DeserializeOwned>(text: &str) -> Result<T, DialogueError> {
+    // Servers that ignore the schema may add a code fence.
+    let bare = text
+        .trim()
+        .trim_start_matches("```json")
+        .trim_start_matches("```")
+        .trim_end_matches("```");
+    serde_json::from_str(bare.trim())
+        .map_err(|error| DialogueError::Unreadable(format!("{error}: `{}`", shortened(text))))
+}
+
+/// Returns a text as one line.
+pub(crate) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn shortened(text: &str) -> String {
+    let mut short: String = one_line(text).chars().take(120).collect();
+    if short.len() < text.trim().len() {
+        short.push('…');
+    }
+    short
+}
