@@ -84,14 +84,9 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
         None => SessionFolder::create(&free_folder(env)?)?,
     };
     let facts = model.facts();
-    // The log can be read from any working directory, so the domain's folder is saved as an absolute path.
-    let whole = Path::new(named)
-        .is_dir()
-        .then(|| std::path::absolute(named).ok())
-        .flatten();
-    let named = whole.map_or_else(|| named.to_owned(), |path| path.display().to_string());
+    let origin = domain.origin.clone();
     let mut chat = Chat {
-        session: Session::new(&named, domain, world, settings, facts, stopwatch),
+        session: Session::new(&origin, domain, world, settings, facts, stopwatch),
         folder,
         model: Some(model),
         model_name: name.clone(),

@@ -7,17 +7,16 @@ use longstep::domain::{self, Domain};
 use longstep::environment::{self, Environment, World};
 use longstep::json;
 use longstep::plan::{self, PlanFile, TaskCohesion};
-use longstep_llm::{domain_files, overlay_prompt, plain_reason, read_text, write_whole};
+use longstep_llm::{load_domain, load_domain_with_prompt, plain_reason, read_text, write_whole};
 
 use crate::failure::Failure;
 
 /// Loads a domain; files in the folder `prompt` replace its prompt files.
 pub(crate) fn domain_with_prompt(name: &str, prompt: Option<&Path>) -> Result<Domain> {
-    let mut files = domain_files(name)?;
-    if let Some(folder) = prompt {
-        overlay_prompt(&mut files, folder)?;
-    }
-    Ok(domain::load(&files)?)
+    Ok(match prompt {
+        Some(folder) => load_domain_with_prompt(name, folder)?,
+        None => load_domain(name)?,
+    })
 }
 
 /// Reads an environment file as a world of the domain.

@@ -54,7 +54,7 @@ pub use bounded::{LOG_LIMIT, read_bounded};
 pub use cache::{cache_directory, session_directory};
 pub use converse::{ConverseError, converse};
 pub use error::{AnswerLimit, ModelError};
-pub use load_domain::{DomainError, domain_files, load_domain, overlay_prompt};
+pub use load_domain::{DomainError, domain_files, load_domain, load_domain_with_prompt, overlay_prompt};
 pub use model::{ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch};
 pub use open::open;
 pub use private::{create_private_folder, tighten_folder};

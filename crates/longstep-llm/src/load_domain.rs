@@ -60,7 +60,29 @@ impl DomainError {
 ///
 /// When there is no such domain, or its files cannot be read, have errors or contradict each other.
 pub fn load_domain(name: &str) -> Result<Domain, DomainError> {
-    Ok(domain::load(&domain_files(name)?)?)
+    from_files(name, &domain_files(name)?)
+}
+
+/// Loads a domain as [`load_domain`] does, with prompt files of another folder in place of its own.
+///
+/// # Errors
+///
+/// As [`load_domain`]; also when the folder cannot be read, or no domain has a file of that name.
+pub fn load_domain_with_prompt(name: &str, prompt: &Path) -> Result<Domain, DomainError> {
+    let mut files = domain_files(name)?;
+    overlay_prompt(&mut files, prompt)?;
+    from_files(name, &files)
+}
+
+fn from_files(name: &str, files: &Files) -> Result<Domain, DomainError> {
+    let mut domain = domain::load(files)?;
+    // A session's log can be read from any working directory, so it names the whole path.
+    if domain::shipped_files(name).is_none()
+        && let Ok(folder) = std::path::absolute(name)
+    {
+        domain.origin = folder.display().to_string();
+    }
+    Ok(domain)
 }
 
 /// Reads the files of a domain as [`load_domain`] does, for changes before they are loaded.
