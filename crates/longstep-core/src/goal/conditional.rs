@@ -32,7 +32,7 @@ pub const ELSE: &str = " else";
 
 /// A conditional goal as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Written<'t> {
+pub struct WrittenConditional<'t> {
     /// True if the condition follows "not".
     pub negated: bool,
     /// The condition.
@@ -43,7 +43,7 @@ pub struct Written<'t> {
     pub otherwise: Vec<&'t str>,
 }
 
-impl<'t> Written<'t> {
+impl<'t> WrittenConditional<'t> {
     /// Splits a conditional goal into its texts; none if the text has no "if" at its beginning or no "then" after it.
     pub fn read(text: &'t str) -> Option<Self> {
         let (condition, sides) = split_once(text.strip_prefix(IF)?, THEN)?;

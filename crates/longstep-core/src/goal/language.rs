@@ -1,6 +1,6 @@
 //! The parser of goals.
 
-use super::{Conditional, Goal, GoalFact, Written};
+use super::{Conditional, Goal, GoalFact, WrittenConditional};
 use crate::call::Call;
 use crate::diagnostic::nearest;
 use crate::model::{Domain, EntityId, Fact, FormPiece, GoalWord, GoalWordId, TypeId, World, ground};
@@ -81,14 +81,14 @@ pub fn parse(domain: &Domain, world: &World, text: &str) -> Result<Goal, GoalErr
 }
 
 fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalError> {
-    match Written::read(part) {
+    match WrittenConditional::read(part) {
         Some(written) => Ok(GoalFact::If(conditional(domain, world, &written)?)),
         None => plain(domain, world, part),
     }
 }
 
 /// Reads a conditional goal; its branches cannot contain conditions.
-fn conditional(domain: &Domain, world: &World, written: &Written<'_>) -> Result<Conditional, GoalError> {
+fn conditional(domain: &Domain, world: &World, written: &WrittenConditional<'_>) -> Result<Conditional, GoalError> {
     let condition = match state(domain, world, written.condition)? {
         Some(fact) if domain.is_sensed(fact.predicate()) => fact,
         _ => {

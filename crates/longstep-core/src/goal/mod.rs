@@ -8,7 +8,7 @@ mod language;
 mod partial_answer;
 
 pub use conditional::Conditional;
-pub use conditional::{AND, ELSE, IF, NOT, THEN, Written};
+pub use conditional::{AND, ELSE, IF, NOT, THEN, WrittenConditional};
 pub use language::{GoalError, JOINT, QUESTION, parse, read_form};
 pub use partial_answer::{Begun, Next, ended};
 

@@ -1,7 +1,7 @@
 //! Partial answers: goals that a model has not finished writing.
 
 use super::conditional::{AND, ELSE, IF, THEN};
-use super::{Goal, GoalError, GoalFact, JOINT, Written, parse};
+use super::{Goal, GoalError, GoalFact, JOINT, WrittenConditional, parse};
 use crate::model::{Domain, World};
 
 /// The possible continuation of a partial answer.
@@ -65,7 +65,7 @@ impl Begun {
             });
         };
         let open = last.trim().strip_suffix(word).unwrap_or_default();
-        let written = Written::read(open);
+        let written = WrittenConditional::read(open);
         let in_otherwise = word == ELSE || written.as_ref().is_some_and(|written| !written.otherwise.is_empty());
         let read = |parts: &[&str]| -> Result<Vec<GoalFact>, GoalError> {
             let facts: Result<Vec<Vec<GoalFact>>, GoalError> = parts.iter().map(|part| all(part)).collect();

@@ -1,7 +1,7 @@
 //! Compositions as a dialogue with a model.
 
 use super::Stored;
-use super::examples::{EXAMPLES, Example};
+use super::examples::{CompositionExample, EXAMPLES};
 use super::grammar::{grammar, schema};
 use super::menu::Menu;
 use super::read::{CompositionAnswer, in_json, read};
@@ -128,7 +128,7 @@ fn query(menu: &Menu, instruction: &str) -> String {
     whole_query(plans.collect(), checks.collect(), &plain_line(instruction))
 }
 
-fn example_query(example: &Example) -> String {
+fn example_query(example: &CompositionExample) -> String {
     let plans = example
         .plans
         .iter()

@@ -1,7 +1,7 @@
 //! Few-shot examples of compositions. Their objects occur in no shipped domain.
 
 /// Stored plans, an instruction, and the composition that it asks for.
-pub(super) struct Example {
+pub(super) struct CompositionExample {
     /// For each plan: name, summary, and lane ("" if none).
     pub(super) plans: &'static [(&'static str, &'static str, &'static str)],
     /// Sensing calls; for each outcome, the condition and its description.
@@ -47,62 +47,62 @@ const ARMS: &[(&str, &str, &str)] = &[
     ("stow_boots", "put the boots into the chest", "right"),
 ];
 
-pub(super) const EXAMPLES: &[Example] = &[
-    Example {
+pub(super) const EXAMPLES: &[CompositionExample] = &[
+    CompositionExample {
         plans: PEAR,
         checks: &[RIPENESS],
         wish: "Pick the pear and put it into the basket.",
         answer: "fetch_pear()\nbasket_pear()",
     },
-    Example {
+    CompositionExample {
         plans: PEAR,
         checks: &[RIPENESS],
         wish: "Pick the pear. If it is rotten it goes on the compost, otherwise into the basket.",
         answer: "fetch_pear()\nlook_at(\"pear\")\nif rotten(\"pear\"):\n    compost_pear()\nelse:\n    basket_pear()",
     },
-    Example {
+    CompositionExample {
         plans: TORCH,
         checks: &[BATTERY],
         wish: "Sweep the garage, but hang up the torch before that. It is in the toolbox.",
         answer: "plan_0()\nplan_2()\nplan_3()",
     },
-    Example {
+    CompositionExample {
         plans: TORCH,
         checks: &[BATTERY],
         wish: "Get the torch and see whether it is charged: hang it up if so, else plug it in. Then sweep the garage.",
         answer: "plan_0()\ntest_battery(\"torch\")\nif charged(\"torch\"):\n    plan_2()\nelse:\n    plan_1()\nplan_3()",
     },
-    Example {
+    CompositionExample {
         plans: ARMS,
         checks: &[],
         wish: "The coat goes on its peg and the hat on the rack, both at the same time.",
         answer: "with parallel():\n    with lane(\"left\"):\n        hang_coat()\n    with lane(\"right\"):\n        shelve_hat()",
     },
-    Example {
+    CompositionExample {
         plans: TORCH,
         checks: &[BATTERY],
         wish: "If the battery of the torch is drained, sweep the garage.",
         answer: "test_battery(\"torch\")\nif drained(\"torch\"):\n    plan_3()",
     },
-    Example {
+    CompositionExample {
         plans: PEAR,
         checks: &[RIPENESS],
         wish: "Mow the lawn.",
         answer: "question: I have no plan for mowing the lawn. What should I do instead?",
     },
-    Example {
+    CompositionExample {
         plans: PEAR,
         checks: &[RIPENESS],
         wish: "Take the pear down and lay it into the basket, unless it is rotten: throw it on the compost then. Shut the gate in the end.",
         answer: "fetch_pear()\nlook_at(\"pear\")\nif rotten(\"pear\"):\n    compost_pear()\nelse:\n    basket_pear()\nclose_gate()",
     },
-    Example {
+    CompositionExample {
         plans: ARMS,
         checks: &[],
         wish: "Let one arm see to the coat while the other puts the hat up and the boots away.",
         answer: "with parallel():\n    with lane(\"left\"):\n        hang_coat()\n    with lane(\"right\"):\n        shelve_hat()\n        stow_boots()",
     },
-    Example {
+    CompositionExample {
         plans: ARMS,
         checks: &[],
         wish: "First the boots, then the coat.",

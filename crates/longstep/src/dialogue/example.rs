@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::template_context::size;
 use super::{ConstraintKind, Message, Role, template};
-use crate::goal::{Written, read_form};
+use crate::goal::{WrittenConditional, read_form};
 use crate::model::{Domain, Example, GoalWord, StateWord};
 
 /// Checks that a model could give the example's answer: goals of this domain about entities of the example's scene.
@@ -14,7 +14,7 @@ pub(crate) fn check_example(domain: &Domain, example: &Example) -> Result<(), St
         return Ok(());
     }
     for part in example.answer.split(" & ") {
-        let Some(written) = Written::read(part) else {
+        let Some(written) = WrittenConditional::read(part) else {
             check_part(domain, example, part)?;
             continue;
         };
