@@ -33,8 +33,9 @@ fn toml(from: &'static str, to: &str) -> Change {
 #[track_caller]
 fn check(changes: impl IntoIterator<Item = Change>, expected: &[&str]) {
     let mut files = starter_files();
-    // The example plans are valid only for the unchanged domain.
+    // The examples of plans and of feedback are valid only for the unchanged domain.
     files.parts.clear();
+    files.feedback.clear();
     for (file, from, to) in changes {
         let text = match file {
             "domain.pddl" => &mut files.pddl,
