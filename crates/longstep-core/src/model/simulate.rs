@@ -208,5 +208,5 @@ pub(crate) fn rests_on(
 
 /// Returns true if the condition has a positive atom.
 fn asks_for_facts(condition: &Condition) -> bool {
-    condition.atoms().any(|(_, holds)| holds)
+    matches!(condition, Condition::Atom { holds: true, .. }) || condition.parts().iter().any(asks_for_facts)
 }
