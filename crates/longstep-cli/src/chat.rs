@@ -46,12 +46,12 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
         (Some(named), _) => resume(arguments, &crate::session::folder(named)?, interactive)?,
         (None, Some(env)) => begin(arguments, env)?,
         // clap requires exactly one of `--env` and `--resume`.
-        (None, None) => return Err(Failure::unreadable("neither --env nor --resume is given").into()),
+        (None, None) => return Err(Failure::unreadable("neither `--env` nor `--resume` is given").into()),
     };
     ask::watch_for_interrupts();
     if interactive {
         screen::notice(&format!(
-            "The session is kept in {}. /help tells what you can say.",
+            "The session is saved in {}. `/help` lists the commands.",
             chat.folder.path().display()
         ));
     }
@@ -61,10 +61,10 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
     let name = screen::session_name(chat.folder.path());
     if chat.session.proposal().is_some() && outcome.is_ok() {
         screen::notice(&format!(
-            "The plan is not accepted. Go on with: longstep chat --resume {name}"
+            "The plan is not accepted. Resume with: longstep chat --resume {name}"
         ));
     } else if interactive || matches!(outcome, Ok(INTERRUPTED)) {
-        screen::notice(&format!("Go on with: longstep chat --resume {name}"));
+        screen::notice(&format!("Resume with: longstep chat --resume {name}"));
     }
     outcome
 }
@@ -116,12 +116,10 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
     let domain = inputs::domain_with_prompt(domain, arguments.strategy.prompt.as_deref())?;
     let resumed = Session::resume(domain, &log, stopwatch)?;
     if log.torn > 0 {
-        screen::notice("the last line of the session's log was cut off when the program ended, and is dropped");
+        screen::notice("The last line of the session's log was incomplete and is dropped");
     }
     if let Some(instruction) = &resumed.dropped {
-        screen::notice(&format!(
-            "this instruction was not finished and is dropped: {instruction}"
-        ));
+        screen::notice(&format!("An unfinished instruction is dropped: {instruction}"));
     }
     let mut session = resumed.session;
     folder.mend(&session)?;
@@ -156,8 +154,8 @@ impl Chat<'_> {
                 return Ok(output::NOT_WRITTEN);
             }
             let asks = match self.session.proposal() {
-                Some(_) => "accept? [Enter, or say what is to be different] ",
-                None if !self.session.endings().is_empty() => "which? [its number] ",
+                Some(_) => "Accept? [Enter, `no`, or a change] ",
+                None if !self.session.endings().is_empty() => "Which? [number] ",
                 None => "> ",
             };
             let line = match lines.next(asks)? {
@@ -180,7 +178,7 @@ impl Chat<'_> {
                 }
                 failure::tell(&error);
                 if self.session.proposal().is_some() {
-                    screen::notice("the plan stays as it was; /plan shows it");
+                    screen::notice("The plan is unchanged; `/plan` shows it");
                 }
             }
         }
@@ -197,7 +195,7 @@ impl Chat<'_> {
                 "" | "y" | "yes" | "ok" | "okay" | "accept" => self.session.accept()?,
                 "n" | "no" => {
                     self.session.cancel()?;
-                    screen::notice("given up; nothing has changed");
+                    screen::notice("Cancelled; nothing has changed");
                 }
                 _ => self.session.feedback(plan::said(line)?)?,
             }
@@ -218,11 +216,9 @@ impl Chat<'_> {
         let count = self.session.endings().len();
         let number: Option<usize> = line.parse().ok().filter(|number| (1..=count).contains(number));
         let Some(number) = number else {
-            let failure = Failure::unreadable(format!("`{line}` is none of the ways in which the plan can end"));
+            let failure = Failure::unreadable(format!("`{line}` is not the number of an outcome"));
             return Err(failure
-                .hint(format!(
-                    "say a number from 1 to {count}, or /undo to take the plan back"
-                ))
+                .hint(format!("enter a number from 1 to {count}, or `/undo` to undo the plan"))
                 .into());
         };
         let before = self.session.world().environment().clone();
@@ -268,8 +264,8 @@ impl Chat<'_> {
 
     fn notice_stopped(&self) {
         screen::notice(match self.session.proposal() {
-            Some(_) => "stopped; the plan stays as it was, /plan shows it",
-            None => "stopped",
+            Some(_) => "Stopped; the plan is unchanged, `/plan` shows it",
+            None => "Stopped",
         });
     }
 

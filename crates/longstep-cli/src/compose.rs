@@ -23,8 +23,9 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     let domain = load_domain(&arguments.world.domain)?;
     let world = inputs::world(&domain, &arguments.world.env)?;
     let stored = stored(&arguments.plans)?;
-    compose::check_names(&domain, &stored)
-        .map_err(|clash| Failure::unreadable(clash.to_string()).hint("a plan is called like its file: rename one"))?;
+    compose::check_names(&domain, &stored).map_err(|clash| {
+        Failure::unreadable(clash.to_string()).hint("the file name is the name of a plan: rename one of the files")
+    })?;
     let wish = arguments.instruction.as_deref().map(said).transpose()?;
     let composition = match &arguments.script {
         Some(path) => written(path)?,
@@ -144,8 +145,8 @@ fn stored(paths: &[PathBuf]) -> Result<Vec<Stored>> {
         stored.push(Stored::new(&stem, draft.file));
     }
     if stored.is_empty() {
-        let failure = Failure::new("there is no stored plan to put together", UNREADABLE);
-        return Err(failure.hint("`longstep plan --save PLAN.json` stores one").into());
+        let failure = Failure::new("there are no stored plans to combine", UNREADABLE);
+        return Err(failure.hint("store one with `longstep plan --save PLAN.json`").into());
     }
     Ok(stored)
 }

@@ -45,7 +45,7 @@ fn check(name: &str, strict: bool, json: bool) -> Result<u8> {
             }
         }
         let verdict = match findings.len() {
-            0 => "nothing is wrong".to_owned(),
+            0 => "no warnings".to_owned(),
             1 => "1 warning".to_owned(),
             count => format!("{count} warnings"),
         };
@@ -101,7 +101,7 @@ fn describe(domain: &Domain) {
         .iter()
         .map(|word| (word.shown(), word.means.as_str()))
         .collect();
-    table("Goals that can be asked for", &entries);
+    table("Goals", &entries);
 }
 
 fn table(title: &str, entries: &[(String, &str)]) {
@@ -119,10 +119,10 @@ fn create(folder: &Path) -> Result<()> {
     let shown = folder.display();
     let failed = |error: std::io::Error| {
         Failure::unreadable(format!("cannot write {shown}: {}", plain_reason(&error)))
-            .hint("check that the folder around it exists and may be written to")
+            .hint("check that the parent folder exists and is writable")
     };
     if folder.exists() {
-        return Err(Failure::unreadable(format!("{shown} is there already"))
+        return Err(Failure::unreadable(format!("{shown} already exists"))
             .hint("choose another name")
             .into());
     }
@@ -146,7 +146,7 @@ fn create(folder: &Path) -> Result<()> {
         std::fs::write(&path, text).map_err(failed)?;
     }
     std::fs::rename(draft.keep(), folder).map_err(failed)?;
-    print_line!("{shown} is a domain now; look at it with");
+    print_line!("Created the domain {shown}. Next steps:");
     print_line!("  longstep domain check {shown}");
     print_line!("  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}");
     Ok(())

@@ -33,7 +33,7 @@ impl Draft {
             (None, None) => {
                 let failure = Failure::unreadable(format!("{shown} has no `environment_before`"));
                 return Err(failure
-                    .hint("name the world before the plan with --env ENV.json")
+                    .hint("pass the environment before the plan with `--env ENV.json`")
                     .into());
             }
         };

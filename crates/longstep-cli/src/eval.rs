@@ -70,7 +70,7 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
             let embedded = matches!(reference, ModelReference::Catalogue(_) | ModelReference::File(_));
             if embedded && arguments.jobs > 1 {
                 return Err(Failure::unreadable("an embedded model answers one request at a time")
-                    .hint("leave --jobs out; it is for servers")
+                    .hint("omit `--jobs`, which is for servers")
                     .into());
             }
             perform(&mut task, arguments.jobs.into(), &|| Box::new(opened(&arguments.model)))?
@@ -95,8 +95,8 @@ fn opened(arguments: &ModelArguments) -> Opened {
 /// Runs the two tables of the paper with the paper's recorded replies.
 fn paper_tables(arguments: &EvalArguments, name: &str, out: &Path) -> Result<u8> {
     if name != "paper" {
-        return Err(Failure::unreadable("--recorded is for the suite `paper`")
-            .hint("for recorded replies of your own there is --replies FILE")
+        return Err(Failure::unreadable("`--recorded` works only with the suite `paper`")
+            .hint("use `--replies FILE` for your own recorded replies")
             .into());
     }
     // The paper's plans are judged without repair, and its model had at most three rounds of feedback.
@@ -198,8 +198,8 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
     let all = units(&task.suite, &task.choice);
     if all.is_empty() {
         return Err(
-            Failure::unreadable("no case of the suite has these tags, ids and wordings")
-                .hint("`longstep eval list` shows the suites; their tags stand in their .toml files")
+            Failure::unreadable("no case of the suite matches the given tags, ids and wordings")
+                .hint("`longstep eval list` lists the suites; the tags are in their .toml files")
                 .into(),
         );
     }
@@ -233,11 +233,11 @@ fn perform(task: &mut Task, jobs: usize, source: &(dyn Fn() -> Box<dyn Source> +
     outcome.map_err(|error| match error.downcast_ref::<AdvanceError>() {
         Some(AdvanceError::Model(ModelError::Stopped)) => {
             let message = format!(
-                "stopped after {done} instructions, which are kept in {}",
+                "stopped after {done} instructions; the results are in {}",
                 task.out.display()
             );
             Failure::new(message, MODEL)
-                .hint("the same command goes on from there")
+                .hint("run the same command again to resume")
                 .into()
         }
         _ => error,
@@ -257,7 +257,7 @@ fn tell(results: &Results, folder: &Path) -> Result<u8> {
     inputs::write(&page, &report::html(results))?;
     inputs::write(&folder.join("report.md"), &report::markdown(results))?;
     output::document(&report::text(results));
-    remark!("report: {}", page.display());
+    remark!("Report: {}", page.display());
     Ok(Status::Verified.exit_code())
 }
 

@@ -23,7 +23,10 @@ pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usi
     }
     print_line!("  {}", explanation.summary());
     if dropped > 0 {
-        print_line!("  left out for want of room: {}", count(dropped, "earlier exchange"));
+        print_line!(
+            "  left out, because the context is full: {}",
+            count(dropped, "earlier exchange")
+        );
     }
     if left_out > 0 {
         let things = if left_out == 1 {
@@ -31,7 +34,7 @@ pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usi
         } else {
             format!("{left_out} entities")
         };
-        print_line!("  not shown, since the instruction hardly concerns them: {things}");
+        print_line!("  left out, because they are not relevant to the instruction: {things}");
     }
     for (number, message) in messages.iter().enumerate() {
         let role = match message.role {

@@ -16,8 +16,8 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
     let verified = assessment.verified();
     let (Status::Verified, Some(verified)) = (answer.status, verified) else {
         match answer.status {
-            Status::Question => remark!("The plan asks back: {}", answer.plan.question),
-            _ => remark!("Not exported, since the plan is not valid:"),
+            Status::Question => remark!("The plan is a clarifying question: {}", answer.plan.question),
+            _ => remark!("Not exported, because the plan is not valid:"),
         }
         for violation in &answer.violations {
             remark!("  - {}", violation.message);

@@ -123,21 +123,21 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
         return (error.hint().map(str::to_owned), UNREADABLE);
     }
     if let Some(AdvanceError::Prompt(PromptError::OverBudget(_))) = advance {
-        let hint = "use a model with a larger context, or shorter prompt parts with --prompt FOLDER";
+        let hint = "use a model with a larger context, or shorter prompt parts with `--prompt FOLDER`";
         return (Some(hint.to_owned()), LIMIT);
     }
     if let Some(AdvanceError::Prompt(PromptError::TooMuchWork)) = advance {
-        let hint = "declare fewer goals with fewer parameters, or ask for the plan itself with --strategy direct";
+        let hint = "declare fewer goals with fewer parameters, or use `--strategy direct`";
         return (Some(hint.to_owned()), LIMIT);
     }
     if let Some(ResumeError::Plan { .. } | ResumeError::Environment(_)) = error.downcast_ref::<ResumeError>() {
-        let hint = "the domain has changed since: take up its old version, or begin a new session; nothing was \
-                    touched, and `longstep session show` still tells what happened";
+        let hint = "the domain has changed: restore its old version, or begin a new session; this session is unchanged, \
+                    and `longstep session show` still lists it";
         return (Some(hint.to_owned()), UNREADABLE);
     }
     if error.downcast_ref::<GoalError>().is_some() {
         return (
-            Some("`longstep domain show DOMAIN` lists the goals that can be asked for".to_owned()),
+            Some("`longstep domain show DOMAIN` lists the goals".to_owned()),
             UNREADABLE,
         );
     }

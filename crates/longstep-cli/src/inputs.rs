@@ -59,9 +59,9 @@ pub(crate) fn read_world(
             .find(fits)
         {
             Some(other) => {
-                let message = format!("{shown} is no environment of the domain `{}`", domain.name);
+                let message = format!("{shown} is not an environment of the domain `{}`", domain.name);
                 Failure::unreadable(message)
-                    .hint(format!("it fits the domain `{other}`: add --domain {other}"))
+                    .hint(format!("it fits the domain `{other}`: add `--domain {other}`"))
                     .into()
             }
             None => findings.into(),
@@ -92,7 +92,7 @@ pub(crate) fn save(path: &Path, plan: &PlanFile) -> Result<()> {
     json.push('\n');
     write_whole(path, json.as_bytes()).map_err(|error| {
         Failure::unreadable(format!("cannot write {}: {}", path.display(), plain_reason(&error)))
-            .hint("check that the folder exists and may be written to")
+            .hint("check that the folder exists and is writable")
     })?;
     Ok(())
 }

@@ -31,10 +31,7 @@ pub(crate) fn side_by_side(
             shown(world, compacted.plan.plan())
         }
         None => {
-            let note = format!(
-                "no way was found to do it side by side: {}",
-                schedule::makespan(plan.plan())
-            );
+            let note = format!("no parallel plan was found: {}", schedule::makespan(plan.plan()));
             answer.notes.push(note);
             Vec::new()
         }

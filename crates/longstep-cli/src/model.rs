@@ -33,7 +33,7 @@ pub(crate) fn run(command: &ModelCommand) -> Result<u8> {
                 );
             }
             output::blank();
-            print_line!("models are kept in {}", cache.display());
+            print_line!("Models are saved in {}", cache.display());
         }
         ModelCommand::Pull { name, from } => {
             let entry = find(name)?;
@@ -63,7 +63,7 @@ fn find(name: &str) -> Result<&'static Entry> {
         let names: Vec<&str> = catalogue::ENTRIES.iter().map(|entry| entry.name).collect();
         let hint = match nearest(name, names.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the catalogue has {}", names.join(", ")),
+            None => format!("the catalogue contains {}", names.join(", ")),
         };
         Failure::unreadable(format!("there is no model `{name}` in the catalogue")).hint(hint)
     })?)

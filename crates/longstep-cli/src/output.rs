@@ -100,7 +100,7 @@ pub(crate) fn finished(code: u8) -> u8 {
     if error.kind() != ErrorKind::BrokenPipe {
         let reason = plain_reason(error);
         remark!("{} cannot write to standard output: {reason}", "error:".red().bold());
-        let hint = "nothing was printed, or a part of it; free some space or print to another place";
+        let hint = "the output is incomplete: free some space, or redirect it to another place";
         remark!("{} {hint}", "hint:".cyan().bold());
     }
     NOT_WRITTEN

@@ -77,14 +77,14 @@ pub(crate) fn said(text: &str) -> Result<&str> {
     if instruction.is_empty() {
         let failure = Failure::unreadable("the instruction is empty");
         return Err(failure
-            .hint("say what you want, for example \"Put the juice on the table\"")
+            .hint("write what the robot should do, for example \"Put the juice on the table\"")
             .into());
     }
     let length = instruction.chars().count();
     if length > INSTRUCTION_LIMIT {
-        let message = format!("the instruction has {length} characters, and {INSTRUCTION_LIMIT} are the most");
+        let message = format!("the instruction has {length} characters; the limit is {INSTRUCTION_LIMIT}");
         return Err(Failure::new(message, LIMIT)
-            .hint("say it in a sentence or two, one thing after the other")
+            .hint("shorten it to one or two sentences")
             .into());
     }
     Ok(instruction)
@@ -96,6 +96,6 @@ fn unhappy(failure: &NoPlan) -> Result<Answer> {
         return Ok(answer.clone());
     }
     let code = if failure.is_limit() { LIMIT } else { MODEL };
-    let hint = "say it in other words, or use another model with --model";
+    let hint = "rephrase the instruction, or use another model with `--model`";
     Err(Failure::new(failure.to_string(), code).hint(hint).into())
 }

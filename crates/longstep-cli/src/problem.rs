@@ -72,7 +72,7 @@ fn print(answer: &Answer) {
     }
     let said = match answer.status {
         Status::Verified => format!("verified, {} step(s)", answer.steps.len()),
-        Status::Unsolvable => "unsolvable: no plan can reach this goal".to_owned(),
+        Status::Unsolvable => "unsolvable: no plan reaches this goal".to_owned(),
         Status::GaveUp => "gave up: no plan found within the limits".to_owned(),
         Status::Invalid | Status::Question => "not valid".to_owned(),
     };

@@ -25,13 +25,13 @@ impl Spinner {
 
     pub(crate) fn show(&self, progress: &Progress) {
         match progress {
-            Progress::Loading => output::progress(&self.bar, "loading the model"),
+            Progress::Loading => output::progress(&self.bar, "Loading the model"),
             Progress::ReadingPrompt { done, total } => {
                 let percent = 100 * done / (*total).max(1);
-                output::progress(&self.bar, &format!("reading the scene ({percent}%)"));
+                output::progress(&self.bar, &format!("Reading the prompt ({percent}%)"));
             }
-            Progress::Writing { .. } => output::progress(&self.bar, "thinking"),
-            Progress::Waiting => output::progress(&self.bar, "waiting for the server"),
+            Progress::Writing { .. } => output::progress(&self.bar, "Generating"),
+            Progress::Waiting => output::progress(&self.bar, "Waiting for the server"),
             Progress::Warning(text) => {
                 self.bar.suspend(|| remark!("{} {text}", "warning:".yellow().bold()));
             }
@@ -66,13 +66,13 @@ impl Download {
             PullProgress::Note(text) => self.bar.suspend(|| remark!("{text}")),
             PullProgress::Bytes { done, .. } => self.bar.set_position(*done),
             PullProgress::Part { number, of } => {
-                output::progress(&self.bar, &format!("package {number} of {of}"));
+                output::progress(&self.bar, &format!("Package {number} of {of}"));
                 let length = self.bar.length().unwrap_or_default();
                 self.bar
                     .set_position(length * u64::from(number.saturating_sub(1)) / u64::from((*of).max(1)));
             }
             PullProgress::Joining { done, .. } => {
-                output::progress(&self.bar, "joining");
+                output::progress(&self.bar, "Joining packages");
                 self.bar.set_position(*done);
             }
             _ => {}

@@ -54,7 +54,7 @@ fn list() -> Result<u8> {
         .collect();
     names.sort();
     if names.is_empty() {
-        print_line!("there are no sessions in {} yet", all.display());
+        print_line!("No sessions in {}", all.display());
         return Ok(0);
     }
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
@@ -70,7 +70,7 @@ fn list() -> Result<u8> {
         }
     }
     output::blank();
-    print_line!("sessions are kept in {}", all.display());
+    print_line!("Sessions are saved in {}", all.display());
     Ok(0)
 }
 
@@ -122,7 +122,7 @@ fn show(log: &Log) {
         if let Event::Instruction { text } = event {
             rows.push(Row {
                 instruction: text.clone(),
-                outcome: "at hand".to_owned(),
+                outcome: "in progress".to_owned(),
                 ..Row::default()
             });
             continue;
@@ -130,7 +130,7 @@ fn show(log: &Log) {
         if let Event::Undo { number } = event {
             let undone = format!("accepted as {number}");
             if let Some(row) = rows.iter_mut().rev().find(|row| row.outcome == undone) {
-                row.outcome = "taken back".to_owned();
+                row.outcome = "undone".to_owned();
             }
         }
         if let Some(row) = rows.last_mut() {
@@ -139,7 +139,7 @@ fn show(log: &Log) {
     }
     let header = format!(
         "{:>3}  {:SHOWN$}  {:>5}  {:>7}  {:>7}  {:>7}  {:>5}  {:>5}  outcome",
-        "#", "instruction", "calls", "prompt", "written", "model", "edits", "words"
+        "#", "instruction", "calls", "prompt", "answer", "model", "edits", "user"
     );
     print_line!("{}", header.bold());
     for (number, row) in rows.iter().enumerate() {
@@ -178,10 +178,10 @@ impl Row {
                 self.edits = answer["edits"].as_array().map_or(0, Vec::len);
             }
             Event::Feedback { .. } | Event::Answer { .. } => self.words += 1,
-            Event::Question { .. } => self.outcome = "asks back".to_owned(),
+            Event::Question { .. } => self.outcome = "question".to_owned(),
             Event::Accept { number, .. } => self.outcome = format!("accepted as {number}"),
             Event::Stuck { why } | Event::Failed { error: why } => self.outcome = why.clone(),
-            Event::Cancel => self.outcome = "given up".to_owned(),
+            Event::Cancel => self.outcome = "cancelled".to_owned(),
             _ => {}
         }
     }
@@ -200,7 +200,7 @@ fn replayed(folder: &Path) -> Result<u8> {
         for part in parts(difference.recorded.as_ref(), difference.today.as_ref()) {
             print_line!("  {}", part.name);
             print_line!("    {} {}", "recorded".red(), part.recorded);
-            print_line!("    {} {}", "today   ".green(), part.today);
+            print_line!("    {} {}", "replayed".green(), part.today);
         }
     }
     if !outcome.differing.is_empty() {
@@ -212,11 +212,11 @@ fn replayed(folder: &Path) -> Result<u8> {
         plural(outcome.accepted, "plan")
     );
     if outcome.differing.is_empty() {
-        print_line!("{} {told}", "The same again:".green().bold());
+        print_line!("{} {told}", "Identical:".green().bold());
         Ok(0)
     } else {
         let many = plural(outcome.differing.len(), "event");
-        print_line!("{} {many} ({told})", "Not the same:".red().bold());
+        print_line!("{} {many} ({told})", "Different:".red().bold());
         Ok(10)
     }
 }

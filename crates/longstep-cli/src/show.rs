@@ -64,14 +64,14 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
             )
         })
         .collect();
-    list("The plan claims something else than was simulated", &differing);
+    list("Claims that differ from the simulation", &differing);
     list("Notes", &answer.notes);
     let violations: Vec<String> = answer
         .violations
         .iter()
         .map(|violation| violation.message.clone())
         .collect();
-    list("What is wrong", &violations);
+    list("Violations", &violations);
     output::blank();
     verdict(answer);
 }
@@ -86,7 +86,7 @@ pub(crate) fn changes(before: &Environment, after: &Environment) {
     let width = width.unwrap_or(0);
     for (identifier, was, is) in changed {
         let or_nothing = |text: String| match text.is_empty() {
-            true => "nothing said".to_owned(),
+            true => "(no state)".to_owned(),
             false => text,
         };
         let identifier = visible::line(&identifier);
@@ -109,7 +109,7 @@ fn edits(answer: &Answer) {
         return;
     }
     output::blank();
-    heading("What was changed");
+    heading("Edits");
     for edit in &answer.edits {
         let number = edit.at + 1;
         let (before, after) = (
@@ -125,7 +125,7 @@ fn edits(answer: &Answer) {
         match edit.kind {
             "drop" => print_line!("  {} {before}", "-".red()),
             "replace" => print_line!("  {} {number}. {after} instead of {before}{about}", "~".yellow()),
-            "move" => print_line!("  {} {number}. {after}{about}, later than in the plan", "~".yellow()),
+            "move" => print_line!("  {} {number}. {after}{about}, moved to a later place", "~".yellow()),
             _ => print_line!("  {} {number}. {after}{about}", "+".green()),
         }
         print_line!("    {}", edit.why.dimmed());
@@ -200,25 +200,25 @@ fn verdict(answer: &Answer) {
         Status::Verified => {
             let changed = match answer.edits.len() {
                 0 => String::new(),
-                1 => ", 1 change".to_owned(),
-                many => format!(", {many} changes"),
+                1 => ", 1 edit".to_owned(),
+                many => format!(", {many} edits"),
             };
             print_line!("{} {count}{changed} ({time})", "Verified:".green().bold());
         }
         Status::Invalid => {
             let found = answer.violations.len();
             let found = if found == 1 {
-                "1 thing is wrong".to_owned()
+                "1 violation".to_owned()
             } else {
-                format!("{found} things are wrong")
+                format!("{found} violations")
             };
             print_line!("{} {found} ({time})", "Not valid:".red().bold());
         }
         Status::Unsolvable => {
             let told = if repaired {
-                "no change makes this plan valid"
+                "no edits make this plan valid"
             } else {
-                "no plan can reach this goal"
+                "no plan reaches this goal"
             };
             print_line!("{} {told} ({time})", "Unsolvable:".red().bold());
         }

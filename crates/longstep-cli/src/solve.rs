@@ -74,7 +74,7 @@ pub(crate) fn finish(answer: &Answer, goal: &[String], lanes: &[Line], save: Opt
         }
         show::answer_in_lanes(answer, show::Changes::Shown, lanes);
         if let Some(path) = save.filter(|_| answer.status == Status::Verified) {
-            remark!("saved to {}", path.display());
+            remark!("Saved to {}", path.display());
         }
     }
     Ok(answer.status.exit_code())

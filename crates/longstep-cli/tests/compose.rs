@@ -113,7 +113,7 @@ fn names_that_mean_two_things_and_folders_without_plans_are_refused() {
         .arg(empty.path());
     let ran = run(&mut command, "");
     assert!(
-        ran.code == 30 && ran.stderr.contains("there is no stored plan to put together"),
+        ran.code == 30 && ran.stderr.contains("there are no stored plans to combine"),
         "{}",
         ran.stderr
     );

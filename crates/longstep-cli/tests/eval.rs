@@ -72,7 +72,7 @@ fn a_run_is_kept_shown_and_not_run_twice() {
     let again = longstep(folder.path(), &RUN);
     assert_eq!(again.status.code(), Some(0));
     assert_eq!(std::fs::read(folder.path().join("run/results.jsonl")).unwrap(), results);
-    assert_eq!(stderr(&again).lines().next(), Some("going on after 4 of 4"));
+    assert_eq!(stderr(&again).lines().next(), Some("Resuming after 4 of 4"));
 
     // Cut off in the middle of a line.
     std::fs::write(folder.path().join("run/results.jsonl"), &results[..results.len() - 30]).unwrap();
@@ -126,7 +126,7 @@ fn what_cannot_be_run_is_told_and_nothing_is_written() {
     check_refused(
         path,
         &["eval", "desk", "--jobs", "2", "--out", "run"],
-        "error: an embedded model answers one request at a time\nhint: leave --jobs out; it is for servers",
+        "error: an embedded model answers one request at a time\nhint: omit `--jobs`, which is for servers",
     );
     check_refused(
         path,
@@ -161,8 +161,8 @@ fn another_run_in_the_folder_is_kept() {
     let output = longstep(folder.path(), &[&RUN[..], &["--rounds", "1"]].concat());
     assert_eq!(output.status.code(), Some(30));
     let told = stderr(&output);
-    assert!(told.contains("run holds another run: settings was"), "{told}");
-    assert!(told.contains("hint: keep this run in a folder of its own"), "{told}");
+    assert!(told.contains("run contains another run: settings was"), "{told}");
+    assert!(told.contains("hint: use another folder"), "{told}");
     assert_eq!(std::fs::read(folder.path().join("run/results.jsonl")).unwrap(), before);
 }
 

@@ -177,7 +177,7 @@ fn a_reader_that_goes_away_ends_the_program_quietly() {
         assert_eq!(output.status.code(), Some(50), "{arguments:?}\n{stderr}");
         let ours = stderr
             .lines()
-            .filter(|line| !line.starts_with("report: ") && !line.starts_with("going on after"));
+            .filter(|line| !line.starts_with("Report: ") && !line.starts_with("Resuming after"));
         assert_eq!(ours.collect::<Vec<_>>(), Vec::<&str>::new(), "{arguments:?}");
     }
 }
@@ -297,7 +297,7 @@ fn what_has_no_end_is_not_read_to_it() {
         assert_eq!(ran.code, 30, "{arguments:?}\n{}", ran.stderr);
         let told = ran.stderr.contains("larger than 64 MiB")
             || ran.stderr.contains("larger than 256 MiB")
-            || ran.stderr.contains("no regular file");
+            || ran.stderr.contains("not a regular file");
         assert!(told, "{arguments:?}\n{}", ran.stderr);
     }
     // A line of a pipe without an end.
@@ -444,7 +444,7 @@ fn ctrl_c_on_a_pipe_loses_nothing() {
     wait(&mut shown, "Waiting for a decision");
     // Between two lines, it ends the conversation.
     interrupt(&child);
-    wait(&mut remarks, "Go on with: longstep chat --resume pantry-1");
+    wait(&mut remarks, "Resume with: longstep chat --resume pantry-1");
     assert_eq!(child.wait().unwrap().code(), Some(130));
     drop(stdin);
     // The plan that waited is there again.
@@ -484,7 +484,7 @@ fn a_run_goes_on_with_its_own_server_only() {
     assert_eq!(ran.code, 30, "{}", ran.stderr);
     assert!(
         ran.stderr
-            .contains("holds another run: the model's server is another one\n"),
+            .contains("contains another run: the model's server is different\n"),
         "{}",
         ran.stderr
     );

@@ -82,7 +82,7 @@ fn script(random: &mut Random, yes: bool) -> String {
     script
 }
 
-/// A plan was accepted (`true`) or taken back.
+/// A plan was accepted (`true`) or undone.
 type Step = (bool, usize);
 
 /// What the program said had happened.
@@ -91,12 +91,7 @@ fn announced(text: &str) -> Vec<Step> {
     // The last line may be cut off anywhere.
     let whole = text.rsplit_once('\n').map_or("", |(whole, _)| whole);
     let step = |line: &str| {
-        let taken_back = |line: &str| {
-            Some((
-                false,
-                number(line.strip_prefix("plan ")?.strip_suffix(" is taken back")?),
-            ))
-        };
+        let taken_back = |line: &str| Some((false, number(line.strip_prefix("Plan ")?.strip_suffix(" is undone")?)));
         let accepted = line.strip_prefix("Accepted as plan ").map(|text| (true, number(text)));
         accepted.or_else(|| taken_back(line))
     };

@@ -242,7 +242,7 @@ fn a_repaired_plan_verifies_again() {
     ] {
         let (code, stdout, stderr) = longstep(&repair);
         assert_eq!(code, 0, "{stdout}{stderr}");
-        assert!(stderr.contains("saved to"), "{stderr}");
+        assert!(stderr.contains("Saved to"), "{stderr}");
         let (code, stdout, stderr) = longstep(&["verify", saved, "--domain", domain, "--json"]);
         assert_eq!(code, 0, "{stdout}{stderr}");
         let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();

@@ -73,7 +73,7 @@ fn a_server_that_answers_nonsense_is_told_of() {
     let wrong = [
         (
             "Sure! I will put the cereal on the counter.",
-            "warning: the server ignored the schema: its answer is not what was asked for\n",
+            "warning: the server ignored the schema: its answer has another form\n",
         ),
         (r#"{"question": "", "goals": ["put(unicorn, counter)"]}"#, ""),
         (r#"{"question": "", "goals": ["fly(cereal)"]}"#, ""),

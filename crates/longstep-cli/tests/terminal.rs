@@ -123,7 +123,7 @@ fn ctrl_c_calls_off_the_call_and_not_the_conversation() {
     terminal.expect("> ");
     terminal.press("Put the cereal on the counter\r");
     asked(&server, 1);
-    terminal.expect("waiting for the server");
+    terminal.expect("Waiting for the server");
     terminal.press("\x03");
     terminal.expect("stopped");
     terminal.expect("> ");
@@ -133,7 +133,7 @@ fn ctrl_c_calls_off_the_call_and_not_the_conversation() {
     terminal.press("not there\r");
     asked(&server, 3);
     terminal.press("\x03");
-    terminal.expect("the plan stays as it was");
+    terminal.expect("the plan is unchanged");
     terminal.expect("accept?");
     terminal.press("\r");
     terminal.expect("as plan 0");
@@ -144,7 +144,10 @@ fn ctrl_c_calls_off_the_call_and_not_the_conversation() {
     terminal.press("\x04");
     let (code, shown) = terminal.end();
     assert_eq!(code, Some(0), "{shown}");
-    assert!(shown.contains("Go on with: longstep chat --resume pantry-1"), "{shown}");
+    assert!(
+        shown.contains("Resume with: longstep chat --resume pantry-1"),
+        "{shown}"
+    );
     // There is colour, and nothing of the line that turns is left behind.
     assert!(shown.contains("\x1b[1m"), "{shown:?}");
     assert_eq!(server.bodies().len(), 3);

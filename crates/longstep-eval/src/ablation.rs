@@ -23,7 +23,7 @@ pub enum AblationError {
     #[error("no action of the domain is called `{0}`")]
     NoSuchCall(String),
     /// The new name is not an identifier.
-    #[error("`{0}` is no word for a call: letters, digits and `_`, no digit first")]
+    #[error("`{0}` is not a name for an action: use letters, digits and `_`, and no digit first")]
     NoWord(String),
     /// The examples cannot be read.
     #[error("{file} cannot be read: {reason}")]

@@ -136,7 +136,7 @@ pub enum FolderError {
         reason: String,
     },
     /// The folder holds another run.
-    #[error("{} holds another run: {}", .path.display(), .differing.join(", "))]
+    #[error("{} contains another run: {}", .path.display(), .differing.join(", "))]
     Another {
         /// The folder.
         path: PathBuf,
@@ -150,12 +150,8 @@ impl FolderError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::File { .. } => None,
-            Self::Damaged { .. } => {
-                Some("it was written by something else, or by hand; begin a new run with --out FOLDER")
-            }
-            Self::Another { .. } => {
-                Some("keep this run in a folder of its own with --out FOLDER, or delete the other one")
-            }
+            Self::Damaged { .. } => Some("the file was damaged or edited: begin a new run with `--out FOLDER`"),
+            Self::Another { .. } => Some("use another folder with `--out FOLDER`, or delete the other run"),
         }
     }
 }
@@ -327,7 +323,7 @@ fn differing(known: &Plan, plan: &Plan) -> Vec<String> {
         .filter(|(key, value)| plan.get(key) != Some(value))
         .map(|(key, value)| {
             if key == "server" {
-                return "the model's server is another one".to_owned();
+                return "the model's server is different".to_owned();
             }
             let now = plan.get(key).cloned().unwrap_or_default();
             format!("{key} was {value} and is {now}")

@@ -64,7 +64,7 @@ pub struct Recorded {
 #[derive(Debug, thiserror::Error)]
 pub enum RecordedError {
     /// The text is not a list of replies.
-    #[error("this is no list of recorded replies: {0}")]
+    #[error("not a list of recorded replies: {0}")]
     NoList(#[from] serde_json::Error),
     /// A reply is missing or exists twice.
     #[error("{entry}: {what}")]

@@ -66,7 +66,7 @@ fn numbered(pattern: &str, number: u32) -> String {
 pub static ENTRIES: &[Entry] = &[
     Entry {
         name: DEFAULT,
-        description: "the default: right on nearly all household instructions, about 2 GB of memory",
+        description: "the default: correct on most household instructions, about 2 GB of memory",
         bytes: 1_117_320_768,
         sha256: "cc324af070c2ecbfd324a30884d2f951a7ff756aba85cb811a6ec436933bb046",
         licence: "Apache-2.0",
@@ -81,7 +81,7 @@ pub static ENTRIES: &[Entry] = &[
     },
     Entry {
         name: "qwen2.5-coder-0.5b",
-        description: "for small machines: faster, less often right, about 1 GB of memory",
+        description: "for small machines: faster, less accurate, about 1 GB of memory",
         bytes: 491_400_064,
         sha256: "1d9614638d18024d0fbb36575a15f1302a3adf044df10345688ec4f6e1c4ff32",
         licence: "Apache-2.0",
@@ -96,7 +96,7 @@ pub static ENTRIES: &[Entry] = &[
     },
     Entry {
         name: "smollm2-135m",
-        description: "to try that an installation works; too small to plan",
+        description: "for testing an installation; too small to plan",
         bytes: 98_362_432,
         sha256: "b179c9523d0e6a0f98a330c7562b682750a6f8c8c15e5bc70ea373728110db53",
         licence: "Apache-2.0",

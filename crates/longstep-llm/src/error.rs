@@ -21,7 +21,7 @@ pub enum ModelError {
         close: Option<&'static str>,
     },
     /// The file of a model of the catalogue is not in the cache.
-    #[error("the model {name} is not in the cache ({})", cache.display())]
+    #[error("the model `{name}` is not in the cache ({})", cache.display())]
     NotPulled {
         /// Its name in the catalogue.
         name: &'static str,
@@ -29,7 +29,7 @@ pub enum ModelError {
         cache: PathBuf,
     },
     /// The hash of a model file differs from the one in the catalogue.
-    #[error("{place} is not the model {name}: expected SHA-256 {expected}, got {got}")]
+    #[error("{place} is not the model `{name}`: expected SHA-256 {expected}, got {got}")]
     WrongHash {
         /// Its name in the catalogue.
         name: &'static str,
@@ -41,7 +41,7 @@ pub enum ModelError {
         got: String,
     },
     /// No cache folder is configured, and there is no home folder.
-    #[error("no cache folder: neither LONGSTEP_CACHE nor a home folder is set")]
+    #[error("no cache folder: neither `LONGSTEP_CACHE` nor a home folder is set")]
     NoCacheDirectory,
     /// A file or folder cannot be read or written.
     #[error("{action} {}: {source}", path.display())]
@@ -54,7 +54,7 @@ pub enum ModelError {
         source: std::io::Error,
     },
     /// No source had the model.
-    #[error("the model {name} could not be fetched: {}", reasons.join("; "))]
+    #[error("the model `{name}` could not be downloaded: {}", reasons.join("; "))]
     NotFetched {
         /// Its name in the catalogue.
         name: &'static str,
@@ -84,10 +84,10 @@ pub enum ModelError {
         reason: String,
     },
     /// The engine cannot use the grammar or schema.
-    #[error("the grammar of the request cannot be used: {0}")]
+    #[error("the engine cannot use the grammar of the request: {0}")]
     Grammar(String),
     /// The prompt leaves no room for the answer.
-    #[error("the request needs {tokens} tokens (prompt and answer), the model has room for {limit}")]
+    #[error("the request needs {tokens} tokens (prompt and answer); the model's context has {limit}")]
     TooLong {
         /// Tokens of the prompt, plus the limit for the answer.
         tokens: usize,
@@ -106,7 +106,7 @@ pub enum ModelError {
         reason: String,
     },
     /// The server needs a key, and none is set.
-    #[error("{server} needs a key, and {variable} is not set")]
+    #[error("{server} needs a key, but `{variable}` is not set")]
     NoKey {
         /// The server.
         server: String,
@@ -114,7 +114,7 @@ pub enum ModelError {
         variable: &'static str,
     },
     /// The server has no default address, and none is set.
-    #[error("the address of {server} is not set ({variable})")]
+    #[error("the address of {server} is not set (`{variable}`)")]
     NoAddress {
         /// The kind of server.
         server: &'static str,
@@ -122,7 +122,7 @@ pub enum ModelError {
         variable: &'static str,
     },
     /// The server sent nothing for too long.
-    #[error("{server} said nothing for {seconds} s")]
+    #[error("{server} sent nothing for {seconds} s")]
     Silent {
         /// The server.
         server: String,
@@ -130,7 +130,7 @@ pub enum ModelError {
         seconds: f64,
     },
     /// The call took longer than its limit.
-    #[error("{server} gave no whole answer within {seconds} s")]
+    #[error("{server} did not complete its answer within {seconds} s")]
     TimedOut {
         /// The server.
         server: String,
@@ -154,7 +154,7 @@ pub enum ModelError {
         difference: String,
     },
     /// The recording cannot be read.
-    #[error("{} is no recording: line {line}: {reason}", path.display())]
+    #[error("{} is not a recording: line {line}: {reason}", path.display())]
     BadRecording {
         /// The file.
         path: PathBuf,
@@ -199,16 +199,16 @@ pub enum AnswerLimit {
     #[error("it has more than {0} bytes")]
     Bytes(u64),
     /// Bytes of one line.
-    #[error("a line of it has more than {0} bytes")]
+    #[error("one of its lines has more than {0} bytes")]
     LineBytes(u64),
     /// Bytes of one event.
-    #[error("an event of it has more than {0} bytes")]
+    #[error("one of its events has more than {0} bytes")]
     EventBytes(u64),
     /// Lines of the whole answer.
     #[error("it has more than {0} lines")]
     Lines(u64),
     /// Headers: about 400 kB, or 100 of them.
-    #[error("its headers have no end")]
+    #[error("its headers are too large")]
     Headers,
 }
 
@@ -221,44 +221,43 @@ impl ModelError {
             Self::NotPulled { name, .. } | Self::WrongHash { name, .. } => {
                 Some(format!("run `longstep model pull {name}`"))
             }
-            Self::NoCacheDirectory => Some("set LONGSTEP_CACHE to a folder".into()),
+            Self::NoCacheDirectory => Some("set `LONGSTEP_CACHE` to a folder".into()),
             Self::File { source, .. } => file_hint(source.kind()),
             Self::NotFetched { name, .. } => Some(format!(
-                "run it again to go on where it stopped, or take a file from elsewhere with \
+                "run the command again to resume the download, or use a local file with \
                  `longstep model pull {name} --from FILE`"
             )),
             Self::NotLoaded { .. } => {
-                Some("use a model of the catalogue (`longstep model list`), or fetch the file again".into())
+                Some("use a model of the catalogue (`longstep model list`), or download the file again".into())
             }
             Self::NoEngine { .. } => {
-                Some("build with the feature `embedded`, or use a model on a server or replay:FILE".into())
+                Some("build with the feature `embedded`, or use a model on a server or `replay:FILE`".into())
             }
             Self::TooLong { .. } => Some("shorten the environment, or open the model with a larger context".into()),
-            Self::NoKey { variable, .. } => Some(format!("set {variable}")),
-            Self::NoAddress { variable, .. } => {
-                Some(format!("set {variable}, for example https://NAME.openai.azure.com"))
-            }
+            Self::NoKey { variable, .. } => Some(format!("set `{variable}`")),
+            Self::NoAddress { variable, .. } => Some(format!(
+                "set `{variable}`, for example to `https://NAME.openai.azure.com`"
+            )),
             Self::Silent { .. } => Some(
-                "the server may be busy or the model large: try again, or wait longer with --silence SECONDS".into(),
+                "the server may be busy, or the model large: try again, or wait longer with `--silence SECONDS`".into(),
             ),
             Self::TimedOut { .. } => Some(
-                "the server may be busy or the model large: try again, or allow more time with --timeout SECONDS"
+                "the server may be busy, or the model large: try again, or allow more time with `--timeout SECONDS`"
                     .into(),
             ),
-            Self::TooLarge { .. } => Some(
-                "no model writes this much: check that the address is that of a server with OpenAI's chat completions"
-                    .into(),
-            ),
-            Self::NotRecorded { .. } => {
-                Some("record it again with the model, or ask exactly what was asked then".into())
+            Self::TooLarge { .. } => {
+                Some("models do not write this much: check that the server has OpenAI's chat completions API".into())
             }
-            Self::BadRecording { .. } => Some("a recording is made by opening a model with a file to record to".into()),
+            Self::NotRecorded { .. } => {
+                Some("record the request with the model, or repeat a recorded request exactly".into())
+            }
+            Self::BadRecording { .. } => Some("make a recording with `--record FILE`".into()),
             Self::Unreachable { .. } => {
                 Some("check the address and that the server is running, or use an embedded model".into())
             }
             Self::Status { status, .. } => status_hint(*status),
             Self::BadAnswer { .. } => {
-                Some("check that the address is that of a server with OpenAI's chat completions, and try again".into())
+                Some("check that the server has OpenAI's chat completions API, and try again".into())
             }
             Self::UnknownReference { .. }
             | Self::Unsupported { .. }
@@ -279,10 +278,10 @@ fn file_hint(kind: std::io::ErrorKind) -> Option<String> {
     use std::io::ErrorKind;
     let hint = match kind {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
-            "free some space, or set LONGSTEP_CACHE to a folder on another disk"
+            "free some space, or set `LONGSTEP_CACHE` to a folder on another disk"
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-            "check the permissions, or set LONGSTEP_CACHE to a folder of yours"
+            "check the permissions, or set `LONGSTEP_CACHE` to a writable folder"
         }
         ErrorKind::NotFound => "check the path",
         _ => return None,
@@ -298,8 +297,8 @@ fn status_hint(status: u16) -> Option<String> {
         }
         403 => "the key may not use this model; ask the server's owner",
         404 => "check the name of the model and the base address (it usually ends in /v1)",
-        429 => "too many requests or no credit left: wait a little, or check the account",
-        500.. => "the server is in trouble: try again later",
+        429 => "too many requests, or no credit left: wait a little, or check the account",
+        500.. => "the server failed: try again later",
         _ => return None,
     };
     Some(hint.into())

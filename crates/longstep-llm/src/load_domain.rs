@@ -11,7 +11,7 @@ use crate::text_file::{TextFileError, read_text, read_texts};
 /// Files that every domain has.
 const REQUIRED: [&str; 4] = ["domain.pddl", "domain.toml", "prompt/goal.md", "prompt/examples.toml"];
 
-/// Why a domain cannot be loaded. [`DomainError::hint`] says what to do.
+/// Reason why a domain cannot be loaded. [`DomainError::hint`] is the next step for the user.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DomainError {
@@ -27,7 +27,7 @@ pub enum DomainError {
 }
 
 impl DomainError {
-    /// The next step for the person, if there is one; findings have hints of their own.
+    /// The next step for the user, if there is one; findings have hints of their own.
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Unknown(name) => {
@@ -35,7 +35,7 @@ impl DomainError {
                 Some(match nearest(name, shipped.iter().copied()) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!(
-                        "shipped domains are {}; or give the path of a domain's folder",
+                        "use a shipped domain ({}) or the path of a domain's folder",
                         shipped.join(", ")
                     ),
                 })
@@ -125,7 +125,7 @@ fn prompt_files(folder: &Path) -> Result<BTreeMap<String, String>, TextFileError
     read_texts(folder, |name| !name.ends_with('~'))
 }
 
-/// A folder as findings name it, with one slash at its end.
+/// The path of a folder in findings, with one slash at its end.
 fn prefix(folder: &Path) -> String {
     format!("{}/", folder.display().to_string().trim_end_matches('/'))
 }

@@ -49,7 +49,7 @@ pub enum FolderError {
         reason: std::io::Error,
     },
     /// The folder of a new session already has one.
-    #[error("there is a session in {} already", .0.display())]
+    #[error("{} already contains a session", .0.display())]
     Exists(PathBuf),
     /// The folder has no session to resume.
     #[error("there is no session in {}", .0.display())]
@@ -72,13 +72,13 @@ impl FolderError {
     pub fn hint(&self) -> Option<String> {
         Some(match self {
             Self::File { .. } => "check the path, its permissions, and that the disk is not full".to_owned(),
-            Self::Exists(folder) => format!("go on with it: `longstep chat --resume {}`", folder.display()),
-            Self::Missing(_) => "`longstep session list` shows the sessions that there are".to_owned(),
+            Self::Exists(folder) => format!("resume it with `longstep chat --resume {}`", folder.display()),
+            Self::Missing(_) => "`longstep session list` lists the sessions".to_owned(),
             Self::Busy(_) => "close the other program first".to_owned(),
             Self::Log { reason, .. } => match reason {
-                LogError::TooNew { .. } => "use a newer longstep".to_owned(),
-                LogError::Empty => "nothing was accepted in it: begin a new session".to_owned(),
-                _ => "the accepted plans in the folder (0.json, 1.json, ...) are good all the same".to_owned(),
+                LogError::TooNew { .. } => "update longstep".to_owned(),
+                LogError::Empty => "the session has no accepted plans: begin a new one".to_owned(),
+                _ => "the accepted plans in the folder (0.json, 1.json, ...) are still valid".to_owned(),
             },
         })
     }
@@ -91,7 +91,7 @@ impl SessionFolder {
     ///
     /// When there is a session already, or the folder is not writable.
     pub fn create(folder: &Path) -> Result<Self, FolderError> {
-        create_private_folder(folder).map_err(file_error("cannot make", folder))?;
+        create_private_folder(folder).map_err(file_error("cannot create", folder))?;
         let path = folder.join(LOG);
         let mut options = OpenOptions::new();
         let log = options
@@ -121,7 +121,7 @@ impl SessionFolder {
     pub fn open(folder: &Path) -> Result<(Self, Log), FolderError> {
         let path = folder.join(LOG);
         if std::fs::metadata(&path).is_ok_and(|there| !there.is_file()) {
-            let reason = std::io::Error::other("it is no regular file");
+            let reason = std::io::Error::other("it is not a regular file");
             return Err(file_error("cannot open", &path)(reason));
         }
         let opened = OpenOptions::new().read(true).append(true).open(&path);

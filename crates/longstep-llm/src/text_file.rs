@@ -1,4 +1,4 @@
-//! Text files that people write: domains, environments, plans.
+//! Text files of users: domains, environments, plans.
 
 use std::collections::BTreeMap;
 use std::io::{Error, ErrorKind};
@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use crate::bounded::read_text_bounded;
 
-/// Bytes of a text file that are read at most: 64 MiB. No environment, plan or domain is as large as that.
+/// Limit of bytes for a text file: 64 MiB. Environments, plans and domains are smaller.
 const TEXT_LIMIT: u64 = 64 << 20;
 
-/// A file or folder that cannot be read. `Display` is one line with the path; [`TextFileError::hint`] says what to do.
+/// A file or folder that cannot be read. `Display` is one line with the path; [`TextFileError::hint`] is the next step
+/// for the user.
 #[derive(Debug)]
 pub struct TextFileError {
     path: PathBuf,
@@ -17,7 +18,7 @@ pub struct TextFileError {
 }
 
 impl TextFileError {
-    /// The error of the system for a path.
+    /// An error of the operating system for a path.
     pub fn new(path: impl Into<PathBuf>, reason: Error) -> Self {
         Self {
             path: path.into(),
@@ -30,11 +31,10 @@ impl TextFileError {
         &self.path
     }
 
-    /// The next step for the person, if there is one.
+    /// The next step for the user, if there is one.
     pub fn hint(&self) -> Option<&'static str> {
         match self.reason.kind() {
-            ErrorKind::IsADirectory => None,
-            ErrorKind::FileTooLarge => Some("check the path: no environment, plan or domain is as large as that"),
+            ErrorKind::FileTooLarge => Some("check the path: environments, plans and domains are smaller"),
             ErrorKind::InvalidData => Some("save it as UTF-8"),
             _ => Some("check the path"),
         }
@@ -55,7 +55,7 @@ impl std::fmt::Display for TextFileError {
 
 impl std::error::Error for TextFileError {}
 
-/// The reason of an error of the system, without its number and in lower case.
+/// The text of an I/O error without the number of the operating system, and without a capital letter.
 ///
 /// ```
 /// let error = std::fs::File::open("no/such/file").unwrap_err();
@@ -83,7 +83,7 @@ pub fn read_text(path: &Path) -> Result<String, TextFileError> {
     read.map_err(|error| TextFileError::new(path, error))
 }
 
-/// Reads the text files of a folder whose names `wanted` accepts, by name. Hidden files are left out.
+/// Reads the text files of a folder whose names `wanted` accepts, by name. Skips hidden files.
 ///
 /// # Errors
 ///

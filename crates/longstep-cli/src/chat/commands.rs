@@ -14,24 +14,18 @@ use crate::output::print_line;
 use crate::{ask, inputs, output, show};
 
 const COMMANDS: [(&str, &str); 9] = [
-    ("/plan", "show the plan at hand, or the last one that was accepted"),
-    (
-        "/why STEP",
-        "what a step brings about, and what would be wrong without it",
-    ),
-    ("/env", "show the world as it is now"),
-    ("/undo", "take the last accepted plan back, or give up the one at hand"),
+    ("/plan", "show the current plan, or the last accepted one"),
+    ("/why STEP", "show what a step achieves, and what would fail without it"),
+    ("/env", "show the current world"),
+    ("/undo", "undo the last accepted plan, or cancel the current one"),
     (
         "/save FOLDER",
-        "write the accepted plans to a folder: 0.json, 1.json, ...",
+        "save the accepted plans to a folder: 0.json, 1.json, ...",
     ),
-    ("/model NAME", "ask another model from now on"),
-    (
-        "/strategy goal|direct",
-        "let the model write only the goal, or the whole plan",
-    ),
-    ("/help", "this list"),
-    ("/quit", "end the conversation; the session is kept"),
+    ("/model NAME", "use another model from now on"),
+    ("/strategy goal|direct", "let the model write a goal, or the whole plan"),
+    ("/help", "show this list"),
+    ("/quit", "end the conversation; the session is saved"),
 ];
 
 impl Chat<'_> {
@@ -71,14 +65,14 @@ impl Chat<'_> {
             return Err(Failure::unreadable("the plan has no steps: there is nothing to do").into());
         }
         if rest.is_empty() {
-            return Err(Failure::unreadable("which step?")
-                .hint(format!("/why STEP; steps are numbered 1 to {length}"))
+            return Err(Failure::unreadable("`/why` needs the number of a step")
+                .hint(format!("`/why STEP`; steps are numbered from 1 to {length}"))
                 .into());
         }
         let number: Option<usize> = rest.parse().ok().filter(|number| (1..=length).contains(number));
         let Some(number) = number else {
-            let failure = Failure::unreadable(format!("`{rest}` is no step of the plan"));
-            return Err(failure.hint(format!("steps are numbered 1 to {length}")).into());
+            let failure = Failure::unreadable(format!("`{rest}` is not a step of the plan"));
+            return Err(failure.hint(format!("steps are numbered from 1 to {length}")).into());
         };
         let why = session::why(
             self.session.domain(),
@@ -88,11 +82,11 @@ impl Chat<'_> {
             goal,
             StepId::new(number - 1),
         );
-        show::list("It brings about", &why.brings_about);
+        show::list("It achieves", &why.brings_about);
         match why.without_it.is_empty() {
             true => {
                 output::blank();
-                print_line!("Without it, nothing would be wrong.");
+                print_line!("Without it, the plan would still be valid.");
             }
             false => show::list("Without it", &why.without_it),
         }
@@ -102,28 +96,30 @@ impl Chat<'_> {
     fn undo(&mut self) -> Result<()> {
         if self.session.proposal().is_some() || self.session.question().is_some() {
             self.session.cancel()?;
-            screen::notice("given up; nothing has changed");
+            screen::notice("Cancelled; nothing has changed");
             return Ok(());
         }
         let after = self.session.world().environment().clone();
         let number = self
             .session
             .undo()
-            .map_err(|_| Failure::unreadable("there is no accepted plan to take back"))?;
+            .map_err(|_| Failure::unreadable("there is no accepted plan to undo"))?;
         // The undo is saved before it is reported.
         self.folder.keep(&mut self.session)?;
-        screen::notice(&format!("plan {number} is taken back"));
+        screen::notice(&format!("Plan {number} is undone"));
         show::changes(&after, self.session.world().environment());
         Ok(())
     }
 
     fn save(&self, rest: &str) -> Result<()> {
         if rest.is_empty() {
-            return Err(Failure::unreadable("which folder?").hint("/save FOLDER").into());
+            return Err(Failure::unreadable("`/save` needs a folder")
+                .hint("`/save FOLDER`")
+                .into());
         }
         let folder = Path::new(rest);
         create_private_folder(folder).map_err(|error| {
-            Failure::unreadable(format!("cannot make {rest}: {}", plain_reason(&error))).hint("check the path")
+            Failure::unreadable(format!("cannot create {rest}: {}", plain_reason(&error))).hint("check the path")
         })?;
         let count = self.session.accepted().len();
         for number in 0..count {
@@ -150,7 +146,7 @@ impl Chat<'_> {
         self.session.set_model(facts);
         self.model = Some(model);
         rest.clone_into(&mut self.model_name);
-        screen::notice(&format!("{rest} is asked from now on"));
+        screen::notice(&format!("Now using the model {rest}"));
         Ok(())
     }
 
@@ -159,8 +155,8 @@ impl Chat<'_> {
             "goal" => Strategy::Goal,
             "direct" => Strategy::Direct,
             _ => {
-                return Err(Failure::unreadable("which strategy?")
-                    .hint("/strategy goal, or /strategy direct")
+                return Err(Failure::unreadable("`/strategy` needs a strategy")
+                    .hint("`/strategy goal` or `/strategy direct`")
                     .into());
             }
         };
@@ -173,13 +169,13 @@ impl Chat<'_> {
 }
 
 fn help() {
-    print_line!("Say what you want, for example: Put the juice on the table.");
-    print_line!("When a plan is shown, Enter accepts it, `no` gives it up, and anything else is what is to be");
-    print_line!("different: \"not that plate, the blue one\", \"you can omit step 5\".");
+    print_line!("Write an instruction, for example: Put the juice on the table.");
+    print_line!("When a plan is shown, Enter accepts it, `no` cancels it, and any other text is a change to it:");
+    print_line!("\"not that plate, the blue one\", \"you can omit step 5\".");
     output::blank();
     for (form, means) in COMMANDS {
         print_line!("  {form:22}  {means}");
     }
     output::blank();
-    print_line!("Ctrl-C calls off the model, Ctrl-D ends the conversation.");
+    print_line!("Ctrl-C stops the model, Ctrl-D ends the conversation.");
 }

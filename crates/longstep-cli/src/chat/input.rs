@@ -127,10 +127,12 @@ fn read_line(input: &mut impl BufRead) -> Result<Option<String>> {
     let ended = bytes.last() == Some(&b'\n');
     if !ended && bytes.len() > LINE_LIMIT {
         let message = format!("a line of the input is longer than {} KiB", LINE_LIMIT >> 10);
-        return Err(Failure::new(message, LIMIT).hint("say one thing on a line").into());
+        return Err(Failure::new(message, LIMIT)
+            .hint("write one instruction on each line")
+            .into());
     }
     let text = String::from_utf8(bytes)
-        .map_err(|_| Failure::unreadable("the input is not a text (not UTF-8)").hint("save it as UTF-8"))?;
+        .map_err(|_| Failure::unreadable("the input is not text (not UTF-8)").hint("save it as UTF-8"))?;
     let line = text.strip_suffix('\n').unwrap_or(&text);
     Ok(Some(line.strip_suffix('\r').unwrap_or(line).to_owned()))
 }

@@ -48,7 +48,7 @@ pub(super) fn response(session: &Session, interactive: bool) {
 /// Without a terminal there is no prompt, so a line says that the plan waits for a decision.
 fn waiting(interactive: bool) {
     if !interactive {
-        let told = "Waiting for a decision: an empty line accepts the plan, `no` gives it up.";
+        let told = "Waiting for a decision: an empty line accepts the plan, `no` cancels it.";
         print_line!("{}", told.dimmed());
         output::blank();
     }
@@ -56,10 +56,10 @@ fn waiting(interactive: bool) {
 
 /// Requests the outcome of a plan with several possible ends.
 fn ended(session: &Session, endings: &[Ended]) {
-    print_line!("{}", "How did it end?".yellow().bold());
+    print_line!("{}", "How did the plan end?".yellow().bold());
     for (number, ending) in endings.iter().enumerate() {
         let when = match ending.when.is_empty() {
-            true => "in another way".to_owned(),
+            true => "otherwise".to_owned(),
             false => ending.when.join(", and "),
         };
         print_line!("  {} {when}", format!("{}.", number + 1).bold());
@@ -77,15 +77,15 @@ fn proposal(session: &Session) {
             .iter()
             .any(|why| matches!(why, Refusal::Change(obstacle) if obstacle.step().is_some()));
         let title = match of_steps {
-            true => "That cannot be had. In the plan with your change:",
-            false => "That cannot be had",
+            true => "This change is not possible. In the plan with your change:",
+            false => "This change is not possible",
         };
         show::heading(title);
         for why in &proposal.refused {
             print_line!("  - {why}");
         }
         output::blank();
-        print_line!("The plan stays as it was; /plan shows it.");
+        print_line!("The plan is unchanged; `/plan` shows it.");
         return;
     }
     if let Some(goal) = &proposal.goal {
@@ -153,7 +153,7 @@ pub(super) fn plan(session: &Session) {
             let lines = plan::outline(session.domain(), &last.before, last.plan.plan());
             show::steps(&lines, |_| false);
         }
-        None => print_line!("there is no plan yet"),
+        None => print_line!("There is no plan yet"),
     }
 }
 
@@ -190,7 +190,7 @@ pub(super) fn where_we_are(session: &Session, interactive: bool) {
     let count = session.accepted().len();
     notice(&format!("{} so far", crate::session::plural(count, "accepted plan")));
     if let Some(instruction) = session.instruction() {
-        notice(&format!("at hand: {instruction}"));
+        notice(&format!("Current instruction: {instruction}"));
     }
     if session.proposal().is_some() {
         plan(session);

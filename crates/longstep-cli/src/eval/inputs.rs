@@ -46,8 +46,8 @@ pub(super) fn suite(
 /// The folder of the paper's recordings.
 pub(super) fn corpus(arguments: &EvalArguments) -> Result<&Path> {
     arguments.corpus.as_deref().ok_or_else(|| {
-        Failure::unreadable("the suite `paper` is read from the paper's recordings, which are not part of longstep")
-            .hint("say where they are with --corpus FOLDER")
+        Failure::unreadable("the suite `paper` needs the paper's recordings, which are not part of longstep")
+            .hint("pass their folder with `--corpus FOLDER`")
             .into()
     })
 }
@@ -63,7 +63,10 @@ pub(super) fn suite_files(name: &str) -> Result<Files> {
         known.push("paper");
         let hint = match nearest(name, known.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("suites are {}; or give the path of a suite's folder", known.join(", ")),
+            None => format!(
+                "use a known suite ({}) or the path of a suite's folder",
+                known.join(", ")
+            ),
         };
         return Err(Failure::unreadable(format!("there is no suite `{name}`"))
             .hint(hint)
@@ -72,13 +75,13 @@ pub(super) fn suite_files(name: &str) -> Result<Files> {
     let mut cases = read_texts(folder, |name| name.ends_with(".toml"))?;
     let suite = cases.remove("suite.toml").ok_or_else(|| {
         Failure::unreadable(format!("{} has no suite.toml", folder.display()))
-            .hint("it says `name`, `about` and `domain`")
+            .hint("add one with `name`, `about` and `domain`")
     })?;
     let scenes = folder.join("scenes");
     if !scenes.is_dir() {
         return Err(
             Failure::unreadable(format!("{} has no folder `scenes`", folder.display()))
-                .hint("put the environments there, as NAME.json")
+                .hint("add it with the environments as NAME.json")
                 .into(),
         );
     }

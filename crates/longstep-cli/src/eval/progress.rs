@@ -27,7 +27,7 @@ impl Bar {
         bar.set_position(done as u64);
         bar.reset_eta();
         if done > 0 {
-            remark!("going on after {done} of {units}");
+            remark!("Resuming after {done} of {units}");
         }
         let right = known.iter().filter(|attempt| attempt.correct).count();
         let shown = Self {
@@ -55,7 +55,7 @@ impl Bar {
 
     fn show(&self) {
         if let Ok(counts) = self.counts.lock() {
-            output::progress(&self.bar, &format!("{} of {} right", counts.0, counts.1));
+            output::progress(&self.bar, &format!("{} of {} correct", counts.0, counts.1));
         }
     }
 }

@@ -58,7 +58,7 @@ impl<'model> Engine<'model> {
             .with_flash_attention_policy(0);
         let context = model
             .new_context(backend()?, parameters)
-            .map_err(|error| format!("no context of {size} tokens: {error}"))?;
+            .map_err(|error| format!("cannot create a context of {size} tokens: {error}"))?;
         Ok(Self {
             context,
             tokens: Vec::new(),

@@ -27,7 +27,7 @@ pub(super) fn check(path: &Path) -> Result<(), ModelError> {
     }
     super::engine::backend().map_err(|reason| not_loaded(path, &reason))?;
     if GgufContext::from_file(path).is_none() {
-        return Err(not_loaded(path, "its description is damaged or cut off"));
+        return Err(not_loaded(path, "its metadata is damaged or incomplete"));
     }
     Ok(())
 }
@@ -68,8 +68,11 @@ mod tests {
             (&b""[..], "not a GGUF file"),
             (b"GGU", "not a GGUF file"),
             (b"PK\x03\x04 something", "not a GGUF file"),
-            (b"GGUF", "damaged or cut off"),
-            (b"GGUF\x03\0\0\0\xff\xff\xff\xff\xff\xff\xff\x7f", "damaged or cut off"),
+            (b"GGUF", "damaged or incomplete"),
+            (
+                b"GGUF\x03\0\0\0\xff\xff\xff\xff\xff\xff\xff\x7f",
+                "damaged or incomplete",
+            ),
         ] {
             std::fs::write(&path, content).unwrap();
             let error = check(&path).unwrap_err();

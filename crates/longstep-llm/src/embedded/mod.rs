@@ -77,7 +77,7 @@ impl EmbeddedModel {
         let thread = std::thread::Builder::new()
             .name("longstep-model".into())
             .spawn(move || worker::run(&setting, &ready, &inbox))
-            .map_err(|error| stopped(name, &format!("no thread could be started: {error}")))?;
+            .map_err(|error| stopped(name, &format!("cannot start a thread: {error}")))?;
         let model = Self {
             name: name.to_owned(),
             context_tokens,
@@ -89,7 +89,7 @@ impl EmbeddedModel {
         match loaded.recv() {
             Ok(Ok(())) => Ok(model),
             Ok(Err(error)) => Err(error),
-            Err(_) => Err(stopped(name, "it ended while the model was being loaded")),
+            Err(_) => Err(stopped(name, "its thread ended while it loaded the model")),
         }
     }
 }
@@ -106,7 +106,7 @@ impl ChatModel for EmbeddedModel {
     fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
         let (events, answers) = channel();
         if !self.send(Job::Chat(request.clone(), events)) {
-            return Err(stopped(&self.name, "it has ended"));
+            return Err(stopped(&self.name, "its thread has ended"));
         }
         follow(&self.name, &answers, watch)
     }
@@ -164,7 +164,7 @@ fn follow(name: &str, answers: &Receiver<Event>, watch: &mut dyn Watch) -> Resul
             Ok(Event::Progress(step)) => watch.tell(step),
             Ok(Event::Done(answer)) => return answer,
             Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Err(stopped(name, "it ended before it had answered")),
+            Err(RecvTimeoutError::Disconnected) => return Err(stopped(name, "its thread ended before the answer")),
         }
     }
 }

@@ -64,7 +64,7 @@ impl Template {
         let turns = turns.map_err(|error| error.to_string())?;
         model
             .apply_chat_template(&self.template, &turns, true)
-            .map_err(|error| format!("its chat template is of an unknown kind: {error}"))
+            .map_err(|error| format!("its chat template is unknown: {error}"))
     }
 }
 

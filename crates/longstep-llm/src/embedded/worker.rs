@@ -70,7 +70,7 @@ pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, job
 fn load(setting: &Setting) -> Result<LlamaModel, String> {
     let parameters = LlamaModelParams::default().with_use_mmap(true);
     LlamaModel::load_from_file(backend()?, &setting.path, &parameters)
-        .map_err(|_| "it is damaged, cut off, or of a kind that the engine does not know".into())
+        .map_err(|_| "it is damaged, incomplete, or of an unknown kind".into())
 }
 
 /// The last answer, which the next request may continue.
@@ -141,7 +141,7 @@ impl<'model> Worker<'model> {
         let (prompt, continued) = self.prompt(request)?;
         let total = prompt.tokens.len();
         if total == 0 {
-            return Err(self.unsupported("it says nothing".into()));
+            return Err(self.unsupported("it contains no message".into()));
         }
         let tokens = total + request.max_tokens as usize;
         if tokens > self.limit {
@@ -225,7 +225,7 @@ impl<'model> Worker<'model> {
             let (context, tokens) = self.engine.saved();
             if let Err(reason) = state.save(context, tokens) {
                 tell(Progress::Warning(format!(
-                    "the state of the model could not be saved, the next start will be slower: {reason}"
+                    "the state of the model could not be saved; the next start will be slower: {reason}"
                 )));
             }
         }

@@ -16,7 +16,7 @@ pub(super) fn nearest<'a>(asked: &WireRequest, recorded: impl Iterator<Item = &'
         None => "no request is recorded".into(),
         Some((_, number, request)) => {
             format!(
-                "the nearest is request {}, which differs in {}",
+                "the most similar one is request {}, which differs in {}",
                 number + 1,
                 difference(asked, request)
             )
@@ -52,23 +52,23 @@ fn difference(asked: &WireRequest, recorded: &WireRequest) -> String {
     }
     let (many, few) = (asked.messages.len(), recorded.messages.len());
     if many != few {
-        return format!("the number of messages: recorded {few}, asked {many}");
+        return format!("the number of messages: recorded {few}, requested {many}");
     }
     if asked.answer_so_far != recorded.answer_so_far {
         let texts = texts(&asked.answer_so_far, &recorded.answer_so_far);
-        return format!("how the answer begins: {texts}");
+        return format!("the beginning of the answer: {texts}");
     }
     if asked.constraint != recorded.constraint {
         let texts = texts(&constraint(&asked.constraint), &constraint(&recorded.constraint));
         return format!("the constraint: {texts}");
     }
     let (now, then) = (asked.max_tokens, recorded.max_tokens);
-    format!("the most tokens of the answer: recorded {then}, asked {now}")
+    format!("the token limit of the answer: recorded {then}, requested {now}")
 }
 
 fn message(asked: &WireMessage, recorded: &WireMessage) -> String {
     if asked.role != recorded.role {
-        return format!("recorded from {:?}, asked from {:?}", recorded.role, asked.role);
+        return format!("recorded from {:?}, requested from {:?}", recorded.role, asked.role);
     }
     texts(&asked.text, &recorded.text)
 }
@@ -94,5 +94,5 @@ fn texts(asked: &str, recorded: &str) -> String {
         };
         format!("{:?}", format!("{before}{shown}{after}"))
     };
-    format!("recorded {}, asked {}", part(recorded), part(asked))
+    format!("recorded {}, requested {}", part(recorded), part(asked))
 }

@@ -44,7 +44,7 @@ impl Replay {
                     let version = said.version;
                     return Err(bad(
                         number,
-                        format!("version {version}, and only {VERSION} can be read"),
+                        format!("version {version} is not supported, only {VERSION}"),
                     ));
                 }
                 Line::Recording(said) => {
@@ -65,7 +65,7 @@ impl Replay {
         }
         Ok(Self {
             path: path.to_path_buf(),
-            head: head.ok_or_else(|| bad(0, "nothing says which model was recorded".into()))?,
+            head: head.ok_or_else(|| bad(0, "the first line with the model is missing".into()))?,
             turns,
             counts,
             frame,
@@ -96,8 +96,8 @@ impl ChatModel for Replay {
         let recorded = self.turns.iter().map(|turn| &turn.request);
         let difference = match times {
             0 => difference::nearest(&asked, recorded),
-            1 => "it was recorded once, and asked before".to_owned(),
-            _ => format!("it was recorded {times} times, and asked as often before"),
+            1 => "it was recorded once and already used".to_owned(),
+            _ => format!("it was recorded {times} times and already used as often"),
         };
         Err(ModelError::NotRecorded {
             path: self.path.clone(),

@@ -244,7 +244,7 @@ impl<'a> Incoming<'a> {
     }
 }
 
-const BROKEN_OFF: &str = "it broke off before its end";
+const BROKEN_OFF: &str = "it ended early";
 
 /// Longest key that is recognized in a truncated error body.
 const KEY_BYTES: usize = 8 << 10;
@@ -269,13 +269,13 @@ fn broken_off(endpoint: &Endpoint, error: &reqwest::Error) -> ModelError {
 fn broken(endpoint: &Endpoint, reason: Broken) -> ModelError {
     match reason {
         Broken::TooLarge(limit) => limit::too_large(&endpoint.server, limit),
-        Broken::NoText(error) => bad(endpoint, &format!("a part of it is no text: {error}")),
+        Broken::NoText(error) => bad(endpoint, &format!("a part of it is not text: {error}")),
     }
 }
 
 fn unreadable(endpoint: &Endpoint, reason: Unreadable) -> ModelError {
     let reason = match reason {
-        Unreadable::NoJson(reason) => format!("a part of it is no JSON: {}", endpoint.one_line(&reason)),
+        Unreadable::NoJson(reason) => format!("a part of it is not JSON: {}", endpoint.one_line(&reason)),
         Unreadable::Complaint(event) => format!("{BROKEN_OFF}: {}", endpoint.one_line(&complaint(&event))),
     };
     bad(endpoint, &reason)

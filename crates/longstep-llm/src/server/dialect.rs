@@ -76,7 +76,7 @@ impl Dialect {
                 return Some((Self { schema, ..self }, None));
             }
             let schema = SchemaForm::Nothing;
-            let warning = "the server takes no JSON schema; asking without one";
+            let warning = "the server does not support JSON schemas; continuing without one";
             return Some((Self { schema, ..self }, Some(warning)));
         }
         if self.usage && names(&["stream_options"]) {
@@ -84,15 +84,15 @@ impl Dialect {
         }
         if self.temperature && names(&["temperature"]) {
             let temperature = false;
-            let warning = "the server takes no temperature; its answers may vary";
+            let warning = "the server does not support a temperature; its answers may vary";
             return Some((Self { temperature, ..self }, Some(warning)));
         }
         if self.top_p && sampling.top_p.is_some() && names(&["top_p", "topp"]) {
-            let warning = "the server takes no top_p; asking without one";
+            let warning = "the server does not support top_p; continuing without it";
             return Some((Self { top_p: false, ..self }, Some(warning)));
         }
         if self.seed && sampling.seed.is_some() && names(&["seed"]) {
-            let warning = "the server takes no seed; its answers may vary";
+            let warning = "the server does not support a seed; its answers may vary";
             return Some((Self { seed: false, ..self }, Some(warning)));
         }
         let limit = match self.limit {

@@ -109,10 +109,10 @@ impl ChatModel for ServerModel {
 
     fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
         if !request.answer_so_far.is_empty() {
-            return Err(self.unsupported("a server cannot go on with an answer that has begun"));
+            return Err(self.unsupported("a server cannot continue an answer"));
         }
         if let Constraint::Lark(_) = request.constraint {
-            return Err(self.unsupported("a server takes a JSON schema, not a grammar"));
+            return Err(self.unsupported("a server supports JSON schemas, not grammars"));
         }
         let watch = RefCell::new(watch);
         let flag = self.connection.stop.clone();
@@ -146,7 +146,7 @@ impl ChatModel for ServerModel {
                 Failure::Final(error) | Failure::Unreachable(error) => error,
             });
         }
-        Err(self.unsupported("the server rejects every way of asking"))
+        Err(self.unsupported("the server rejects every form of the request"))
     }
 
     fn context_tokens(&self) -> Option<u64> {
@@ -241,7 +241,7 @@ impl ServerModel {
         let reply = &received.reply;
         if received.cut {
             tell(Progress::Warning(format!(
-                "the server wrote more than the {} tokens of the request; its answer is cut off",
+                "the server exceeded the limit of {} tokens; its answer is cut off",
                 request.max_tokens
             )));
             return;
@@ -254,7 +254,7 @@ impl ServerModel {
             && !dialect::fits(&reply.text, schema)
         {
             self.ignoring_told = true;
-            let warning = "the server ignored the schema: its answer is not what was asked for";
+            let warning = "the server ignored the schema: its answer has another form";
             tell(Progress::Warning(warning.into()));
         }
     }

@@ -241,7 +241,10 @@ fn a_schema_that_is_rejected_is_left_out() {
     assert!(model.chat(&request(), &mut note).is_ok());
     // The change persists.
     assert!(model.chat(&request(), &mut note).is_ok());
-    assert_eq!(warnings, ["the server takes no JSON schema; asking without one"]);
+    assert_eq!(
+        warnings,
+        ["the server does not support JSON schemas; continuing without one"]
+    );
     let requests = server.requests();
     assert!(body(&requests[0]).get("response_format").is_some());
     assert!(body(&requests[1]).get("response_format").is_none());
@@ -294,11 +297,11 @@ fn limits_and_temperatures_are_asked_for_as_the_server_likes() {
 fn an_answer_that_is_no_answer_is_an_error() {
     let events = sse(&[says("{\"goal\""), ends("stop")]);
     let unmarked = events.strip_suffix("data: [DONE]\n\n").unwrap();
-    let said = "it broke off before its end";
+    let said = "it ended early";
     for (body, expected) in [
         (&b"<html>hello</html>"[..], said),
         (b"{\"choices\": []}", said),
-        (b"data: {\"choices\": [\n\n", "no JSON: EOF"),
+        (b"data: {\"choices\": [\n\n", "not JSON: EOF"),
         (b"data: [DONE]\n\n", "no content"),
         (b"data: \xff\xfe\n\n", "utf-8"),
         (unmarked.as_bytes(), said),
@@ -440,7 +443,7 @@ fn a_server_that_falls_silent_is_not_waited_for() {
         let error = model_with(&server, Kind::OpenAi, &options).chat(&request(), &mut quiet);
         let error = error.unwrap_err();
         assert!(matches!(error, ModelError::Silent { .. }), "{error}");
-        assert!(error.to_string().ends_with("said nothing for 0.1 s"), "{error}");
+        assert!(error.to_string().ends_with("sent nothing for 0.1 s"), "{error}");
     }
 }
 

