@@ -8,10 +8,10 @@ use longstep::session::{RepairPolicy, Settings, Strategy};
 
 /// Turns instructions in plain English into verified robot action plans.
 #[derive(Debug, Parser)]
-#[command(name = "longstep", version, arg_required_else_help = true)]
+#[command(name = "longstep", version, arg_required_else_help = true, max_term_width = 80)]
 #[command(
-    after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up,\n\
-13 clarifying question, 20 limit reached, 30 unreadable input, 40 model or network failed,\n50 output not written."
+    after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up, \
+13 clarifying question, 20 limit reached, 30 unreadable input, 40 model or network failed, 50 output not written."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]

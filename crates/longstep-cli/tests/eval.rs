@@ -120,8 +120,8 @@ fn what_cannot_be_run_is_told_and_nothing_is_written() {
     check_refused(
         path,
         &["eval", "paper"],
-        "error: the suite `paper` is read from the paper's recordings, which are not part of longstep\n\
-         hint: say where they are with --corpus FOLDER",
+        "error: the suite `paper` needs the paper's recordings, which are not part of longstep\n\
+         hint: pass their folder with `--corpus FOLDER`",
     );
     check_refused(
         path,

@@ -55,7 +55,7 @@ fn a_script_is_verified_and_exported_and_comes_back_the_same() {
 fn only_verified_plans_are_exported() {
     let folder = tempfile::tempdir().unwrap();
     for (script, code, told) in [
-        ("grasp_object()\n", 10, "Not exported, since the plan is not valid:\n"),
+        ("grasp_object()\n", 10, "Not exported, because the plan is not valid:\n"),
         (
             "milk = grasp_object()\n",
             30,

@@ -439,7 +439,7 @@ fn ctrl_c_on_a_pipe_loses_nothing() {
     stdin.write_all(b"Put the juice on the counter\n").unwrap();
     asked(&server, 2);
     interrupt(&child);
-    wait(&mut remarks, "stopped");
+    wait(&mut remarks, "Stopped");
     stdin.write_all(b"Put the juice on the counter\n").unwrap();
     wait(&mut shown, "Waiting for a decision");
     // Between two lines, it ends the conversation.

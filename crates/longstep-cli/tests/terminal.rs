@@ -125,16 +125,16 @@ fn ctrl_c_calls_off_the_call_and_not_the_conversation() {
     asked(&server, 1);
     terminal.expect("Waiting for the server");
     terminal.press("\x03");
-    terminal.expect("stopped");
+    terminal.expect("Stopped");
     terminal.expect("> ");
     terminal.press("Put the cereal on the counter\r");
-    terminal.expect("accept?");
+    terminal.expect("Accept?");
     // The words about a plan are called off: the plan is there again.
     terminal.press("not there\r");
     asked(&server, 3);
     terminal.press("\x03");
     terminal.expect("the plan is unchanged");
-    terminal.expect("accept?");
+    terminal.expect("Accept?");
     terminal.press("\r");
     terminal.expect("as plan 0");
     terminal.expect("> ");

@@ -133,27 +133,27 @@ fn what_differs_is_told() {
     for (request, told) in [
         (
             request("Open the doors."),
-            "request 2, which differs in message 2: recorded \"Open the door.\", asked \"Open the doors.\"",
+            "request 2, which differs in message 2: recorded \"Open the door.\", requested \"Open the doors.\"",
         ),
         (
             changed(&|request| request.messages[1].role = Role::Assistant),
-            "request 1, which differs in message 2: recorded from User, asked from Assistant",
+            "request 1, which differs in message 2: recorded from User, requested from Assistant",
         ),
         (
             changed(&|request| request.messages.push(Message::new(Role::User, "x"))),
-            "the number of messages: recorded 2, asked 3",
+            "the number of messages: recorded 2, requested 3",
         ),
         (
             changed(&|request| request.answer_so_far = "{".into()),
-            "how the answer begins: recorded \"\", asked \"{\"",
+            "the beginning of the answer: recorded \"\", requested \"{\"",
         ),
         (
             changed(&|request| request.constraint = Constraint::Free),
-            "the constraint: recorded \"schema {\\\"type\\\":\\\"object\\\"}\", asked \"none\"",
+            "the constraint: recorded \"schema {\\\"type\\\":\\\"object\\\"}\", requested \"none\"",
         ),
         (
             changed(&|request| request.max_tokens = 51),
-            "the most tokens of the answer: recorded 50, asked 51",
+            "the token limit of the answer: recorded 50, requested 51",
         ),
     ] {
         let error = model.chat(&request, &mut quiet).unwrap_err();
@@ -170,7 +170,7 @@ fn what_is_no_recording_is_refused() {
     assert!(matches!(replay(&path), Err(ModelError::File { .. })));
     let head = r#"{"recording": {"version": 2, "name": "m", "constraint_kind": "grammar", "counting": {"exact": ""}}}"#;
     for (text, told) in [
-        ("", "line 1: nothing says which model"),
+        ("", "line 1: the first line with the model is missing"),
         ("\nhello", "line 2: expected value"),
         ("{\"frame\": 3}\n{\"other\": 1}", "line 2: unknown variant `other`"),
         (head, "line 1: version 2"),
