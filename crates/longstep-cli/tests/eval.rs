@@ -131,8 +131,8 @@ fn what_cannot_be_run_is_told_and_nothing_is_written() {
     check_refused(
         path,
         &[&RUN[..], &["--tag", "hard"]].concat(),
-        "error: no case of the suite has these tags, ids and wordings\n\
-         hint: `longstep eval list` shows the suites; their tags stand in their .toml files",
+        "error: no case of the suite matches the given tags, ids and wordings\n\
+         hint: `longstep eval list` lists the suites; the tags are in their .toml files",
     );
     check_refused(
         path,
