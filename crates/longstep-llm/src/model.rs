@@ -124,7 +124,7 @@ pub struct OpenOptions {
     /// Tokens of prompt and answer together. `None` means 8192 for the embedded engine, whose memory grows with it
     /// (about 28 KB a token with the default model). If a server reports its own value, that one counts.
     pub context_tokens: Option<u32>,
-    /// How the next token is sampled.
+    /// Sampling of the next token.
     pub sampling: Sampling,
     /// Longest time in which a server may send nothing, before its answer and within it; 60 s.
     pub silence: Duration,
@@ -156,7 +156,7 @@ impl OpenOptions {
     }
 }
 
-/// How the next token is sampled among the allowed ones. A parameter that a server rejects is omitted, with a
+/// Sampling of the next token among the allowed ones. A parameter that a server rejects is omitted, with a
 /// [`Progress::Warning`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sampling {
