@@ -66,7 +66,7 @@ fn numbered(pattern: &str, number: u32) -> String {
 pub static ENTRIES: &[Entry] = &[
     Entry {
         name: DEFAULT,
-        description: "the default: correct on most household instructions, about 2 GB of memory",
+        description: "recommended: correct on most household instructions, about 2 GB of memory",
         bytes: 1_117_320_768,
         sha256: "cc324af070c2ecbfd324a30884d2f951a7ff756aba85cb811a6ec436933bb046",
         licence: "Apache-2.0",
