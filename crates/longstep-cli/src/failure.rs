@@ -96,7 +96,7 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
             DialogueError::CutOff(_) | DialogueError::TooMuchWork => LIMIT,
             _ => MODEL,
         };
-        let hint = "say it in other words, or use another model with --model";
+        let hint = "rephrase the instruction, or use another model with `--model`";
         return (Some(hint.to_owned()), code);
     }
     let model = error.downcast_ref::<ModelError>().or(match (advance, converse) {
