@@ -70,7 +70,6 @@ pub fn advance(
 /// ```no_run
 /// use longstep::Planner;
 /// use longstep::session::{Response, Settings};
-/// use longstep_llm::ChatModel;
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let planner = Planner::shipped("household")?;
 /// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],

@@ -16,7 +16,7 @@
 //! ```no_run
 //! use longstep::session::{Response, Settings};
 //! use longstep::{Planner, Step};
-//! use longstep_llm::{ChatModel, OpenOptions};
+//! use longstep_llm::OpenOptions;
 //! # fn perform(_: &Step) -> Option<longstep::Fact> { None }
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let planner = Planner::new(longstep_llm::load_domain("my_robot")?);
