@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use longstep::plan::{PlanFile, TaskCohesion, script};
+use longstep_core::plan::{PlanFile, TaskCohesion, script};
 use longstep_fuzz::checks::check_plan;
 use longstep_fuzz::scenes::{CHECKS, DUAL};
 

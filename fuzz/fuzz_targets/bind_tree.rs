@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::arbitrary::Unstructured;
 use libfuzzer_sys::fuzz_target;
-use longstep::plan::script;
+use longstep_core::plan::script;
 use longstep_fuzz::checks::check_plan;
 use longstep_fuzz::scenes::{CHECKS, DUAL};
 use longstep_fuzz::trees;

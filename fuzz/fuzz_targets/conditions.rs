@@ -5,12 +5,12 @@ use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
 use longstep::domain::{self, Condition, Domain, Files};
-use longstep::effort;
-use longstep::json::Path;
-use longstep::pddl::{self, Problem};
-use longstep::search::{self, Limits, Outcome, Wanted};
-use longstep::verify::{apply, unmet};
-use longstep::environment::{self, Environment, Moment, State, World, holds};
+use longstep_core::effort;
+use longstep_core::json::Path;
+use longstep_core::pddl::{self, Problem};
+use longstep_core::search::{self, Limits, Outcome, Wanted};
+use longstep_core::verify::{apply, unmet};
+use longstep_core::environment::{self, Environment, Moment, State, World, holds};
 
 const PDDL: &str = "(define (domain d) (:requirements :adl) (:types place item - thing)
   (:predicates (ready) (lit ?x - thing) (at ?x - item ?y - place) (link ?x ?y - thing))

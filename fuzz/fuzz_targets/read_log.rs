@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use libfuzzer_sys::fuzz_target;
 use longstep::domain::{self, Domain};
-use longstep::effort;
+use longstep_core::effort;
 use longstep::dialogue::EstimatedTokens;
 use longstep::session::{Entry, Event, Log, Session, replay};
 

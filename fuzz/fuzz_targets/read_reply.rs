@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use longstep::plan::{Unreadable, read};
+use longstep_core::plan::{Unreadable, read};
 
 fuzz_target!(|text: &str| match read(text) {
     Ok(draft) => {

@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use longstep::json::Path;
-use longstep::plan::{read_tree, script, write_tree};
+use longstep_core::json::Path;
+use longstep_core::plan::{read_tree, script, write_tree};
 
 fuzz_target!(|text: &str| match script::read(text) {
     Ok(written) => {

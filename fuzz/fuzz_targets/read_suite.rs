@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
 use longstep::domain::{self, Domain};
-use longstep::effort;
+use longstep_core::effort;
 use longstep_eval::Recorded;
 use longstep_eval::suite::{Files, load};
 

@@ -1,12 +1,12 @@
 //! Properties that hold of every plan that somebody could write.
 
 use longstep::domain::Domain;
-use longstep::effort;
-use longstep::plan::{Draft, Node, Plan, PlanFile, Resolved, TaskCohesion, Written, resolve, script};
-use longstep::repair::Outcome;
+use longstep_core::effort;
+use longstep_core::plan::{Draft, Node, Plan, PlanFile, Resolved, TaskCohesion, Written, resolve, script};
+use longstep_core::repair::Outcome;
 use longstep::report::Assessment;
-use longstep::verify::{Purpose, Violation, bind_tree, check};
-use longstep::environment::World;
+use longstep_core::verify::{Purpose, Violation, bind_tree, check};
+use longstep_core::environment::World;
 
 use crate::scenes::Scene;
 

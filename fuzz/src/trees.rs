@@ -1,10 +1,10 @@
 //! Random plans of known calls: trees with hidden and given arguments, conditions, loops, lanes and claims.
 
 use libfuzzer_sys::arbitrary::{Result, Unstructured};
-use longstep::call::Call;
+use longstep_core::call::Call;
 use longstep::domain::{Action, Parameter};
-use longstep::plan::{Lane, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep};
-use longstep::environment::{Environment, Words};
+use longstep_core::plan::{Lane, LaneItem, Node, PlanFile, StepId, TaskCohesion, Test, Written, WrittenNode, WrittenStep};
+use longstep_core::environment::{Environment, Words};
 
 use crate::scenes::Scene;
 

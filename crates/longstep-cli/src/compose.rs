@@ -6,8 +6,8 @@ use anyhow::Result;
 use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, CompositionInput, Stored};
 use longstep::dialogue::{Dialogue, Usage};
 use longstep::domain::Domain;
-use longstep::environment::World;
 use longstep::report::{Answer, Status};
+use longstep_core::environment::World;
 use longstep_llm::{TextFileError, converse, load_domain, read_text};
 
 use crate::arguments::ComposeArguments;

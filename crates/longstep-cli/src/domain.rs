@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::domain::{self, Domain, Finding};
-use longstep::visible;
+use longstep_core::visible;
 use longstep_llm::{domain_files, load_domain, plain_reason};
 
 use crate::arguments::DomainCommand;

@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 use longstep::domain::Domain;
-use longstep::environment::World;
-use longstep::json;
-use longstep::plan;
 use longstep::report::Assessment;
+use longstep_core::environment::World;
+use longstep_core::json;
+use longstep_core::plan;
 use longstep_llm::load_domain;
 
 use crate::arguments::DraftArguments;

@@ -1,8 +1,8 @@
 //! `longstep export`: a verified plan in another notation.
 
 use anyhow::Result;
-use longstep::plan::{Written, script};
 use longstep::report::Status;
+use longstep_core::plan::{Written, script};
 
 use crate::arguments::{ExportArguments, PlanFormat};
 use crate::draft::Draft;

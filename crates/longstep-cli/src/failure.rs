@@ -1,9 +1,9 @@
 //! Errors for the user: one line with the problem and its place, a hint, and the exit code.
 
-use longstep::diagnostic::Diagnostics;
 use longstep::dialogue::{DialogueError, PromptError};
 use longstep::goal::GoalError;
 use longstep::session::ResumeError;
+use longstep_core::diagnostic::Diagnostics;
 use longstep_llm::{AdvanceError, ConverseError, DomainError, FolderError, ModelError, TextFileError};
 
 use crate::output::{Style, remark};

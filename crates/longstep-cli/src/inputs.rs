@@ -4,9 +4,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::domain::{self, Domain};
-use longstep::environment::{self, Environment, World};
-use longstep::json;
-use longstep::plan::{self, PlanFile, TaskCohesion};
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json;
+use longstep_core::plan::{self, PlanFile, TaskCohesion};
 use longstep_llm::{load_domain, load_domain_with_prompt, plain_reason, read_text, write_whole};
 
 use crate::failure::Failure;

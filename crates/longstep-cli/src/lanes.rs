@@ -1,12 +1,12 @@
 //! Parallel plans: a column for each actor, a line for each unit of time.
 
 use longstep::domain::Domain;
-use longstep::environment::World;
-use longstep::plan::{Lane, Node, Plan, StepId};
 use longstep::report::Answer;
-use longstep::schedule::{self, Row};
-use longstep::verify::{Purpose, VerifiedPlan};
-use longstep::visible;
+use longstep_core::environment::World;
+use longstep_core::plan::{Lane, Node, Plan, StepId};
+use longstep_core::schedule::{self, Row};
+use longstep_core::verify::{Purpose, VerifiedPlan};
+use longstep_core::visible;
 
 use crate::output::{Line, Style, composed};
 

@@ -1,7 +1,7 @@
 //! `longstep model`: the catalogue and the cache.
 
 use anyhow::Result;
-use longstep::diagnostic::nearest;
+use longstep_core::diagnostic::nearest;
 use longstep_llm::catalogue::{self, Entry};
 use longstep_llm::store::{self, PullOptions};
 use longstep_llm::{ModelError, cache_directory};

@@ -12,7 +12,7 @@ use std::io::{ErrorKind, Write};
 use std::sync::OnceLock;
 
 use anyhow::Result;
-use longstep::visible;
+use longstep_core::visible;
 use longstep_llm::plain_reason;
 use serde::Serialize;
 

@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use anyhow::Result;
 use longstep::domain;
-use longstep::pddl;
 use longstep::report;
 use longstep::report::{Answer, Status};
-use longstep::verify::Purpose;
+use longstep_core::pddl;
+use longstep_core::verify::Purpose;
 use longstep_llm::read_text;
 
 use crate::arguments::SolveArguments;

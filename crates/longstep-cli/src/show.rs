@@ -1,9 +1,9 @@
 //! Answers as text for the terminal.
 
-use longstep::environment::Environment;
-use longstep::plan::OutlineLine;
 use longstep::report::{self, Answer, Status};
-use longstep::visible;
+use longstep_core::environment::Environment;
+use longstep_core::plan::OutlineLine;
+use longstep_core::visible;
 
 use crate::output::{self, Line, Style, print_line};
 

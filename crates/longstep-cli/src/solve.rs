@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use anyhow::Result;
 use longstep::domain::Domain;
-use longstep::environment::World;
 use longstep::goal::{self, Goal};
+use longstep::report;
 use longstep::report::{Answer, Status};
-use longstep::{pddl, report};
+use longstep_core::environment::World;
+use longstep_core::pddl;
 use longstep_llm::load_domain;
 
 use crate::arguments::SolveArguments;

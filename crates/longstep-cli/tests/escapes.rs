@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use common::{Answer, Server, goals, longstep, question, root, run};
-use longstep::visible;
+use longstep_core::visible;
 use serde_json::{Value, json};
 
 /// An escape sequence of each kind, control characters of C0 and C1, bidirectional controls, separators, characters

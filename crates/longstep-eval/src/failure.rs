@@ -29,14 +29,14 @@
 //! - [`Failure::NoPlan`]: a plan was expected, and none was found for the goals.
 //! - [`Failure::Unusable`]: a reply that cannot be read, or a prompt that does not fit.
 
-use longstep::call::Call;
 use longstep::domain::Domain;
-use longstep::effort;
-use longstep::environment::World;
 use longstep::goal::{Goal, GoalFact};
-use longstep::plan;
-use longstep::repair::{Edit, EditKind, Outcome};
 use longstep::report::Assessment;
+use longstep_core::call::Call;
+use longstep_core::effort;
+use longstep_core::environment::World;
+use longstep_core::plan;
+use longstep_core::repair::{Edit, EditKind, Outcome};
 use serde::{Deserialize, Serialize};
 
 /// A kind of failure.

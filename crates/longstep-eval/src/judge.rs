@@ -3,11 +3,11 @@
 use std::cell::OnceCell;
 
 use longstep::domain::Domain;
-use longstep::environment::{EntityId, World, differences, subject_of};
 use longstep::goal::Goal;
-use longstep::plan::Plan;
 use longstep::report;
-use longstep::verify::{Ending, Purpose, VerifiedPlan, check};
+use longstep_core::environment::{EntityId, World, differences, subject_of};
+use longstep_core::plan::Plan;
+use longstep_core::verify::{Ending, Purpose, VerifiedPlan, check};
 
 /// The deviations of a plan from a goal, as sentences; empty if there are none.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

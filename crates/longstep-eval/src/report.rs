@@ -20,7 +20,7 @@ pub(crate) mod tests;
 mod text;
 mod words;
 
-use longstep::visible;
+use longstep_core::visible;
 
 use crate::attempt::Attempt;
 use crate::folder::Results;

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use longstep::domain::Domain;
-use longstep::environment::{Voice, World};
 use longstep::session::{Event, Session, Settings, Strategy};
-use longstep::verify::VerifiedPlan;
+use longstep_core::environment::{Voice, World};
+use longstep_core::verify::VerifiedPlan;
 use longstep_llm::{AdvanceError, ChatModel, Watch, advance};
 
 use crate::attempt::{Attempt, Edit, Key, Outcome, PlanLine, Timing, Wanted};
@@ -266,8 +266,8 @@ impl Observed<'_> {
                 .map(|change| Voice::Person.fact(domain, world, change.fact, change.holds))
                 .collect();
         }
-        let outline = longstep::plan::outline(domain, world, plan.plan());
-        let line = |line: longstep::plan::OutlineLine| PlanLine {
+        let outline = longstep_core::plan::outline(domain, world, plan.plan());
+        let line = |line: longstep_core::plan::OutlineLine| PlanLine {
             changes: line.step.map(|step| changes[step].clone()).unwrap_or_default(),
             step: line.step,
             depth: line.depth,

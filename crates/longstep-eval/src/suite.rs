@@ -11,8 +11,8 @@ mod tests;
 
 use std::collections::BTreeMap;
 
-use longstep::environment::World;
 use longstep::goal::Goal;
+use longstep_core::environment::World;
 
 pub use load::{Files, domain_name, load};
 pub use shipped::{shipped, shipped_names};

@@ -20,11 +20,11 @@ use std::time::{Duration, Instant};
 
 use longstep::dialogue::{Dialogue, GoalDialogue, GoalInput};
 use longstep::domain::{self, Domain};
-use longstep::environment::{self, Environment, World, differences};
 use longstep::goal::Understanding;
-use longstep::json::Path;
-use longstep::search::{self, Limits, Outcome};
-use longstep::verify::{self, Report};
+use longstep_core::environment::{self, Environment, World, differences};
+use longstep_core::json::Path;
+use longstep_core::search::{self, Limits, Outcome};
+use longstep_core::verify::{self, Report};
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, converse, open};
 use serde_json::Value;
 

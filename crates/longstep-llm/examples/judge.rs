@@ -15,11 +15,12 @@ use std::error::Error;
 use std::io::Write;
 
 use longstep::domain::Domain;
-use longstep::environment::{self, Environment, Voice, World};
-use longstep::plan::{self, PlanFile, TaskCohesion};
 use longstep::report::Assessment;
-use longstep::verify::{bind_tree, check};
-use longstep::{goal, json, report};
+use longstep::{goal, report};
+use longstep_core::environment::{self, Environment, Voice, World};
+use longstep_core::json;
+use longstep_core::plan::{self, PlanFile, TaskCohesion};
+use longstep_core::verify::{bind_tree, check};
 use longstep_llm::load_domain;
 use serde_json::{Value, json};
 

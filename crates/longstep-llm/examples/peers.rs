@@ -13,13 +13,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use longstep::domain::{self, Domain, Files};
-use longstep::environment::{self, Environment, World};
 use longstep::goal::{self, Goal, GoalFact, Spoken};
-use longstep::json;
-use longstep::pddl::{self, Problem};
-use longstep::plan::{Plan, Step};
-use longstep::search::{self, Limits, Outcome};
-use longstep::verify::{Purpose, check};
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json;
+use longstep_core::pddl::{self, Problem};
+use longstep_core::plan::{Plan, Step};
+use longstep_core::search::{self, Limits, Outcome};
+use longstep_core::verify::{Purpose, check};
 use longstep_llm::domain_files;
 use serde_json::json;
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use longstep::diagnostic::{Diagnostics, nearest};
 use longstep::domain::{self, Domain, Files};
+use longstep_core::diagnostic::{Diagnostics, nearest};
 
 use crate::text_file::{TextFileError, read_text, read_texts};
 

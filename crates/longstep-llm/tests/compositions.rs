@@ -10,9 +10,9 @@
 use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, CompositionInput, Stored};
 use longstep::dialogue::Dialogue;
 use longstep::domain::{self, Domain};
-use longstep::environment::{self, Environment, World};
-use longstep::json;
-use longstep::plan::{Node, PlanFile, Written, script};
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json;
+use longstep_core::plan::{Node, PlanFile, Written, script};
 use longstep_llm::{
     ChatModel, ConverseError, ModelReference, OpenOptions, Progress, cache_directory, catalogue, converse, open,
 };

@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 
 use longstep::dialogue::{Dialogue, GoalDialogue, GoalInput, Round};
 use longstep::domain::Domain;
-use longstep::environment::{self, Claim, Environment, World};
 use longstep::feedback::{self, Amended, FeedbackDialogue, FeedbackInput, StepWish, Wish, amend};
 use longstep::goal::{self, Understanding};
-use longstep::json;
-use longstep::plan::{Plan, PlanFile, TaskCohesion, resolve};
-use longstep::search::{self, Limits, Outcome};
-use longstep::verify::{Purpose, bind, check};
+use longstep_core::environment::{self, Claim, Environment, World};
+use longstep_core::json;
+use longstep_core::plan::{Plan, PlanFile, TaskCohesion, resolve};
+use longstep_core::search::{self, Limits, Outcome};
+use longstep_core::verify::{Purpose, bind, check};
 use longstep_llm::{
     ChatModel, ConverseError, ModelReference, OpenOptions, Progress, cache_directory, converse, load_domain, open,
 };

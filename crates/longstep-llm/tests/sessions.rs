@@ -13,9 +13,9 @@ mod chain;
 
 use chain::{Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
 use longstep::domain::Domain;
-use longstep::environment::World;
 use longstep::report;
 use longstep::session::{Event, ModelFacts, Response, Session, Settings};
+use longstep_core::environment::World;
 use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, advance, cache_directory, catalogue, open};
 
 fn model() -> Box<dyn ChatModel> {

@@ -10,11 +10,11 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use longstep::domain::{self, Domain};
-use longstep::environment::{self, Claim, EntityId, Environment, World};
-use longstep::json::Path;
-use longstep::plan::{Node, Plan, PlanFile, Step, StepId, TaskCohesion, Test, resolve};
-use longstep::repair::{Outcome, repair};
-use longstep::verify::{self, Purpose};
+use longstep_core::environment::{self, Claim, EntityId, Environment, World};
+use longstep_core::json::Path;
+use longstep_core::plan::{Node, Plan, PlanFile, Step, StepId, TaskCohesion, Test, resolve};
+use longstep_core::repair::{Outcome, repair};
+use longstep_core::verify::{self, Purpose};
 
 fn world_of(domain: &Domain, text: &str) -> World {
     let environment = Environment::from_json(text).unwrap();

@@ -41,7 +41,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     while let Some(step) = cursor.next(observed)? {
         observed = perform(&cursor, step, &seen);
     }
-    println!("done: the world is as one of the plan's {} endings", proposal.plan.endings().len());
+    println!(
+        "done: the world is as one of the plan's {} endings",
+        proposal.plan.endings().len()
+    );
     Ok(())
 }
 

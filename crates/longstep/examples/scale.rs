@@ -8,13 +8,13 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use longstep::domain::{self, Domain};
-use longstep::environment::{self, Environment, World};
 use longstep::goal;
-use longstep::json::Path;
-use longstep::plan::{TaskCohesion, resolve};
-use longstep::repair::{self, repair};
-use longstep::search::{self, Limits};
-use longstep::verify::{Purpose, bind, check};
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json::Path;
+use longstep_core::plan::{TaskCohesion, resolve};
+use longstep_core::repair::{self, repair};
+use longstep_core::search::{self, Limits};
+use longstep_core::verify::{Purpose, bind, check};
 
 /// VirtualHome and as many tools more as make 200 actions.
 fn large_domain() -> domain::Files {

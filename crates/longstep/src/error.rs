@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use crate::cursor::CursorError;
 use crate::diagnostic::Diagnostics;
 use crate::dialogue::PromptError;
 use crate::goal::GoalError;
 use crate::plan::Unreadable;
 use crate::report::{Answer, Status};
 use crate::session::{LogError, OutOfTurn, ResumeError};
+use longstep_core::cursor::CursorError;
 
 /// An error of [`Planner`](crate::Planner) and of what it makes. [`Error::kind`] tells the cases apart, `Display` is for
 /// a person, and `source` leads to the causes.

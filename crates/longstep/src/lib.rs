@@ -51,7 +51,8 @@
 //! ```
 //!
 //! Errors are one opaque [`Error`] with a [`kind`](Error::kind). The modules hold the parts: [`dialogue`] asks a model
-//! for goals, [`report`] makes the answers for programs, [`compose`] builds plans from stored ones.
+//! for goals, [`report`] makes the answers for programs, [`compose`] builds plans from stored ones. Verification, search,
+//! repair, schedules and PDDL are functions of the crate `longstep-core`, below this one.
 
 mod error;
 mod planner;
@@ -59,7 +60,8 @@ mod planner;
 pub use error::{Error, ErrorKind};
 pub use planner::Planner;
 
-pub use longstep_core::cursor::{self, Cursor, CursorError};
+pub use longstep_core::cursor::{Cursor, CursorError};
+pub use longstep_core::diagnostic::{Diagnostic, Diagnostics};
 pub use longstep_core::environment::{Environment, World};
 pub use longstep_core::model::{EntityId, Fact, State};
 pub use longstep_core::plan::{Plan, Step, StepId, Violation};
@@ -70,9 +72,8 @@ pub use goal::Goal;
 pub use report::Assessment;
 pub use session::Session;
 
-pub use longstep_core::{
-    call, diagnostic, effort, environment, json, pddl, plan, repair, schedule, search, verify, visible,
-};
+// The modules of the ground floor, for `crate::` paths in this crate.
+use longstep_core::{call, diagnostic, effort, environment, json, plan, repair, schedule, search, verify, visible};
 
 pub mod compose;
 pub mod dialogue;

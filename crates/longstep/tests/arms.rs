@@ -10,14 +10,14 @@
 )]
 
 use longstep::domain::{self, Domain, Files};
-use longstep::environment::{self, Environment, World};
 use longstep::goal;
-use longstep::json::Path;
-use longstep::plan::{self, Node};
-use longstep::repair::Outcome;
 use longstep::report;
 use longstep::report::Assessment;
-use longstep::schedule;
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json::Path;
+use longstep_core::plan::{self, Node};
+use longstep_core::repair::Outcome;
+use longstep_core::schedule;
 use serde_json::{Value, json};
 
 fn dual() -> Domain {
@@ -46,7 +46,7 @@ fn diagnosed(written: &Value) -> (Vec<String>, Vec<String>) {
         Outcome::Valid(_) => Vec::new(),
         Outcome::Repaired(repaired) => {
             assert!(repaired.given_up.is_empty(), "{:?}", repaired.given_up);
-            let told = |edit: &longstep::repair::Edit| format!("{}: {}", edit.told(length), edit.why);
+            let told = |edit: &longstep_core::repair::Edit| format!("{}: {}", edit.told(length), edit.why);
             repaired.edits.iter().map(told).collect()
         }
         other => panic!("{other:?}"),

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use longstep::domain::{self, Domain};
-use longstep::environment::{self, Environment, World};
-use longstep::json::Path;
-use longstep::plan::{self, PlanFile, TaskCohesion, Written, script};
 use longstep::report::Assessment;
 use longstep::report::{Answer, Status};
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json::Path;
+use longstep_core::plan::{self, PlanFile, TaskCohesion, Written, script};
 
 fn kitchen() -> (Domain, World) {
     let domain = domain::shipped("household-checks").unwrap().unwrap();

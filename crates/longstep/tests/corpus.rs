@@ -12,13 +12,13 @@
 use std::path::PathBuf;
 
 use longstep::domain::{self, Domain};
-use longstep::environment::{self, Claim, Environment, World};
 use longstep::goal::{self, Goal};
-use longstep::json::Path;
-use longstep::plan::{self, PlanFile, TaskCohesion};
-use longstep::repair;
-use longstep::search::{self, Limits, Outcome};
-use longstep::verify::{self, Purpose, Report};
+use longstep_core::environment::{self, Claim, Environment, World};
+use longstep_core::json::Path;
+use longstep_core::plan::{self, PlanFile, TaskCohesion};
+use longstep_core::repair;
+use longstep_core::search::{self, Limits, Outcome};
+use longstep_core::verify::{self, Purpose, Report};
 use serde_json::Value;
 
 fn read(file: &str) -> Value {

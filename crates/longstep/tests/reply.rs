@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
-use longstep::environment::{Environment, Words};
-use longstep::plan::{Draft, LeniencyKind, PlanFile, TaskCohesion, Unreadable, read};
+use longstep_core::environment::{Environment, Words};
+use longstep_core::plan::{Draft, LeniencyKind, PlanFile, TaskCohesion, Unreadable, read};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;

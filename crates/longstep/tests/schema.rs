@@ -1,7 +1,7 @@
 //! The published schema of a plan file says what the reader says.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use longstep::plan::{self, PlanFile};
+use longstep_core::plan::{self, PlanFile};
 use serde_json::{Value, json};
 
 /// The part of JSON Schema that `plan.schema.json` uses.

@@ -4,11 +4,11 @@
 use std::collections::{HashMap, VecDeque};
 
 use longstep::domain::{self, Domain, Files, RuleTime};
-use longstep::environment::{self, EntityId, Environment, Moment, State, World, holds};
 use longstep::goal;
-use longstep::json::Path;
-use longstep::search::{self, Limits, Outcome, Wanted};
-use longstep::verify::{apply, broken_bindings, check, unmet};
+use longstep_core::environment::{self, EntityId, Environment, Moment, State, World, holds};
+use longstep_core::json::Path;
+use longstep_core::search::{self, Limits, Outcome, Wanted};
+use longstep_core::verify::{apply, broken_bindings, check, unmet};
 use proptest::prelude::*;
 
 /// Every action with every choice of arguments.

@@ -14,9 +14,9 @@ mod chain;
 use chain::{Drawn, Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
 use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
 use longstep::domain::Domain;
-use longstep::environment::World;
 use longstep::report;
 use longstep::session::{ModelFacts, Session, Settings, Strategy};
+use longstep_core::environment::World;
 use serde_json::Value;
 
 fn session(name: &str, domain: Domain, world: World) -> Session {

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::diagnostic::nearest;
-use longstep::plan::StepId;
 use longstep::session::{self, Settings, Strategy};
+use longstep_core::diagnostic::nearest;
+use longstep_core::plan::StepId;
 use longstep_llm::{ModelError, create_private_folder, plain_reason};
 
 use super::{Chat, Next, screen};

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use longstep::domain::Domain;
-use longstep::environment::{Environment, World};
 use longstep::goal::Goal;
-use longstep::plan::{self, Plan};
 use longstep::session::{Ended, Refusal, Response, Session};
-use longstep::verify::{Purpose, VerifiedPlan};
-use longstep::visible;
+use longstep_core::environment::{Environment, World};
+use longstep_core::plan::{self, Plan};
+use longstep_core::verify::{Purpose, VerifiedPlan};
+use longstep_core::visible;
 use longstep_llm::session_directory;
 
 use crate::output::{Style, print_line, remark};

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use longstep::diagnostic::nearest;
 use longstep::domain::{self, Domain, Files as DomainFiles};
+use longstep_core::diagnostic::nearest;
 use longstep_eval::suite::{self, Files, Suite, paper};
 use longstep_eval::{Recorded, sha256};
 use longstep_llm::{

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
-use longstep::visible;
+use longstep_core::visible;
 
 use crate::arguments::Arguments;
 

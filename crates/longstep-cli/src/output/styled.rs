@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::fmt::{self, Display, Write};
 
-use longstep::visible;
+use longstep_core::visible;
 
 /// A styled line of untrusted text. [`Line::shown`] escapes the text, style by style.
 #[derive(Debug, Clone, Default)]

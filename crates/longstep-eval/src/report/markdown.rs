@@ -1,6 +1,6 @@
 //! The report as a Markdown document.
 
-use longstep::visible;
+use longstep_core::visible;
 
 use super::grid::{self, Grid};
 use super::mark::Mark;

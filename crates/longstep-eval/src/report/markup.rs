@@ -1,6 +1,6 @@
 //! The HTML frame of a page, and its building blocks.
 
-use longstep::visible;
+use longstep_core::visible;
 
 /// The style sheet of all pages.
 const STYLE: &str = include_str!("page.css");

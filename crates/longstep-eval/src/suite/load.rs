@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use longstep::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use longstep::domain::Domain;
-use longstep::environment::{self, Environment, World};
 use longstep::goal::{self, Goal};
-use longstep::json::Path;
+use longstep_core::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json::Path;
 use serde::Deserialize;
 use toml::Spanned;
 

@@ -4,11 +4,11 @@
 
 use std::collections::BTreeMap;
 
-use longstep::diagnostic::{Diagnostic, Diagnostics};
 use longstep::domain::Domain;
-use longstep::environment::{self, Environment, World};
 use longstep::goal;
-use longstep::json::Path;
+use longstep_core::diagnostic::{Diagnostic, Diagnostics};
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json::Path;
 use serde::Deserialize;
 
 use super::{Case, Expected, Step, Suite};

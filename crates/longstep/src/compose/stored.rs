@@ -36,7 +36,8 @@ impl Stored {
     /// become `_`.
     ///
     /// ```
-    /// use longstep::{compose::Stored, plan::PlanFile};
+    /// use longstep::compose::Stored;
+    /// use longstep_core::plan::PlanFile;
     /// let file = r#"{"task_cohesion": {}, "instruction_summary": "take the pear"}"#;
     /// let file: PlanFile = serde_json::from_str(file).unwrap();
     /// let stored = Stored::new("fetch the pear", file.clone());

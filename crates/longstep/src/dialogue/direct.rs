@@ -34,7 +34,8 @@ pub struct Prepared {
 ///
 /// ```
 /// use longstep::dialogue::{EstimatedTokens, direct_request};
-/// use longstep::{domain, json, environment};
+/// use longstep::domain;
+/// use longstep_core::{json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();

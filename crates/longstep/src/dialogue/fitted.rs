@@ -33,7 +33,8 @@ impl GoalDialogue {
     ///
     /// ```
     /// use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput};
-    /// use longstep::{domain, json, environment};
+    /// use longstep::domain;
+    /// use longstep_core::{json, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
     /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();

@@ -42,7 +42,8 @@ pub struct Focus {
 /// come first. If a large group is meant, only its first members are required.
 ///
 /// ```
-/// use longstep::{domain, json, dialogue, environment};
+/// use longstep::{domain, dialogue};
+/// use longstep_core::{json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<jar>", "<cup>"],
 ///     "object_states": {"<cup>": "on_something(<shelf>)", "<jar>": "on_something(<table>)"}}"#;

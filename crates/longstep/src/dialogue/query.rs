@@ -15,7 +15,8 @@ use crate::model::Domain;
 /// possible chat-template markers are escaped. They cannot imitate another part of the prompt.
 ///
 /// ```
-/// use longstep::{domain, json, dialogue, environment};
+/// use longstep::{domain, dialogue};
+/// use longstep_core::{json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();

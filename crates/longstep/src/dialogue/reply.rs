@@ -139,7 +139,8 @@ pub(crate) fn answered(domain: &Domain, file: &PlanFile) -> String {
 /// since strict servers reject recursive schemas.
 ///
 /// ```
-/// use longstep::{domain, json, dialogue, environment};
+/// use longstep::{domain, dialogue};
+/// use longstep_core::{json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();

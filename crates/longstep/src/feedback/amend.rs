@@ -44,8 +44,9 @@ pub struct Amendment {
 ///
 /// ```
 /// use longstep::feedback::{Amended, StepWish, amend};
-/// use longstep::search::{Limits, Outcome, solve};
-/// use longstep::{domain, goal, json, plan, environment};
+/// use longstep_core::search::{Limits, Outcome, solve};
+/// use longstep::{domain, goal};
+/// use longstep_core::{json, plan, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>", "<shelf_2>"], "objects": ["<mug_3>"],
 ///     "object_states": {"<mug_3>": "ON(<desk_1>)"}, "asset_properties": {"<shelf_2>": ["NOT_OPENABLE"]}}"#;

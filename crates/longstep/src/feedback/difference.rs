@@ -6,8 +6,9 @@ use crate::repair::{Pins, Reach, Unwanted};
 /// Returns the pins for a plan that a model rewrote after feedback: new steps are kept, removed steps must not return.
 ///
 /// ```
-/// use longstep::plan::{TaskCohesion, resolve};
-/// use longstep::{domain, feedback, json, verify, environment};
+/// use longstep_core::plan::{TaskCohesion, resolve};
+/// use longstep::{domain, feedback};
+/// use longstep_core::{json, verify, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();

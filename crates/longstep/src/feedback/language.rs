@@ -110,7 +110,8 @@ pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
 ///
 /// ```
 /// use longstep::feedback::{StepWish, parse};
-/// use longstep::{domain, json, environment};
+/// use longstep::domain;
+/// use longstep_core::{json, environment};
 /// let domain = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<shelf>"], "objects": ["<tea>"]}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();

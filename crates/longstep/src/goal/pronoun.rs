@@ -26,7 +26,8 @@ pub struct SpelledOut {
 /// Returns none if there is no such pronoun, or if `before` has no or several entities for "it".
 ///
 /// ```
-/// use longstep::{domain, goal, json, environment};
+/// use longstep::{domain, goal};
+/// use longstep_core::{json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let environment = environment::Environment::from_json(r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();

@@ -42,7 +42,8 @@ impl<'a> Assessment<'a> {
     /// Resolves a draft. `instruction` replaces the plan's own summary, if given.
     ///
     /// ```
-    /// use longstep::{domain, json, plan, report::Assessment, environment};
+    /// use longstep::{domain, report::Assessment};
+    /// use longstep_core::{json, plan, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let text = r#"{"objects": ["<pen>"], "assets": ["<desk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
     /// let environment = environment::Environment::from_json(text).unwrap();
@@ -249,7 +250,8 @@ impl<'a> Assessment<'a> {
     /// Returns the feedback for a model, with the edits of the cheapest repair if one exists.
     ///
     /// ```
-    /// use longstep::{domain, json, plan, report::Assessment, environment};
+    /// use longstep::{domain, report::Assessment};
+    /// use longstep_core::{json, plan, environment};
     /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
     /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
     /// let environment = environment::Environment::from_json(text).unwrap();

@@ -21,7 +21,8 @@ pub struct Solution {
 /// Searches for a plan for a goal and verifies it; `summary` describes the goal in words.
 ///
 /// ```
-/// use longstep::{domain, goal, json, report, environment};
+/// use longstep::{domain, goal, report};
+/// use longstep_core::{json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();

@@ -11,7 +11,8 @@
 //! ```
 //! use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
 //! use longstep::session::{ModelFacts, Need, Session, Settings};
-//! use longstep::{domain, json, environment};
+//! use longstep::domain;
+//! use longstep_core::{json, environment};
 //!
 //! let household = domain::shipped("household").unwrap().unwrap();
 //! let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;

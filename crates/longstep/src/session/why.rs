@@ -13,9 +13,10 @@ use crate::verify::{Purpose, check};
 /// The violations are found by verification of the plan without the step.
 ///
 /// ```
-/// use longstep::plan::StepId;
+/// use longstep_core::plan::StepId;
 /// use longstep::report;
-/// use longstep::{domain, goal, json, session, environment};
+/// use longstep::{domain, goal, session};
+/// use longstep_core::{json, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();

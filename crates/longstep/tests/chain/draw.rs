@@ -1,9 +1,9 @@
 //! Draws instructions that make sense in a world: what to reach, and words for it.
 
 use longstep::domain::{Domain, PredicateId};
-use longstep::environment::{EntityId, Fact, World};
 use longstep::goal::{Goal, GoalFact, Spoken, offers};
 use longstep::report;
+use longstep_core::environment::{EntityId, Fact, World};
 
 /// An instruction, and what is meant by it.
 #[derive(Debug, Clone)]

@@ -10,10 +10,10 @@ pub use draw::{Draw, Drawn};
 use std::path::PathBuf;
 
 use longstep::domain::{self, Domain};
-use longstep::environment::{self, Claim, Environment, World};
-use longstep::json::Path;
-use longstep::plan::{self, PlanFile};
-use longstep::verify::{self, Purpose};
+use longstep_core::environment::{self, Claim, Environment, World};
+use longstep_core::json::Path;
+use longstep_core::plan::{self, PlanFile};
+use longstep_core::verify::{self, Purpose};
 use serde_json::Value;
 
 /// The household scenes of the paper.

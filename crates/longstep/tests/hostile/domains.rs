@@ -1,9 +1,10 @@
 //! Domains of somebody's own: read, linted, grounded, searched; problems for planners.
 
 use longstep::domain::{self, Files};
+use longstep::report;
 use longstep::report::Status;
-use longstep::verify::Purpose;
-use longstep::{pddl, report};
+use longstep_core::pddl;
+use longstep_core::verify::Purpose;
 
 use super::{LARGEST, Row, Work, fill, nest};
 
@@ -80,15 +81,15 @@ fn checked(parameters: &str, precondition: &str, effect: &str, objects: usize, s
         let domain = domain::from_pddl("domain.pddl", &domain).unwrap_or_else(|e| panic!("{e}"));
         let problem = pddl::read_problem(&domain, "problem.pddl", &problem).unwrap_or_else(|e| panic!("{e}"));
         let steps = pddl::read_plan(&domain, &problem.world, "plan", &plan).unwrap_or_else(|e| panic!("{e}"));
-        let explained = |step: longstep::search::GroundAction| {
-            longstep::plan::Step::explained(&domain, &problem.world, step.action, step.arguments)
+        let explained = |step: longstep_core::search::GroundAction| {
+            longstep_core::plan::Step::explained(&domain, &problem.world, step.action, step.arguments)
         };
         let purpose = Purpose {
             wanted: problem.wanted.clone(),
             ..Purpose::default()
         };
         let plan = steps.into_iter().map(explained).collect();
-        let report = longstep::verify::check(&domain, &problem.world, plan, &purpose);
+        let report = longstep_core::verify::check(&domain, &problem.world, plan, &purpose);
         report.into_verified().is_ok()
     })
 }
@@ -111,9 +112,9 @@ fn ruled(time: &str, parcels: usize) -> Work {
         "object_states": at});
     let text = environment.to_string();
     Box::new(move || {
-        let environment = longstep::environment::Environment::from_json(&text).unwrap();
-        let inside = longstep::json::Path::default();
-        let Ok(world) = longstep::environment::read(&domain, &environment, "environment", &text, &inside) else {
+        let environment = longstep_core::environment::Environment::from_json(&text).unwrap();
+        let inside = longstep_core::json::Path::default();
+        let Ok(world) = longstep_core::environment::read(&domain, &environment, "environment", &text, &inside) else {
             return false;
         };
         let Ok(goal) = longstep::goal::parse(&domain, &world, "bring(<o1>, <b>)") else {

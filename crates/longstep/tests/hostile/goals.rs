@@ -2,10 +2,10 @@
 
 use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, direct_request};
 use longstep::domain::Domain;
-use longstep::environment::World;
 use longstep::goal::{self, Spoken};
 use longstep::report;
 use longstep::report::Status;
+use longstep_core::environment::World;
 use serde_json::Value;
 
 use super::{LARGEST, Row, Work, fill, many, nest, shipped, world_of};

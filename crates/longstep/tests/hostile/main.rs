@@ -1,6 +1,6 @@
 //! Inputs of up to 20 kB that ask for as much work as they can, each through the operation that a command uses for it.
 //!
-//! Every operation has a budget in units of work (`longstep::effort`). A row of the table says what an input may cost; a
+//! Every operation has a budget in units of work (`longstep_core::effort`). A row of the table says what an input may cost; a
 //! row fails if it costs more, or if an operation whose budget was cut short calls a plan verified or a goal solved. Each
 //! runs in a thread with the ordinary stack of 2 MiB, so deep nesting fails here, too. Time is shown and never judged:
 //!
@@ -22,9 +22,9 @@ mod plans;
 mod readers;
 
 use longstep::domain::{self, Domain};
-use longstep::effort;
-use longstep::environment::{self, Environment, World};
-use longstep::json::Path;
+use longstep_core::effort;
+use longstep_core::environment::{self, Environment, World};
+use longstep_core::json::Path;
 use serde_json::{Value, json};
 
 /// The bytes of an input.

@@ -1,10 +1,10 @@
 //! Plans, verified and repaired: as replies, as scripts, composed of stored ones.
 
 use longstep::compose::{self, Composed, CompositionAnswer, Stored};
-use longstep::plan::{self, Draft, PlanFile, TaskCohesion, script};
 use longstep::report::Assessment;
 use longstep::report::Status;
-use longstep::schedule;
+use longstep_core::plan::{self, Draft, PlanFile, TaskCohesion, script};
+use longstep_core::schedule;
 use serde_json::{Value, json};
 
 use super::{LARGEST, Row, Work, fill, many, shipped, world_of};

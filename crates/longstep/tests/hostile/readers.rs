@@ -1,7 +1,7 @@
 //! Readers of what models and strangers write: replies, scripts, trees, environments, logs, compositions.
 
-use longstep::plan::{self, script};
 use longstep::{compose, session};
+use longstep_core::plan::{self, script};
 use serde_json::{Value, json};
 
 use super::{LARGEST, Row, Work, fill, many, nest, numbered, read_environment};
