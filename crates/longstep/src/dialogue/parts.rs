@@ -5,7 +5,7 @@
 
 use minijinja::{Value, context};
 
-use super::dialogue::TOO_MUCH_WORK;
+use super::transcript::TOO_MUCH_WORK;
 use super::{Message, OverBudget, Role, template, template_context, worked};
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::model::Domain;

@@ -1,4 +1,4 @@
-//! Dialogues that a caller carries out with a model.
+//! Dialogues that a caller carries out with a model, and their transcripts.
 
 use serde::de::DeserializeOwned;
 
