@@ -25,7 +25,7 @@ pub fn check_plan(scene: &Scene, file: PlanFile, with_repair: bool) {
         file,
         leniencies: Vec::new(),
     };
-    let assessment = Assessment::new(domain, world, draft, None);
+    let assessment = Assessment::new(world, draft, None);
     let spent = effort::within(UNITS, || check_as_written(domain, world, &assessment));
     if !with_repair || spent.exhausted || assessment.resolved.steps.len() > REPAIRED {
         return;
@@ -53,25 +53,25 @@ pub fn check_plan(scene: &Scene, file: PlanFile, with_repair: bool) {
 
 fn check_as_written(domain: &Domain, world: &World, assessment: &Assessment<'_>) {
     let answer = assessment.verdict();
-    match bind_tree(domain, world, &assessment.resolved, assessment.purpose.claim.as_ref()) {
+    match bind_tree(world, &assessment.resolved, assessment.purpose.claim.as_ref()) {
         Err(issues) => {
             assert!(!issues.is_empty(), "a plan is refused with a reason");
             assert_ne!(answer.status.exit_code(), 0);
             for issue in issues {
-                assert!(!issue.message(domain, world, &[], None).is_empty());
+                assert!(!issue.message(world, &[], None).is_empty());
             }
         }
         Ok((plan, assumptions)) => {
             check_bound(domain, world, &assessment.resolved, &plan);
-            assumptions.iter().for_each(|open| drop(open.message(domain, world)));
-            let report = check(domain, world, plan.clone(), &assessment.purpose);
+            assumptions.iter().for_each(|open| drop(open.message(world)));
+            let report = check(world, plan.clone(), &assessment.purpose);
             assert!(!report.endings.is_empty());
             let is_work = |violation: &Violation| matches!(violation, Violation::TooMuchWork);
             if report.violations.iter().any(is_work) {
                 return;
             }
             for violation in &report.violations {
-                assert!(!violation.message(domain, world, plan.steps(), None).is_empty());
+                assert!(!violation.message(world, plan.steps(), None).is_empty());
             }
             let is_valid = report.violations.is_empty();
             if assessment.question().is_none() {
@@ -105,16 +105,16 @@ fn check_bound(domain: &Domain, world: &World, resolved: &Resolved, plan: &Plan)
 
 /// A plan that was called valid is valid once more, and also after it was written as a script and read again.
 fn check_again(domain: &Domain, world: &World, plan: &Plan, purpose: &Purpose) {
-    let spent = effort::within(u64::MAX, || check(domain, world, plan.clone(), purpose));
+    let spent = effort::within(u64::MAX, || check(world, plan.clone(), purpose));
     if spent.result.violations.contains(&Violation::TooMuchWork) {
         return;
     }
     assert!(spent.result.violations.is_empty(), "{:?}", spent.result.violations);
-    let text = script::write(&Written::of_plan(domain, world, plan));
+    let text = script::write(&Written::of_plan(world, plan));
     let written = script::read(&text).expect("what was written can be read");
-    let resolved = resolve(domain, world, &TaskCohesion::from_written(written));
+    let resolved = resolve(world, &TaskCohesion::from_written(written));
     assert!(resolved.issues.is_empty(), "{text}\n{:?}", resolved.issues);
-    let again = match bind_tree(domain, world, &resolved, None) {
+    let again = match bind_tree(world, &resolved, None) {
         Ok((again, _)) => again,
         Err(issues) if issues.contains(&Violation::TooMuchWork) => return,
         Err(issues) => panic!("{text}\n{issues:?}"),

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, CompositionInput, Stored};
 use longstep::dialogue::{Dialogue, Usage};
-use longstep::domain::Domain;
 use longstep::report::{Answer, Status};
 use longstep_core::environment::World;
 use longstep_llm::{TextFileError, converse, load_domain, read_text};
@@ -29,7 +28,7 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     let wish = arguments.instruction.as_deref().map(said).transpose()?;
     let composition = match &arguments.script {
         Some(path) => written(path)?,
-        None => asked(arguments, &domain, &world, &stored, wish.unwrap_or_default())?,
+        None => asked(arguments, &world, &stored, wish.unwrap_or_default())?,
     };
     let asked = stopwatch();
     let summary = match wish {
@@ -38,7 +37,7 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     };
     let mut answer = match composition.answer {
         CompositionAnswer::Question(question) => Answer::without_plan(Status::Question, &world, &summary, &question),
-        CompositionAnswer::Composition(written) => match compose::inline(&domain, &world, &written, &stored) {
+        CompositionAnswer::Composition(written) => match compose::inline(&world, &written, &stored) {
             Ok(inlined) => {
                 let composed = Composed::new(&world, inlined, &summary);
                 match arguments.no_repair {
@@ -83,16 +82,9 @@ fn written(path: &Path) -> Result<Composition> {
 }
 
 /// Requests a composition from a model.
-fn asked(
-    arguments: &ComposeArguments,
-    domain: &Domain,
-    world: &World,
-    stored: &[Stored],
-    wish: &str,
-) -> Result<Composition> {
+fn asked(arguments: &ComposeArguments, world: &World, stored: &[Stored], wish: &str) -> Result<Composition> {
     let mut model = ask::model(&arguments.model.model, &arguments.model)?;
     let mut dialogue = CompositionDialogue::new(CompositionInput {
-        domain,
         world,
         stored,
         instruction: wish,

@@ -1,7 +1,6 @@
 //! The input of `longstep verify`, `longstep repair` and `longstep export`: a plan file and its world.
 
 use anyhow::Result;
-use longstep::domain::Domain;
 use longstep::report::Assessment;
 use longstep_core::environment::World;
 use longstep_core::json;
@@ -14,7 +13,6 @@ use crate::inputs;
 
 /// A plan file, read and resolved.
 pub(crate) struct Draft {
-    pub(crate) domain: Domain,
     pub(crate) world: World,
     draft: plan::Draft,
 }
@@ -37,7 +35,7 @@ impl Draft {
                     .into());
             }
         };
-        Ok(Self { domain, world, draft })
+        Ok(Self { world, draft })
     }
 
     pub(crate) fn assessment(&self) -> Assessment<'_> {

@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<u8> {
     };
     match arguments.format {
         PlanFormat::Python => {
-            let written = Written::of_plan(&draft.domain, &draft.world, verified.plan());
+            let written = Written::of_plan(&draft.world, verified.plan());
             output::document(&script::write(&written));
         }
         PlanFormat::Json => output::json(&answer.plan)?,

@@ -1,6 +1,5 @@
 //! Parallel plans: a column for each actor, a line for each unit of time.
 
-use longstep::domain::Domain;
 use longstep::report::Answer;
 use longstep_core::environment::World;
 use longstep_core::plan::{Lane, Node, Plan, StepId};
@@ -18,14 +17,8 @@ const MARGIN: usize = 6;
 
 /// Distributes the steps of a plan over its actors and replaces the plan in the answer. Returns the lines to print;
 /// empty if no parallel plan was found.
-pub(crate) fn side_by_side(
-    domain: &Domain,
-    world: &World,
-    plan: &VerifiedPlan,
-    purpose: &Purpose,
-    answer: &mut Answer,
-) -> Vec<Line> {
-    match schedule::share(domain, world, plan, purpose) {
+pub(crate) fn side_by_side(world: &World, plan: &VerifiedPlan, purpose: &Purpose, answer: &mut Answer) -> Vec<Line> {
+    match schedule::share(world, plan, purpose) {
         Some(compacted) => {
             answer.side_by_side(world, &compacted);
             shown(world, compacted.plan.plan())

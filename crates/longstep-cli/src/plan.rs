@@ -47,11 +47,11 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let (mut answer, goal) = match session.response() {
         Response::Plan(proposal) => {
             let goal = proposal.goal.as_ref();
-            let lines = goal.map(|goal| solve::goal_lines(session.domain(), session.world(), goal));
+            let lines = goal.map(|goal| solve::goal_lines(session.world(), goal));
             let mut answer = proposal.answer.clone();
             if arguments.parallel {
-                let (domain, world) = (session.domain(), session.world());
-                shown = lanes::side_by_side(domain, world, &proposal.plan, &proposal.purpose, &mut answer);
+                let world = session.world();
+                shown = lanes::side_by_side(world, &proposal.plan, &proposal.purpose, &mut answer);
             }
             (answer, lines.unwrap_or_default())
         }

@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
         stopwatch,
     )
     .answer;
-    answer.goal = pddl::write_goal(&domain, &problem.world, &problem.wanted)?;
+    answer.goal = pddl::write_goal(&problem.world, &problem.wanted)?;
     answer.timings_ms.total = milliseconds(started);
     if let Some(path) = arguments.save.as_deref().filter(|_| answer.status == Status::Verified) {
         inputs::save(path, &answer.plan)?;

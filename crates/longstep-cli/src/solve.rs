@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use longstep::domain::Domain;
 use longstep::goal::{self, Goal};
 use longstep::report;
 use longstep::report::{Answer, Status};
@@ -27,23 +26,23 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let domain = load_domain(arguments.domain.as_deref().unwrap_or("household"))?;
     let world = inputs::world(&domain, env)?;
     let text = goal;
-    let goal = goal::parse(&domain, &world, text)?;
+    let goal = goal::parse(&world, text)?;
     if arguments.pddl {
         let name = env.file_stem().unwrap_or_default().to_string_lossy();
-        let written = pddl::write_problem(&domain, &world, &goal.wanted(&domain), &name)?;
+        let written = pddl::write_problem(&world, &goal.wanted(&domain), &name)?;
         output::document(&written);
         return Ok(Status::Verified.exit_code());
     }
     let report::Solution { plan, mut answer } =
         report::of_goal(&world, &goal, text, &longstep::Limits::default(), stopwatch);
     let shown = match plan.filter(|_| arguments.parallel) {
-        Some(plan) => lanes::side_by_side(&domain, &world, &plan, &goal.purpose(&domain), &mut answer),
+        Some(plan) => lanes::side_by_side(&world, &plan, &goal.purpose(&domain), &mut answer),
         None => Vec::new(),
     };
     answer.timings_ms.total = milliseconds(started);
     finish(
         &answer,
-        &goal_lines(&domain, &world, &goal),
+        &goal_lines(&world, &goal),
         &shown,
         arguments.save.as_deref(),
         arguments.json,
@@ -51,8 +50,8 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
 }
 
 /// The sentences for a goal.
-pub(crate) fn goal_lines(domain: &Domain, world: &World, goal: &Goal) -> Vec<String> {
-    goal.facts.iter().map(|fact| fact.sentence(domain, world)).collect()
+pub(crate) fn goal_lines(world: &World, goal: &Goal) -> Vec<String> {
+    goal.facts.iter().map(|fact| fact.sentence(world)).collect()
 }
 
 /// Saves and prints an answer, and returns the exit code. `lanes` are the lines of a parallel plan, empty for a

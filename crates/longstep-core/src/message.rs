@@ -2,40 +2,34 @@
 
 use crate::effort;
 use crate::goal::Goal;
-use crate::model::{AssumptionSource, Domain, Missing, Voice, World, fact_text};
+use crate::model::{AssumptionSource, Missing, Voice, World, fact_text};
 use crate::plan::{Assumption, Violation};
 use crate::plan::{Step, tree};
 
 impl Violation {
     /// The missing facts of the violation, as sentences.
-    pub fn missing(&self, domain: &Domain, world: &World) -> Vec<String> {
-        self.missing_in(Voice::Person, domain, world)
+    pub fn missing(&self, world: &World) -> Vec<String> {
+        self.missing_in(Voice::Person, world)
     }
 
-    fn missing_in(&self, voice: Voice, domain: &Domain, world: &World) -> Vec<String> {
-        let text = |m: &Missing| m.fact.map(|fact| voice.fact(domain, world, fact, m.holds));
+    fn missing_in(&self, voice: Voice, world: &World) -> Vec<String> {
+        let text = |m: &Missing| m.fact.map(|fact| voice.fact(world, fact, m.holds));
         match self {
             Self::Precondition { missing, .. } => missing.iter().filter_map(text).collect(),
-            Self::Claim { fact } | Self::Unsensed { fact, .. } => vec![voice.fact(domain, world, *fact, true)],
-            Self::When { violation, .. } => violation.missing_in(voice, domain, world),
+            Self::Claim { fact } | Self::Unsensed { fact, .. } => vec![voice.fact(world, *fact, true)],
+            Self::When { violation, .. } => violation.missing_in(voice, world),
             _ => Vec::new(),
         }
     }
 
     /// Writes the violation as one sentence for a person, with steps counted from 1.
-    pub fn message(&self, domain: &Domain, world: &World, steps: &[Step], goal: Option<&Goal>) -> String {
-        self.message_in(Voice::Person, domain, world, steps, goal)
+    pub fn message(&self, world: &World, steps: &[Step], goal: Option<&Goal>) -> String {
+        self.message_in(Voice::Person, world, steps, goal)
     }
 
     /// Writes the violation as one sentence for a person or a model, with steps counted from 1.
-    pub fn message_in(
-        &self,
-        voice: Voice,
-        domain: &Domain,
-        world: &World,
-        steps: &[Step],
-        goal: Option<&Goal>,
-    ) -> String {
+    pub fn message_in(&self, voice: Voice, world: &World, steps: &[Step], goal: Option<&Goal>) -> String {
+        let domain = world.domain();
         let near = |near: &Option<String>| {
             near.as_ref()
                 .map_or(String::new(), |n| format!("; did you mean `{n}`?"))
@@ -75,7 +69,7 @@ impl Violation {
                 format!("a lane: the environment lists no `{name}`{}", near(n))
             }
             Self::StepClaim { step, fact } => {
-                let text = voice.fact(domain, world, *fact, true);
+                let text = voice.fact(world, *fact, true);
                 format!("step {} claims that {text}, which is not so after it", step + 1)
             }
             Self::WrongArguments { step, call, expected } => {
@@ -88,8 +82,8 @@ impl Violation {
                 format!("`task_sequence` has {calls} entries and `step_instructions` has {explanations}")
             }
             Self::Precondition { step, missing } => {
-                let texts = self.missing_in(voice, domain, world);
-                let call = steps[*step].call(domain, world);
+                let texts = self.missing_in(voice, world);
+                let call = steps[*step].call(world);
                 let mut message = if texts.is_empty() {
                     format!("step {}: {call} can never be done like this", step + 1)
                 } else {
@@ -97,8 +91,8 @@ impl Violation {
                 };
                 for missing in missing {
                     if let (Some(fact), Some(culprit)) = (missing.fact, missing.undone_by) {
-                        let now = voice.fact(domain, world, fact, !missing.holds);
-                        let call = steps[culprit].call(domain, world);
+                        let now = voice.fact(world, fact, !missing.holds);
+                        let call = steps[culprit].call(world);
                         message.push_str(&format!("; since step {} ({call}), {now}", culprit + 1));
                     }
                 }
@@ -112,18 +106,15 @@ impl Violation {
                 }
             }
             Self::Goal { index } => match goal.and_then(|goal| goal.facts.get(*index)) {
-                Some(fact) => format!(
-                    "at the end, this is not reached: {}",
-                    fact.sentence_in(voice, domain, world)
-                ),
+                Some(fact) => format!("at the end, this is not reached: {}", fact.sentence_in(voice, world)),
                 None => "at the end, the goal is not reached".to_owned(),
             },
             Self::Claim { fact } => {
-                let text = voice.fact(domain, world, *fact, true);
+                let text = voice.fact(world, *fact, true);
                 format!("at the end, this is claimed and not so: {text}")
             }
             Self::NoEffect { step } => {
-                let call = steps[*step].call(domain, world);
+                let call = steps[*step].call(world);
                 format!("step {}: {call} changes nothing", step + 1)
             }
             Self::Unasked { entity } => {
@@ -131,14 +122,14 @@ impl Violation {
                 format!("{name} ends elsewhere, and nobody asked for that")
             }
             Self::Unsensed { step, fact } => {
-                let text = voice.fact(domain, world, *fact, true);
+                let text = voice.fact(world, *fact, true);
                 format!(
                     "{}a condition asks whether {text}, and nothing has sensed that",
                     at(*step)
                 )
             }
             Self::Unreached { step } => {
-                let call = steps[*step].call(domain, world);
+                let call = steps[*step].call(world);
                 format!("step {}: {call} is never reached", step + 1)
             }
             Self::EndlessLoop { step } => {
@@ -169,18 +160,15 @@ impl Violation {
             }
             Self::SharedObject { step, other, entity } => {
                 let name = voice.name(world, *entity);
-                format!(
-                    "{}, and both handle {name}",
-                    together(domain, world, steps, *step, *other)
-                )
+                format!("{}, and both handle {name}", together(world, steps, *step, *other))
             }
             Self::Race { step, other, fact } => {
-                let text = voice.fact(domain, world, *fact, true);
-                let pair = together(domain, world, steps, *step, *other);
+                let text = voice.fact(world, *fact, true);
+                let pair = together(world, steps, *step, *other);
                 format!("{pair}, and which comes first decides whether {text}")
             }
             Self::WrongActor { step, actor } => {
-                let call = steps[*step].call(domain, world);
+                let call = steps[*step].call(world);
                 let whose = &world.entity(*actor).identifier;
                 format!(
                     "step {}: {call} stands in the lane of `{whose}`, and is not its step alone",
@@ -194,7 +182,7 @@ impl Violation {
                 )
             }
             Self::SensesInLane { step } => {
-                let call = steps[*step].call(domain, world);
+                let call = steps[*step].call(world);
                 format!(
                     "step {}: {call} senses while another lane goes on; sense before or after",
                     step + 1
@@ -204,11 +192,8 @@ impl Violation {
                 format!("the lanes wait for each other at `{sync}` for ever")
             }
             Self::When { facts, violation } => {
-                let told: Vec<String> = facts
-                    .iter()
-                    .map(|fact| voice.fact(domain, world, *fact, true))
-                    .collect();
-                let message = violation.message_in(voice, domain, world, steps, goal);
+                let told: Vec<String> = facts.iter().map(|fact| voice.fact(world, *fact, true)).collect();
+                let message = violation.message_in(voice, world, steps, goal);
                 format!("{message} (when {})", told.join(" and "))
             }
         }
@@ -220,8 +205,8 @@ fn at(step: Option<usize>) -> String {
     step.map_or(String::new(), |step| format!("step {}: ", step + 1))
 }
 
-fn together(domain: &Domain, world: &World, steps: &[Step], first: usize, second: usize) -> String {
-    let call = |step: usize| steps[step].call(domain, world);
+fn together(world: &World, steps: &[Step], first: usize, second: usize) -> String {
+    let call = |step: usize| steps[step].call(world);
     format!(
         "step {}: {} may happen at the same time as step {} ({})",
         first + 1,
@@ -233,10 +218,10 @@ fn together(domain: &Domain, world: &World, steps: &[Step], first: usize, second
 
 impl Assumption {
     /// Writes the assumption as one sentence for a person.
-    pub fn message(&self, domain: &Domain, world: &World) -> String {
+    pub fn message(&self, world: &World) -> String {
         match self {
             Self::Fact { fact, ground } => {
-                let text = fact_text(domain, world, *fact, true);
+                let text = fact_text(world, *fact, true);
                 match ground {
                     AssumptionSource::Derived => format!("{text} (its name says so)"),
                     AssumptionSource::Default => format!("{text} (usual, the environment does not say)"),

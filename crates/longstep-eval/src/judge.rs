@@ -2,9 +2,9 @@
 
 use std::cell::OnceCell;
 
-use longstep::domain::Domain;
 use longstep::goal::Goal;
 use longstep::report;
+use longstep_core::domain::Domain;
 use longstep_core::environment::{EntityId, World, differences, subject_of};
 use longstep_core::plan::Plan;
 use longstep_core::verify::{Ending, Purpose, VerifiedPlan, check};
@@ -48,7 +48,8 @@ struct Expected<'a> {
 }
 
 impl<'a> Standard<'a> {
-    pub(crate) fn new(domain: &'a Domain, world: &'a World, goals: &'a [Goal]) -> Self {
+    pub(crate) fn new(world: &'a World, goals: &'a [Goal]) -> Self {
+        let domain = world.domain();
         let expected = |goal: &'a Goal| Expected {
             goal,
             reference: OnceCell::new(),
@@ -85,10 +86,10 @@ impl<'a> Standard<'a> {
             wanted: goal.purpose(domain).wanted,
             ..Purpose::default()
         };
-        let report = check(domain, world, plan.clone(), &purpose);
+        let report = check(world, plan.clone(), &purpose);
         let unreached = report.violations.iter().filter(|violation| violation.kind() == "goal");
         let unreached = unreached
-            .map(|violation| violation.message(domain, world, report.plan.steps(), Some(goal)))
+            .map(|violation| violation.message(world, report.plan.steps(), Some(goal)))
             .collect();
         let mut asked: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(domain)).collect();
         asked.extend(reference.iter().flat_map(|plan| self.changed(plan.endings())));

@@ -80,7 +80,7 @@ pub fn run(
         let total_ms = started.elapsed().as_secs_f64() * 1000.0;
         let (_, model_ms) = session.cost();
         let world = session.world().clone();
-        let standard = Standard::new(domain, &world, step.expected.goals());
+        let standard = Standard::new(&world, step.expected.goals());
         let events = session.take_events();
         let attempt = Observed {
             domain,
@@ -116,7 +116,7 @@ pub fn run(
             (false, _) => {
                 let next = standard
                     .reference()
-                    .map_or_else(|| world.clone(), |plan| world.after(domain, plan.ending()));
+                    .map_or_else(|| world.clone(), |plan| world.after(plan.ending()));
                 session = begin(next);
             }
         }
@@ -137,7 +137,7 @@ struct Observed<'a> {
 
 impl Observed<'_> {
     fn attempt(&self, key: Key, case: &Case, step: &Step, says: &str) -> Attempt {
-        let (domain, world) = (self.domain, self.world);
+        let world = self.world;
         let proposal = self.session.proposal();
         let answer = match (proposal, self.session.failure()) {
             (Some(proposal), _) => Some(&proposal.answer),
@@ -153,7 +153,7 @@ impl Observed<'_> {
         let understood = goal
             .iter()
             .flat_map(|goal| &goal.facts)
-            .map(|fact| fact.everyday(domain, world));
+            .map(|fact| fact.everyday(world));
         let mut attempt = Attempt {
             key,
             scene: case.scene.clone(),
@@ -245,7 +245,7 @@ impl Observed<'_> {
                 goals
                     .iter()
                     .map(|goal| {
-                        let facts = goal.facts.iter().map(|fact| fact.everyday(self.domain, self.world));
+                        let facts = goal.facts.iter().map(|fact| fact.everyday(self.world));
                         facts.collect::<Vec<_>>().join(" & ")
                     })
                     .collect(),
@@ -258,15 +258,15 @@ impl Observed<'_> {
 
     fn lines(&self, plan: Option<&VerifiedPlan>) -> Vec<PlanLine> {
         let Some(plan) = plan else { return Vec::new() };
-        let (domain, world) = (self.domain, self.world);
+        let world = self.world;
         let mut changes: Vec<Vec<String>> = vec![Vec::new(); plan.steps().len()];
         for (step, changed) in plan.ending().trace.steps() {
             changes[step.index()] = changed
                 .iter()
-                .map(|change| Voice::Person.fact(domain, world, change.fact, change.holds))
+                .map(|change| Voice::Person.fact(world, change.fact, change.holds))
                 .collect();
         }
-        let outline = longstep_core::plan::outline(domain, world, plan.plan());
+        let outline = longstep_core::plan::outline(world, plan.plan());
         let line = |line: longstep_core::plan::OutlineLine| PlanLine {
             changes: line.step.map(|step| changes[step].clone()).unwrap_or_default(),
             step: line.step,

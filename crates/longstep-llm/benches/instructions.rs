@@ -67,10 +67,10 @@ fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: 
     if let Some(Understanding::Goal(goal, left_out)) = understanding {
         made.left_out = left_out.len();
         let started = Instant::now();
-        let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
+        let outcome = search::solve(world, &goal.wanted(domain), &Limits::default());
         made.search_time = started.elapsed();
         if let Outcome::Solved { plan, .. } = outcome {
-            made.report = Some(verify::check(domain, world, plan, &goal.purpose(domain)));
+            made.report = Some(verify::check(world, plan, &goal.purpose(domain)));
         }
     }
     made
@@ -131,7 +131,7 @@ fn household(model: &mut dyn ChatModel) {
             let instruction = step["instruction"].as_str().unwrap();
             let made = plan(model, &domain, &world, instruction);
             let right = made.report.as_ref().is_some_and(|report| {
-                let after = environment::write(&domain, &world, &report.ending().after);
+                let after = environment::write(&world, &report.ending().after);
                 serde_json::to_value(after).unwrap() == step["recorded"]["environment_after"]
             });
             tally.count(&format!("{scene}: {instruction}"), &made, right);
@@ -142,7 +142,8 @@ fn household(model: &mut dyn ChatModel) {
 
 /// Whether a goal fact of the scenarios holds at the end. Any of the kitchen's plates is as good as another
 /// that shares its place.
-fn reached(domain: &Domain, world: &World, report: &Report, fact: &str, any_plate: bool) -> bool {
+fn reached(world: &World, report: &Report, fact: &str, any_plate: bool) -> bool {
+    let domain = world.domain();
     let (word, arguments) = fact.trim().split_once('(').unwrap();
     let names: Vec<&str> = arguments.trim_end_matches(')').split(',').map(str::trim).collect();
     let predicate = match word {
@@ -189,10 +190,9 @@ fn kitchen(model: &mut dyn ChatModel, shared: bool) {
                 .map(|g| g.as_str().unwrap())
                 .collect();
             let right = made.report.as_ref().is_some_and(|report| {
-                let all = goals.iter().all(|goal| {
-                    goal.split('|')
-                        .any(|fact| reached(&domain, &world, report, fact, shared))
-                });
+                let all = goals
+                    .iter()
+                    .all(|goal| goal.split('|').any(|fact| reached(&world, report, fact, shared)));
                 let named = |identifier: &str| {
                     goals.iter().any(|goal| goal.contains(identifier))
                         || (identifier.starts_with("<plate_") && goals.iter().any(|goal| goal.contains("(<plate_")))

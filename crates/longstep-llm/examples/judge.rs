@@ -45,8 +45,8 @@ fn answer(domains: &mut HashMap<String, Domain>, line: &str) -> Anyhow<Value> {
     let environment = Environment::from_json(&written)?;
     let world = environment::read(domain, &environment, "environment", &written, &json::Path::default())?;
     match text("command")? {
-        "verify" => verify(domain, &world, text("plan")?),
-        "solve" => solve(domain, &world, text("goal")?),
+        "verify" => verify(&world, text("plan")?),
+        "solve" => solve(&world, text("goal")?),
         other => Err(format!("there is no command `{other}`").into()),
     }
 }
@@ -58,7 +58,7 @@ fn load<'a>(domains: &'a mut HashMap<String, Domain>, name: &str) -> Anyhow<&'a 
     domains.get(name).ok_or_else(|| "the domain was not loaded".into())
 }
 
-fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
+fn verify(world: &World, text: &str) -> Anyhow<Value> {
     let draft = match text.trim_start().starts_with('{') {
         true => plan::read(text)?,
         false => plan::Draft {
@@ -68,24 +68,24 @@ fn verify(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
     };
     let assessment = Assessment::new(world, draft, None);
     let mut answer = serde_json::to_value(assessment.verdict())?;
-    let bound = bind_tree(domain, world, &assessment.resolved, assessment.purpose.claim.as_ref());
+    let bound = bind_tree(world, &assessment.resolved, assessment.purpose.claim.as_ref());
     if let (Ok((plan, _)), None) = (bound, assessment.question()) {
-        let report = check(domain, world, plan, &assessment.purpose);
+        let report = check(world, plan, &assessment.purpose);
         let endings = report.endings.iter().map(|ending| {
             let when: Vec<String> = ending
                 .when
                 .iter()
-                .map(|fact| Voice::Person.fact(domain, world, *fact, true))
+                .map(|fact| Voice::Person.fact(world, *fact, true))
                 .collect();
-            json!({"when": when, "after": environment::write(domain, world, &ending.after)})
+            json!({"when": when, "after": environment::write(world, &ending.after)})
         });
         answer["endings"] = endings.collect();
     }
     Ok(answer)
 }
 
-fn solve(domain: &Domain, world: &World, text: &str) -> Anyhow<Value> {
-    let goal = goal::parse(domain, world, text)?;
+fn solve(world: &World, text: &str) -> Anyhow<Value> {
+    let goal = goal::parse(world, text)?;
     let solution = report::of_goal(world, &goal, text, &longstep::Limits::default(), || 0.0);
     Ok(serde_json::to_value(solution.answer)?)
 }

@@ -47,7 +47,7 @@ fn solve(domain_file: &str, problem_file: &str) -> Anyhow<()> {
     let started = Instant::now();
     let domain = domain::from_pddl(domain_file, &texts.0)?;
     let problem = pddl::read_problem(&domain, problem_file, &texts.1)?;
-    let outcome = search::solve(&domain, &problem.world, &problem.wanted, &Limits::default());
+    let outcome = search::solve(&problem.world, &problem.wanted, &Limits::default());
     let microseconds = started.elapsed().as_micros();
     let mut line = json!({"problem": problem_file, "outcome": name(&outcome), "microseconds": microseconds});
     match outcome {
@@ -60,7 +60,7 @@ fn solve(domain_file: &str, problem_file: &str) -> Anyhow<()> {
             line["length"] = plan.steps().len().into();
             line["shortest"] = shortest.into();
             line["expanded"] = expanded.into();
-            line["valid"] = is_valid(&domain, &problem, plan).into();
+            line["valid"] = is_valid(&problem, plan).into();
         }
         Outcome::ProvenUnsolvable { expanded, .. } | Outcome::GaveUp { expanded, .. } => {
             line["expanded"] = expanded.into()
@@ -79,12 +79,12 @@ fn name(outcome: &Outcome) -> &'static str {
 }
 
 /// Whether the verifier, which shares nothing with the search, finds the plan good.
-fn is_valid(domain: &Domain, problem: &Problem, plan: Plan) -> bool {
+fn is_valid(problem: &Problem, plan: Plan) -> bool {
     let purpose = Purpose {
         wanted: problem.wanted.clone(),
         ..Purpose::default()
     };
-    check(domain, &problem.world, plan, &purpose).violations.is_empty()
+    check(&problem.world, plan, &purpose).violations.is_empty()
 }
 
 fn check_plan(line: &str) -> Anyhow<()> {
@@ -94,12 +94,12 @@ fn check_plan(line: &str) -> Anyhow<()> {
     let domain = domain::from_pddl(domain_file, &std::fs::read_to_string(domain_file)?)?;
     let problem = pddl::read_problem(&domain, problem_file, &std::fs::read_to_string(problem_file)?)?;
     let text = std::fs::read_to_string(plan_file)?;
-    let steps = pddl::read_plan(&domain, &problem.world, plan_file, &text)?;
+    let steps = pddl::read_plan(&problem.world, plan_file, &text)?;
     let length = steps.len();
     let explained = steps
         .into_iter()
-        .map(|step| Step::explained(&domain, &problem.world, step.action, step.arguments));
-    let valid = is_valid(&domain, &problem, explained.collect());
+        .map(|step| Step::explained(&problem.world, step.action, step.arguments));
+    let valid = is_valid(&problem, explained.collect());
     println!("{}", json!({"problem": problem_file, "length": length, "valid": valid}));
     Ok(())
 }
@@ -131,16 +131,16 @@ fn export(folder: &Path) -> Anyhow<()> {
 fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) -> Anyhow<()> {
     let Scene { domain, world, .. } = scene;
     let wanted = goal.wanted(domain);
-    let text = pddl::write_problem(domain, world, &wanted, name_of_task)?;
+    let text = pddl::write_problem(world, &wanted, name_of_task)?;
     let domain_file = folder.join("domain.pddl");
     let problem_file = folder.join("problem.pddl");
     std::fs::create_dir_all(folder)?;
     std::fs::write(&domain_file, &scene.pddl)?;
     std::fs::write(&problem_file, &text)?;
-    let outcome = search::solve(domain, world, &wanted, &Limits::default());
+    let outcome = search::solve(world, &wanted, &Limits::default());
     let mut line = json!({
         "scene": scene.name,
-        "goal": goal.facts.iter().map(|fact| fact.exact(domain, world)).collect::<Vec<_>>().join(" & "),
+        "goal": goal.facts.iter().map(|fact| fact.exact(world)).collect::<Vec<_>>().join(" & "),
         "domain": domain_file,
         "problem": problem_file,
         "outcome": name(&outcome),
@@ -152,7 +152,7 @@ fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) ->
     // What was written means the same to us when we read it back.
     let bare = domain::from_pddl("domain.pddl", &scene.pddl)?;
     let problem = pddl::read_problem(&bare, "problem.pddl", &text)?;
-    let again = search::solve(&bare, &problem.world, &problem.wanted, &Limits::default());
+    let again = search::solve(&problem.world, &problem.wanted, &Limits::default());
     line["again"] = match again {
         Outcome::Solved { plan, .. } => plan.steps().len().into(),
         other => name(&other).into(),
@@ -223,7 +223,7 @@ fn goals(domain: &Domain, world: &World) -> Vec<Goal> {
         word,
         arguments: arguments.clone(),
     };
-    let offers = goal::offers(domain, world, &[], &Spoken::default());
+    let offers = goal::offers(world, &[], &Spoken::default());
     let mut facts = Vec::new();
     for offer in &offers {
         let all = &offer.arguments;

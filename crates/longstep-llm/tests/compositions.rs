@@ -9,7 +9,7 @@
 
 use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, CompositionInput, Stored};
 use longstep::dialogue::Dialogue;
-use longstep::domain::{self, Domain};
+use longstep::domain;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json;
 use longstep_core::plan::{Node, PlanFile, Written, script};
@@ -29,7 +29,7 @@ fn model() -> Box<dyn ChatModel> {
     open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn scene(scene: &Value) -> (Domain, World, Vec<Stored>) {
+fn scene(scene: &Value) -> (World, Vec<Stored>) {
     let domain = domain::shipped(scene["domain"].as_str().unwrap()).unwrap().unwrap();
     let text = scene["environment"].to_string();
     let environment = Environment::from_json(&text).unwrap();
@@ -47,7 +47,7 @@ fn scene(scene: &Value) -> (Domain, World, Vec<Stored>) {
         Stored::new(name, serde_json::from_value::<PlanFile>(file).unwrap())
     });
     let stored = stored.collect();
-    (domain, world, stored)
+    (world, stored)
 }
 
 /// Whether two compositions are the same but for the order in which their lanes are written.
@@ -74,10 +74,9 @@ fn own_cases() {
     let mut model = model();
     let (mut verified, mut right, mut all) = (0, 0, 0);
     for case in file["cases"].as_array().unwrap() {
-        let (domain, world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
+        let (world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
         let instruction = case["instruction"].as_str().unwrap();
         let mut dialogue = CompositionDialogue::new(CompositionInput {
-            domain: &domain,
             world: &world,
             stored: &stored,
             instruction,
@@ -97,7 +96,7 @@ fn own_cases() {
         let is = |script: &Value| same(&compose::read(script.as_str().unwrap()).unwrap(), said.as_ref().ok());
         let good = case["right"].as_array().unwrap().iter().any(is);
         let came = match &said {
-            Ok(CompositionAnswer::Composition(written)) => verdict(&domain, &world, written, &stored, instruction),
+            Ok(CompositionAnswer::Composition(written)) => verdict(&world, written, &stored, instruction),
             Ok(CompositionAnswer::Question(question)) => Err(question.clone()),
             Err(error) => Err(error.to_string()),
         };
@@ -120,8 +119,8 @@ fn mark(right: bool) -> &'static str {
 }
 
 /// What verification says of a composition.
-fn verdict(domain: &Domain, world: &World, written: &Written, stored: &[Stored], wish: &str) -> Result<(), String> {
-    let inlined = compose::inline(domain, world, written, stored);
+fn verdict(world: &World, written: &Written, stored: &[Stored], wish: &str) -> Result<(), String> {
+    let inlined = compose::inline(world, written, stored);
     let inlined = inlined.map_err(|misfits| misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
     let composed = Composed::new(world, inlined, wish);
     if composed.verified().is_some() {
@@ -140,18 +139,12 @@ fn verdict(domain: &Domain, world: &World, written: &Written, stored: &[Stored],
 fn every_right_composition_is_valid() {
     let file: Value = serde_json::from_str(include_str!("compositions/cases.json")).unwrap();
     for case in file["cases"].as_array().unwrap() {
-        let (domain, world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
+        let (world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);
         for right in case["right"].as_array().unwrap() {
             let Ok(CompositionAnswer::Composition(written)) = compose::read(right.as_str().unwrap()) else {
                 panic!("{right}")
             };
-            let verdict = verdict(
-                &domain,
-                &world,
-                &written,
-                &stored,
-                case["instruction"].as_str().unwrap(),
-            );
+            let verdict = verdict(&world, &written, &stored, case["instruction"].as_str().unwrap());
             assert_eq!(verdict, Ok(()), "{right}");
         }
     }

@@ -87,23 +87,23 @@ fn bare(wishes: &[StepWish]) -> Vec<StepWish> {
 }
 
 fn planned(domain: &Domain, world: &World, goal: &goal::Goal) -> Plan {
-    let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
+    let outcome = search::solve(world, &goal.wanted(domain), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
     plan
 }
 
-fn written_plan(domain: &Domain, world: &World, case: &Value) -> Option<Plan> {
+fn written_plan(world: &World, case: &Value) -> Option<Plan> {
     let calls = case.get("plan")?.as_array()?;
     let cohesion = TaskCohesion {
         task_sequence: calls.iter().map(|call| call.as_str().unwrap().to_owned()).collect(),
         object_name: case["object"].as_str().map(str::to_owned),
         ..TaskCohesion::default()
     };
-    let resolved = resolve(domain, world, &cohesion);
+    let resolved = resolve(world, &cohesion);
     Some(
-        bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None)
+        bind(world, &resolved.complete().unwrap(), &resolved.objects, None)
             .unwrap()
             .0,
     )
@@ -114,8 +114,8 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
     let scene = &scenes[text("scene")];
     let domain = domain_named(scene["domain"].as_str().unwrap());
     let world = world_of(&domain, &scene["environment"]);
-    let goal = goal::parse(&domain, &world, text("goal")).unwrap_or_else(|error| panic!("{error}"));
-    let plan = written_plan(&domain, &world, case).unwrap_or_else(|| planned(&domain, &world, &goal));
+    let goal = goal::parse(&world, text("goal")).unwrap_or_else(|error| panic!("{error}"));
+    let plan = written_plan(&world, case).unwrap_or_else(|| planned(&domain, &world, &goal));
     let (wish, mut told) = hear(model, &domain, &world, &plan, text("instruction"), text("says"));
     let accepted: Vec<&str> = case["right"]
         .as_array()
@@ -126,11 +126,11 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
     match wish {
         Some(Wish::Steps(wishes)) => {
             let same = |answer: &&str| {
-                let expected = feedback::parse(&domain, &world, answer, plan.steps().len());
+                let expected = feedback::parse(&world, answer, plan.steps().len());
                 expected.is_ok_and(|expected| expected == bare(&wishes))
             };
             let mut right = accepted.iter().any(same);
-            let outcome = match amend(&domain, &world, &plan, &wishes, &goal.purpose(&domain)) {
+            let outcome = match amend(&world, &plan, &wishes, &goal.purpose(&domain)) {
                 Amended::Done(amendment) => {
                     let edits: Vec<String> = amendment
                         .edits
@@ -167,7 +167,7 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
             });
             let understood = converse(model, &mut dialogue, &mut |_: Progress| {});
             told = format!("{told} -> {}", dialogue.transcript().answer());
-            let expected = goal::parse(&domain, &world, text("then")).unwrap();
+            let expected = goal::parse(&world, text("then")).unwrap();
             let right = matches!(&understood, Ok(Understanding::Goal(goal, _)) if *goal == expected);
             (right, told)
         }
@@ -209,7 +209,7 @@ fn figure() {
         claim: recorded
             .environment_after
             .as_ref()
-            .map(|after| Claim::read(&domain, &world, after)),
+            .map(|after| Claim::read(&world, after)),
         ..Purpose::default()
     };
     let plan_without = |left_out: Option<usize>| {
@@ -218,20 +218,15 @@ fn figure() {
             cohesion.task_sequence.remove(index);
             cohesion.step_instructions.remove(index);
         }
-        let resolved = resolve(&domain, &world, &cohesion);
+        let resolved = resolve(&world, &cohesion);
         let (plan, _) = bind(
-            &domain,
             &world,
             &resolved.complete().unwrap(),
             &resolved.objects,
             purpose.claim.as_ref(),
         )
         .unwrap();
-        check(&domain, &world, plan, &purpose)
-            .into_verified()
-            .unwrap()
-            .plan()
-            .clone()
+        check(&world, plan, &purpose).into_verified().unwrap().plan().clone()
     };
     let mut model = model();
     for (left_out, says, moves) in [
@@ -243,14 +238,14 @@ fn figure() {
         let Some(Wish::Steps(wishes)) = wish else {
             panic!("{answer}")
         };
-        let Amended::Done(amendment) = amend(&domain, &world, &plan, &wishes, &purpose) else {
+        let Amended::Done(amendment) = amend(&world, &plan, &wishes, &purpose) else {
             panic!("{answer}")
         };
         let calls: Vec<String> = amendment
             .plan
             .steps()
             .iter()
-            .map(|s| s.call(&domain, &world).to_string())
+            .map(|s| s.call(&world).to_string())
             .collect();
         println!("{says}  ->  {answer}  ->  {}", calls.join(", "));
         for step in amendment.plan.steps() {

@@ -100,7 +100,7 @@ fn scenes() {
                 _ => session.cancel().unwrap(),
             }
             let recorded = &step["recorded"]["environment_after"];
-            let good = is_as_recorded(session.domain(), session.world(), recorded);
+            let good = is_as_recorded(session.world(), recorded);
             right += usize::from(good);
             println!(
                 "{} {:5.0} tokens {:6.2} s  {scene}: {instruction}  ->  {}",
@@ -168,9 +168,9 @@ fn hundred() {
     let (mut tokens, mut seconds, mut resident) = (Vec::new(), Vec::new(), Vec::new());
     let (mut meant, mut verified, mut questions, mut stuck) = (0, 0, 0, 0);
     for number in 1..=100 {
-        let drawn = draw.instruction(session.domain(), session.world());
+        let drawn = draw.instruction(session.world());
         let wanted = report::of_goal(session.world(), &drawn.goal, "", &longstep::Limits::default(), || 0.0);
-        let wanted = session.world().after(session.domain(), wanted.plan.unwrap().ending());
+        let wanted = session.world().after(wanted.plan.unwrap().ending());
         session.instruct(&drawn.words).unwrap();
         let asked = ask(&mut session, model.as_mut());
         let (good, came) = match session.response() {
@@ -200,7 +200,7 @@ fn hundred() {
             }
         };
         meant += usize::from(good);
-        let goal = drawn.told(session.domain(), session.world());
+        let goal = drawn.told(session.world());
         let memory = memory();
         println!(
             "{} {number:3} {:5.0} tokens {:6.2} s {:7.1} MB  {}  ->  {came}{}",

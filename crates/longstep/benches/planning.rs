@@ -28,8 +28,9 @@ fn example(name: &str) -> PathBuf {
         .join(name)
 }
 
-fn plan_for(domain: &Domain, world: &World, goal: &Goal) -> Plan {
-    let outcome = search::solve(domain, world, &goal.wanted(domain), &Limits::default());
+fn plan_for(world: &World, goal: &Goal) -> Plan {
+    let domain = world.domain();
+    let outcome = search::solve(world, &goal.wanted(domain), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
@@ -60,18 +61,18 @@ fn planning(criterion: &mut Criterion) {
     for (name, domain, file, goal) in cases {
         let domain = domain::shipped(domain).unwrap().unwrap();
         let world = scene(&domain, file);
-        let goal = goal::parse(&domain, &world, goal).unwrap();
+        let goal = goal::parse(&world, goal).unwrap();
         let wanted = goal.wanted(&domain);
-        let plan = plan_for(&domain, &world, &goal);
+        let plan = plan_for(&world, &goal);
         let purpose = goal.purpose(&domain);
         let mut group = criterion.benchmark_group(name);
         group.sample_size(20);
         group.bench_function("search", |bencher| {
-            bencher.iter(|| search::solve(&domain, &world, black_box(&wanted), &Limits::default()));
+            bencher.iter(|| search::solve(&world, black_box(&wanted), &Limits::default()));
         });
         group.throughput(Throughput::Elements(plan.steps().len() as u64));
         group.bench_function("verify", |bencher| {
-            bencher.iter(|| verify::check(&domain, &world, black_box(plan.clone()), &purpose));
+            bencher.iter(|| verify::check(&world, black_box(plan.clone()), &purpose));
         });
         group.finish();
     }

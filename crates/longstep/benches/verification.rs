@@ -22,7 +22,7 @@ fn world_of(domain: &Domain, text: &str) -> World {
 }
 
 /// Carries the item to and fro between two places, a thousand steps.
-fn carrying(domain: &Domain, world: &World, item: &str, places: [&str; 2]) -> Plan {
+fn carrying(world: &World, item: &str, places: [&str; 2]) -> Plan {
     let mut calls = Vec::new();
     for trip in 0..250 {
         let (from, to) = (places[trip % 2], places[(trip + 1) % 2]);
@@ -35,8 +35,8 @@ fn carrying(domain: &Domain, world: &World, item: &str, places: [&str; 2]) -> Pl
         task_sequence: calls,
         ..TaskCohesion::default()
     };
-    let steps = resolve(domain, world, &written).complete().unwrap();
-    verify::bind(domain, world, &steps, &[], None).unwrap().0
+    let steps = resolve(world, &written).complete().unwrap();
+    verify::bind(world, &steps, &[], None).unwrap().0
 }
 
 fn verification(criterion: &mut Criterion) {
@@ -56,14 +56,14 @@ fn verification(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("verify 1000 steps");
     for (name, text, item, places) in scenes {
         let world = world_of(&domain, &text);
-        let plan = carrying(&domain, &world, item, places);
-        let report = verify::check(&domain, &world, plan.clone(), &Purpose::default());
+        let plan = carrying(&world, item, places);
+        let report = verify::check(&world, plan.clone(), &Purpose::default());
         assert_eq!(report.violations, vec![], "{name}");
         group.throughput(Throughput::Elements(plan.steps().len() as u64));
         group.bench_function(name, |bencher| {
             bencher.iter_batched(
                 || plan.clone(),
-                |plan| verify::check(&domain, &world, black_box(plan), &Purpose::default()),
+                |plan| verify::check(&world, black_box(plan), &Purpose::default()),
                 criterion::BatchSize::SmallInput,
             );
         });
@@ -83,13 +83,14 @@ fn hall(domain: &Domain, tables: usize) -> World {
 
 /// A thousand branches, each on whether a table is clean: the first table again and again, which is wiped either way, or
 /// each on another one.
-fn branches(domain: &Domain, world: &World, apart: bool) -> Plan {
+fn branches(world: &World, apart: bool) -> Plan {
+    let domain = world.domain();
     let named = |name: &str| domain.action_ids().find(|(_, action)| action.name == name).unwrap().0;
     let sponge = world.find("<sponge>").unwrap();
     let mut steps = Vec::new();
     let mut body = Vec::new();
     let mut add = |name: &str, arguments: Vec<EntityId>| {
-        steps.push(Step::explained(domain, world, named(name), arguments));
+        steps.push(Step::explained(world, named(name), arguments));
         StepId::new(steps.len() - 1)
     };
     let first = world.find("<table_1>").unwrap();
@@ -128,8 +129,8 @@ fn branching(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("verify 1000 branches");
     for (name, apart) in [("that come together", false), ("that do not", true)] {
         let world = hall(&domain, 1_000);
-        let plan = branches(&domain, &world, apart);
-        let report = verify::check(&domain, &world, plan.clone(), &Purpose::default());
+        let plan = branches(&world, apart);
+        let report = verify::check(&world, plan.clone(), &Purpose::default());
         let kinds: Vec<&str> = report.violations.iter().map(|violation| violation.kind()).collect();
         println!(
             "{name}: {} steps, {} endings, {kinds:?}",
@@ -139,7 +140,7 @@ fn branching(criterion: &mut Criterion) {
         group.bench_function(name, |bencher| {
             bencher.iter_batched(
                 || plan.clone(),
-                |plan| verify::check(&domain, &world, black_box(plan), &Purpose::default()),
+                |plan| verify::check(&world, black_box(plan), &Purpose::default()),
                 criterion::BatchSize::SmallInput,
             );
         });
@@ -171,8 +172,8 @@ fn repairing(_: &mut Criterion) {
         let world = world_of(&domain, &scenario["environment"].to_string());
         let name = format!("scenario {}, trial {}", trial["scenario"], trial["trial"]);
         let file: PlanFile = serde_json::from_value(trial["reply"].clone()).unwrap();
-        times.push((repair_time(&domain, &world, &file), name.clone()));
-        in_kitchen.push((repair_time(&domain, &kitchen, &file), name));
+        times.push((repair_time(&world, &file), name.clone()));
+        in_kitchen.push((repair_time(&kitchen, &file), name));
     }
     for (place, mut times) in [("their own scenes", times), ("the kitchen of 40 things", in_kitchen)] {
         times.sort();
@@ -183,17 +184,17 @@ fn repairing(_: &mut Criterion) {
 }
 
 /// The median of 21 repairs.
-fn repair_time(domain: &Domain, world: &World, file: &PlanFile) -> Duration {
+fn repair_time(world: &World, file: &PlanFile) -> Duration {
     let claim = file.environment_after.as_ref();
     let purpose = Purpose {
-        claim: claim.map(|claimed| Claim::read(domain, world, claimed)),
+        claim: claim.map(|claimed| Claim::read(world, claimed)),
         ..Purpose::default()
     };
-    let draft = resolve(domain, world, &file.task_cohesion);
+    let draft = resolve(world, &file.task_cohesion);
     let mut runs: Vec<Duration> = (0..21)
         .map(|_| {
             let started = Instant::now();
-            let outcome = repair(domain, world, black_box(&draft), &purpose);
+            let outcome = repair(world, black_box(&draft), &purpose);
             let time = started.elapsed();
             assert!(
                 matches!(outcome, Outcome::Valid(_) | Outcome::Repaired(_)),

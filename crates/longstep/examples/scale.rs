@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use longstep::domain::{self, Domain};
+use longstep::domain::{self};
 use longstep::goal;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
@@ -125,10 +125,10 @@ fn errands(world: &World, steps: usize, broken: bool) -> TaskCohesion {
     }
 }
 
-fn verified(domain: &Domain, world: &World, written: &TaskCohesion) -> usize {
-    let steps = resolve(domain, world, written).complete().unwrap();
-    let (plan, _) = bind(domain, world, &steps, &[], None).unwrap();
-    check(domain, world, plan, &Purpose::default()).violations.len()
+fn verified(world: &World, written: &TaskCohesion) -> usize {
+    let steps = resolve(world, written).complete().unwrap();
+    let (plan, _) = bind(world, &steps, &[], None).unwrap();
+    check(world, plan, &Purpose::default()).violations.len()
 }
 
 fn main() {
@@ -148,11 +148,11 @@ fn main() {
             .unwrap_or_else(|e| panic!("{e}"))
     });
     let plan = errands(&world, 100, false);
-    let violations = milliseconds("verify 100 steps", || verified(&domain, &world, &plan));
+    let violations = milliseconds("verify 100 steps", || verified(&world, &plan));
     assert_eq!(violations, 0);
     let broken = errands(&world, 4, true);
     milliseconds("repair 4 steps", || {
-        let outcome = repair(&domain, &world, &resolve(&domain, &world, &broken), &Purpose::default());
+        let outcome = repair(&world, &resolve(&world, &broken), &Purpose::default());
         assert!(matches!(outcome, repair::Outcome::Repaired(_)), "{outcome:?}");
     });
     let identifier = |prefix: &str| {
@@ -160,9 +160,9 @@ fn main() {
         all.find(|identifier| identifier.starts_with(prefix)).unwrap().clone()
     };
     let wanted = format!("put({}, {})", identifier("<mug_"), identifier("<desk_"));
-    let goal = goal::parse(&domain, &world, &wanted).unwrap_or_else(|e| panic!("{e}"));
+    let goal = goal::parse(&world, &wanted).unwrap_or_else(|e| panic!("{e}"));
     milliseconds("search for one goal", || {
-        let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
+        let outcome = search::solve(&world, &goal.wanted(&domain), &Limits::default());
         assert!(matches!(outcome, search::Outcome::Solved { .. }), "{outcome:?}");
     });
 }

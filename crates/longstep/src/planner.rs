@@ -96,7 +96,7 @@ impl Planner {
     /// [`Goal`](crate::ErrorKind::Goal) when the domain has no such goal or the world no such entity.
     pub fn goal(&self, world: &World, goal: &str) -> Result<Goal, Error> {
         self.own(world)?;
-        Ok(goal::parse(&self.domain, world, goal)?)
+        Ok(goal::parse(world, goal)?)
     }
 
     /// Finds a plan for a goal and verifies it; a shortest one if the limits allow for the proof.

@@ -163,12 +163,12 @@ fn what_instructions_mean_can_be_reached() {
     let all = instructions(&domain);
     assert_eq!(all.len(), 25);
     for (world, says, meant) in all {
-        let goal = goal::parse(&domain, &world, &meant).unwrap();
+        let goal = goal::parse(&world, &meant).unwrap();
         let solution = report::of_goal(&world, &goal, &says, &longstep::Limits::default(), || 0.0);
         let plan = solution
             .plan
             .unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
-        let shared = schedule::share(&domain, &world, &plan, &goal.purpose(&domain));
+        let shared = schedule::share(&world, &plan, &goal.purpose(&domain));
         let time = shared.map_or_else(|| schedule::makespan(plan.plan()), |shared| shared.after);
         println!("    {} steps, {time}", plan.steps().len());
     }
@@ -271,11 +271,11 @@ fn two_robots_share_work_as_two_hands_do() {
             "object_states": {"<letter>": "AT(<lobby>)", "<safe>": "AT(<lobby>)", "<lamp>": "AT(<office>)"}}),
     );
     let told = |wanted: &str| {
-        let goal = goal::parse(&domain, &world, wanted).unwrap();
+        let goal = goal::parse(&world, wanted).unwrap();
         let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0)
             .plan
             .unwrap();
-        let shared = schedule::share(&domain, &world, &plan, &goal.purpose(&domain));
+        let shared = schedule::share(&world, &plan, &goal.purpose(&domain));
         (plan.steps().len(), shared)
     };
     // Only one of them may enter the vault, so the other one brings the letter.

@@ -74,10 +74,10 @@ fn a_script_that_senses_is_verified_on_both_ways() {
 
 #[test]
 fn what_is_written_is_read_again_with_the_same_verdict() {
-    let (domain, world) = kitchen();
+    let (_, world) = kitchen();
     let verified = attempt(&world, &format!("{TAKE}{SORT}")).verified().unwrap();
-    let file = PlanFile::from(TaskCohesion::new(&domain, &world, verified.plan()));
-    let script = script::write(&Written::of_plan(&domain, &world, verified.plan()));
+    let file = PlanFile::from(TaskCohesion::new(&world, verified.plan()));
+    let script = script::write(&Written::of_plan(&world, verified.plan()));
     for text in [script, serde_json::to_string_pretty(&file).unwrap()] {
         let again = attempt(&world, &text).verified().unwrap();
         assert_eq!(again.plan(), verified.plan(), "{text}");
@@ -224,9 +224,8 @@ fn the_published_branching_plan_is_read_and_every_line_of_its_verdict_has_a_reas
         .endings()
         .iter()
         .map(|ending| {
-            let told = |fact: &_| environment::fact_text(&domain, &world, *fact, true);
-            let after =
-                serde_json::to_string(&environment::write(&domain, &world, &ending.after).object_states).unwrap();
+            let told = |fact: &_| environment::fact_text(&world, *fact, true);
+            let after = serde_json::to_string(&environment::write(&world, &ending.after).object_states).unwrap();
             format!(
                 "{}: {after}",
                 ending.when.iter().map(told).collect::<Vec<_>>().join(", ")
@@ -250,6 +249,6 @@ fn the_published_branching_plan_is_read_and_every_line_of_its_verdict_has_a_reas
         "{:?}",
         answer.notes
     );
-    let bound = script::write(&Written::of_plan(&domain, &world, verified.plan()));
+    let bound = script::write(&Written::of_plan(&world, verified.plan()));
     println!("{bound}\n{endings:#?}\n{:#?}\n{:#?}", answer.notes, answer.assumptions);
 }

@@ -50,11 +50,11 @@ fn household() -> Vec<(String, Value)> {
 }
 
 #[track_caller]
-fn check(domain: &Domain, world: &World, written: &TaskCohesion, purpose: &Purpose) -> Report {
-    let resolved = plan::resolve(domain, world, written);
+fn check(world: &World, written: &TaskCohesion, purpose: &Purpose) -> Report {
+    let resolved = plan::resolve(world, written);
     let steps = resolved.complete().unwrap();
-    let (plan, _) = verify::bind(domain, world, &steps, &resolved.objects, purpose.claim.as_ref()).unwrap();
-    verify::check(domain, world, plan, purpose)
+    let (plan, _) = verify::bind(world, &steps, &resolved.objects, purpose.claim.as_ref()).unwrap();
+    verify::check(world, plan, purpose)
 }
 
 #[test]
@@ -66,17 +66,17 @@ fn recorded_household_plans_verify_and_end_where_they_claim() {
         let world = world_of(&domain, &recorded["environment_before"]);
         let claimed = file.environment_after.as_ref().unwrap();
         let purpose = Purpose {
-            claim: Some(Claim::read(&domain, &world, claimed)),
+            claim: Some(Claim::read(&world, claimed)),
             ..Purpose::default()
         };
-        let report = check(&domain, &world, &file.task_cohesion, &purpose);
+        let report = check(&world, &file.task_cohesion, &purpose);
         let messages: Vec<_> = report
             .violations
             .iter()
-            .map(|v| v.message(&domain, &world, report.plan.steps(), None))
+            .map(|v| v.message(&world, report.plan.steps(), None))
             .collect();
         assert_eq!(messages, Vec::<String>::new(), "{name}");
-        let after = environment::write(&domain, &world, &report.ending().after);
+        let after = environment::write(&world, &report.ending().after);
         assert_eq!(
             serde_json::to_value(after).unwrap(),
             recorded["environment_after"],
@@ -101,7 +101,7 @@ fn environments_are_written_as_they_were_read() {
 }
 
 /// The scenarios' goal facts in the words of the domain.
-fn goal_of(domain: &Domain, world: &World, facts: &Value) -> Goal {
+fn goal_of(world: &World, facts: &Value) -> Goal {
     let texts: Vec<String> = facts
         .as_array()
         .unwrap()
@@ -116,7 +116,7 @@ fn goal_of(domain: &Domain, world: &World, facts: &Value) -> Goal {
             }
         })
         .collect();
-    goal::parse(domain, world, &texts.join(" & ")).unwrap()
+    goal::parse(world, &texts.join(" & ")).unwrap()
 }
 
 #[test]
@@ -130,13 +130,13 @@ fn reference_programs_reach_the_goals_of_their_scenarios() {
                 .map(|s| s.as_str().unwrap().replace("WalkTowards", "Walktowards")).collect::<Vec<_>>(),
         }))
         .unwrap();
-        let mut purpose = goal_of(&domain, &world, &scenario["goal"]).purpose(&domain);
+        let mut purpose = goal_of(&world, &scenario["goal"]).purpose(&domain);
         purpose.from_goal = false;
-        let report = check(&domain, &world, &written, &purpose);
+        let report = check(&world, &written, &purpose);
         let messages: Vec<_> = report
             .violations
             .iter()
-            .map(|v| v.message(&domain, &world, report.plan.steps(), None))
+            .map(|v| v.message(&world, report.plan.steps(), None))
             .collect();
         assert_eq!(messages, Vec::<String>::new(), "{}", scenario["id"]);
     }
@@ -149,17 +149,17 @@ fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
     let kitchen = world_of(&domain, &read("virtualhome14/kitchen.json"));
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
         for world in [&world_of(&domain, &scenario["environment"]), &kitchen] {
-            let goal = goal_of(&domain, world, &scenario["goal"]);
-            let outcome = search::solve(&domain, world, &goal.wanted(&domain), &Limits::default());
+            let goal = goal_of(world, &scenario["goal"]);
+            let outcome = search::solve(world, &goal.wanted(&domain), &Limits::default());
             let Outcome::Solved { plan, shortest, .. } = outcome else {
                 panic!("{}: {outcome:?}", scenario["id"]);
             };
-            let report = verify::check(&domain, world, plan, &goal.purpose(&domain));
+            let report = verify::check(world, plan, &goal.purpose(&domain));
             let calls: Vec<_> = report
                 .plan
                 .steps()
                 .iter()
-                .map(|step| step.call(&domain, world).to_string())
+                .map(|step| step.call(world).to_string())
                 .collect();
             assert!(report.violations.is_empty(), "{}: {calls:?}", scenario["id"]);
             let reference = scenario["reference"].as_array().unwrap().len();
@@ -196,10 +196,10 @@ fn scenario(number: usize) -> Value {
     found.unwrap().clone()
 }
 
-fn purpose_of(domain: &Domain, world: &World, draft: &PlanFile) -> Purpose {
+fn purpose_of(world: &World, draft: &PlanFile) -> Purpose {
     let claimed = draft.environment_after.as_ref();
     Purpose {
-        claim: claimed.map(|claimed| Claim::read(domain, world, claimed)),
+        claim: claimed.map(|claimed| Claim::read(world, claimed)),
         ..Purpose::default()
     }
 }
@@ -214,8 +214,8 @@ fn verdicts_agree_with_the_paper_s_table() {
     let mut agreed = 0;
     for recorded in recorded("recorded_trials.json", "trial") {
         let world = world_of(&domain, &scenario(recorded.scenario)["environment"]);
-        let purpose = purpose_of(&domain, &world, &recorded.draft);
-        let report = check(&domain, &world, &recorded.draft.task_cohesion, &purpose);
+        let purpose = purpose_of(&world, &recorded.draft);
+        let report = check(&world, &recorded.draft.task_cohesion, &purpose);
         let good = report.violations.is_empty();
         if good == SUCCESSES.contains(&recorded.scenario) {
             agreed += 1;
@@ -226,7 +226,7 @@ fn verdicts_agree_with_the_paper_s_table() {
                 if good { "valid here" } else { "not valid here" }
             );
             for violation in &report.violations {
-                println!("  {}", violation.message(&domain, &world, report.plan.steps(), None));
+                println!("  {}", violation.message(&world, report.plan.steps(), None));
             }
         }
     }
@@ -235,7 +235,8 @@ fn verdicts_agree_with_the_paper_s_table() {
 }
 
 /// Whether a plan leaves the world as one of the goal's alternatives says.
-fn reaches_goal(domain: &Domain, world: &World, goal: &Value, plan: &verify::VerifiedPlan) -> bool {
+fn reaches_goal(world: &World, goal: &Value, plan: &verify::VerifiedPlan) -> bool {
+    let domain = world.domain();
     let mut alternatives: Vec<Vec<String>> = vec![Vec::new()];
     for fact in goal.as_array().unwrap() {
         let options: Vec<&str> = fact.as_str().unwrap().split(" | ").collect();
@@ -245,9 +246,9 @@ fn reaches_goal(domain: &Domain, world: &World, goal: &Value, plan: &verify::Ver
             .collect();
     }
     alternatives.iter().any(|facts| {
-        let mut purpose = goal_of(domain, world, &serde_json::json!(facts)).purpose(domain);
+        let mut purpose = goal_of(world, &serde_json::json!(facts)).purpose(domain);
         purpose.from_goal = false;
-        let report = verify::check(domain, world, plan.plan().clone(), &purpose);
+        let report = verify::check(world, plan.plan().clone(), &purpose);
         report.violations.is_empty()
     })
 }
@@ -262,13 +263,13 @@ fn repaired(file: &str, number: &str, first_only: bool) -> (usize, usize) {
         }
         let scenario = scenario(recorded.scenario);
         let world = world_of(&domain, &scenario["environment"]);
-        let purpose = purpose_of(&domain, &world, &recorded.draft);
-        let draft = plan::resolve(&domain, &world, &recorded.draft.task_cohesion);
-        let outcome = repair::repair(&domain, &world, &draft, &purpose);
+        let purpose = purpose_of(&world, &recorded.draft);
+        let draft = plan::resolve(&world, &recorded.draft.task_cohesion);
+        let outcome = repair::repair(&world, &draft, &purpose);
         let (good, told) = match &outcome {
-            repair::Outcome::Valid(plan) => (reaches_goal(&domain, &world, &scenario["goal"], plan), Vec::new()),
+            repair::Outcome::Valid(plan) => (reaches_goal(&world, &scenario["goal"], plan), Vec::new()),
             repair::Outcome::Repaired(repaired) => (
-                reaches_goal(&domain, &world, &scenario["goal"], &repaired.plan),
+                reaches_goal(&world, &scenario["goal"], &repaired.plan),
                 repaired.edits.iter().map(|edit| format!("{edit:?}")).collect(),
             ),
             other => (false, vec![format!("{other:?}")]),
@@ -317,11 +318,8 @@ fn damaged_programs_are_mended() {
             task_sequence: calls.clone(),
             ..TaskCohesion::default()
         };
-        let after = check(&domain, &world, &whole, &Purpose::default())
-            .ending()
-            .after
-            .clone();
-        let mut claimed = environment::write(&domain, &world, &after);
+        let after = check(&world, &whole, &Purpose::default()).ending().after.clone();
+        let mut claimed = environment::write(&world, &after);
         for words in claimed
             .asset_states
             .values_mut()
@@ -331,7 +329,7 @@ fn damaged_programs_are_mended() {
             *words = environment::Words::Many(places.cloned().collect());
         }
         let purpose = Purpose {
-            claim: Some(Claim::read(&domain, &world, &claimed)),
+            claim: Some(Claim::read(&world, &claimed)),
             ..Purpose::default()
         };
         let mut damaged: Vec<Vec<String>> = Vec::new();
@@ -363,13 +361,13 @@ fn damaged_programs_are_mended() {
                 task_sequence: calls.clone(),
                 ..TaskCohesion::default()
             };
-            let outcome = repair::repair(&domain, &world, &plan::resolve(&domain, &world, &written), &purpose);
+            let outcome = repair::repair(&world, &plan::resolve(&world, &written), &purpose);
             let plan = match &outcome {
                 repair::Outcome::Valid(plan) => Some(plan),
                 repair::Outcome::Repaired(repaired) => Some(&repaired.plan),
                 _ => None,
             };
-            let good = plan.is_some_and(|plan| reaches_goal(&domain, &world, &scenario["goal"], plan));
+            let good = plan.is_some_and(|plan| reaches_goal(&world, &scenario["goal"], plan));
             all += 1;
             reached += usize::from(good);
             if !good {
@@ -401,7 +399,7 @@ fn damaged_household_plans_are_mended() {
     for (name, recorded) in household() {
         let file: PlanFile = serde_json::from_value(recorded.clone()).unwrap();
         let world = world_of(&domain, &recorded["environment_before"]);
-        let purpose = purpose_of(&domain, &world, &file);
+        let purpose = purpose_of(&world, &file);
         let whole = &file.task_cohesion;
         let mut damaged = Vec::new();
         for index in 0..whole.task_sequence.len() {
@@ -418,7 +416,7 @@ fn damaged_household_plans_are_mended() {
         }
         for written in damaged {
             let started = std::time::Instant::now();
-            let outcome = repair::repair(&domain, &world, &plan::resolve(&domain, &world, &written), &purpose);
+            let outcome = repair::repair(&world, &plan::resolve(&world, &written), &purpose);
             let took = started.elapsed();
             let plan = match &outcome {
                 repair::Outcome::Valid(plan) => Some(plan),
@@ -426,7 +424,7 @@ fn damaged_household_plans_are_mended() {
                 _ => None,
             };
             let good = plan.is_some_and(|plan| {
-                let after = environment::write(&domain, &world, &plan.ending().after);
+                let after = environment::write(&world, &plan.ending().after);
                 serde_json::to_value(after).unwrap() == recorded["environment_after"]
             });
             all += 1;

@@ -12,7 +12,8 @@ use longstep_core::verify::{apply, broken_bindings, check, unmet};
 use proptest::prelude::*;
 
 /// Every action with every choice of arguments.
-fn all_actions(domain: &Domain, world: &World) -> Vec<(domain::ActionId, Vec<EntityId>)> {
+fn all_actions(world: &World) -> Vec<(domain::ActionId, Vec<EntityId>)> {
+    let domain = world.domain();
     let mut all = Vec::new();
     for (id, action) in domain.action_ids() {
         let mut choices: Vec<Vec<EntityId>> = vec![Vec::new()];
@@ -32,7 +33,8 @@ fn all_actions(domain: &Domain, world: &World) -> Vec<(domain::ActionId, Vec<Ent
 }
 
 /// Returns whether a rule for every state is broken after a step and not before it.
-fn breaks_a_rule(domain: &Domain, world: &World, before: &State, after: &State) -> bool {
+fn breaks_a_rule(world: &World, before: &State, after: &State) -> bool {
+    let domain = world.domain();
     let mut rules = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
     rules.any(|rule| {
         let known = broken_bindings(rule, world, before);
@@ -43,13 +45,14 @@ fn breaks_a_rule(domain: &Domain, world: &World, before: &State, after: &State) 
 }
 
 /// The number of steps of a shortest plan, by trying everything in order of length.
-fn brute_force(domain: &Domain, world: &World, wanted: &[Wanted]) -> Option<usize> {
+fn brute_force(world: &World, wanted: &[Wanted]) -> Option<usize> {
+    let domain = world.domain();
     let reached = |state: &State| {
         wanted
             .iter()
             .all(|w| holds(Moment { world, state }, &w.condition, &mut w.bindings.clone()))
     };
-    let actions = all_actions(domain, world);
+    let actions = all_actions(world);
     let mut depth: HashMap<State, usize> = HashMap::from([(world.state.clone(), 0)]);
     let mut queue = VecDeque::from([world.state.clone()]);
     while let Some(state) = queue.pop_front() {
@@ -62,7 +65,7 @@ fn brute_force(domain: &Domain, world: &World, wanted: &[Wanted]) -> Option<usiz
             if unmet(world, &state, &action.precondition, &mut arguments.clone()).is_empty() {
                 let mut next = state.clone();
                 apply(world, &mut next, action, arguments);
-                if breaks_a_rule(domain, world, &state, &next) {
+                if breaks_a_rule(world, &state, &next) {
                     continue;
                 }
                 if let std::collections::hash_map::Entry::Vacant(entry) = depth.entry(next.clone()) {
@@ -96,20 +99,20 @@ fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), Test
     let environment = Environment::from_json(environment).unwrap();
     let world =
         environment::read(domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
-    let goal = goal::parse(domain, &world, goal).unwrap();
+    let goal = goal::parse(&world, goal).unwrap();
     let wanted = goal.wanted(domain);
-    let expected = brute_force(domain, &world, &wanted);
+    let expected = brute_force(&world, &wanted);
     let limits = Limits {
         direct: 100_000,
         proof: 100_000,
         shortest: 100_000,
         any: 0,
     };
-    match search::solve(domain, &world, &wanted, &limits) {
+    match search::solve(&world, &wanted, &limits) {
         Outcome::Solved { plan, shortest, .. } => {
             prop_assert!(shortest);
             prop_assert_eq!(Some(plan.steps().len()), expected);
-            let report = check(domain, &world, plan, &goal.purpose(domain));
+            let report = check(&world, plan, &goal.purpose(domain));
             prop_assert_eq!(report.violations, vec![]);
         }
         Outcome::ProvenUnsolvable { .. } => prop_assert_eq!(expected, None),
@@ -173,8 +176,8 @@ fn a_rule_that_is_broken_at_the_start_does_not_forbid_every_plan() {
     compare_in(&domain, environment, "bring(box, desk)").unwrap();
     let environment = Environment::from_json(environment).unwrap();
     let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
-    let goal = goal::parse(&domain, &world, "bring(box, desk)").unwrap();
-    let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
+    let goal = goal::parse(&world, "bring(box, desk)").unwrap();
+    let outcome = search::solve(&world, &goal.wanted(&domain), &Limits::default());
     assert!(
         matches!(&outcome, Outcome::Solved { plan, .. } if plan.steps().len() == 1),
         "{outcome:?}"

@@ -64,7 +64,7 @@ fn recorded_scenes_are_replayed_as_chains() {
             let edits = proposal.answer.edits.len();
             session.accept().unwrap();
             let recorded = &step["recorded"]["environment_after"];
-            let good = edits == 0 && is_as_recorded(session.domain(), session.world(), recorded);
+            let good = edits == 0 && is_as_recorded(session.world(), recorded);
             all += 1;
             right += usize::from(good);
             println!(
@@ -123,7 +123,7 @@ fn wished_changes_of_the_recorded_plan_come_through() {
         assert!(proposal.refused.is_empty(), "{:?}", proposal.refused);
         session.accept().unwrap();
         let recorded = &step["recorded"]["environment_after"];
-        assert!(is_as_recorded(session.domain(), session.world(), recorded), "{says}");
+        assert!(is_as_recorded(session.world(), recorded), "{says}");
     }
     println!("== 2 of 2 right");
 }
@@ -148,11 +148,11 @@ fn a_reply_that_ignores_the_wish_is_not_taken_for_it() {
 
 /// What a model that understands everything replies.
 fn understood(session: &Session, drawn: &Drawn) -> String {
-    let (domain, world) = (session.domain(), session.world());
+    let world = session.world();
     match session.settings().strategy {
         Strategy::Goal => {
             let facts = drawn.goal.facts.iter();
-            let goals: Vec<String> = facts.map(|fact| fact.everyday(domain, world)).collect();
+            let goals: Vec<String> = facts.map(|fact| fact.everyday(world)).collect();
             serde_json::json!({"question": "", "goals": goals}).to_string()
         }
         Strategy::Direct => {
@@ -180,8 +180,8 @@ fn chain_of_instructions(strategy: Strategy) -> Vec<f64> {
     let mut resident = Vec::new();
     let mut sayable = 0;
     for _ in 0..LENGTH {
-        let drawn = draw.instruction(session.domain(), session.world());
-        let can_be_said = drawn.can_be_said(session.domain(), session.world());
+        let drawn = draw.instruction(session.world());
+        let can_be_said = drawn.can_be_said(session.world());
         sayable += usize::from(can_be_said);
         session.instruct(&drawn.words).unwrap();
         let prepared = session.explain(&mut EstimatedTokens::default()).unwrap().unwrap();
@@ -193,19 +193,11 @@ fn chain_of_instructions(strategy: Strategy) -> Vec<f64> {
             let last = session.accepted().len() - 1;
             recomputed.apply(session.domain(), &session.plan_file(last).unwrap(), session.world());
         } else {
-            println!(
-                "no plan: {}  (meant {})",
-                drawn.words,
-                drawn.told(session.domain(), session.world())
-            );
+            println!("no plan: {}  (meant {})", drawn.words, drawn.told(session.world()));
             session.cancel().unwrap();
         }
         if !can_be_said {
-            println!(
-                "not offered: {}  (meant {})",
-                drawn.words,
-                drawn.told(session.domain(), session.world())
-            );
+            println!("not offered: {}  (meant {})", drawn.words, drawn.told(session.world()));
         }
         // Whoever keeps a session writes its events down and does not hold them.
         session.take_events();

@@ -74,14 +74,7 @@ impl Chat<'_> {
             let failure = Failure::unreadable(format!("`{rest}` is not a step of the plan"));
             return Err(failure.hint(format!("steps are numbered from 1 to {length}")).into());
         };
-        let why = session::why(
-            self.session.domain(),
-            world,
-            plan,
-            &purpose,
-            goal,
-            StepId::new(number - 1),
-        );
+        let why = session::why(world, plan, &purpose, goal, StepId::new(number - 1));
         show::list("It achieves", &why.brings_about);
         match why.without_it.is_empty() {
             true => {

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use longstep::domain::Domain;
 use longstep::goal::Goal;
 use longstep::session::{Ended, Refusal, Response, Session};
 use longstep_core::environment::{Environment, World};
@@ -89,14 +88,14 @@ fn proposal(session: &Session) {
         return;
     }
     if let Some(goal) = &proposal.goal {
-        goal_lines(session.domain(), session.world(), goal, &proposal.plan);
+        goal_lines(session.world(), goal, &proposal.plan);
     }
     show::answer(&proposal.answer, show::Changes::Hidden);
 }
 
-fn goal_lines(domain: &Domain, world: &World, goal: &Goal, plan: &VerifiedPlan) {
+fn goal_lines(world: &World, goal: &Goal, plan: &VerifiedPlan) {
     show::heading("Goal");
-    for line in solve::goal_lines(domain, world, goal) {
+    for line in solve::goal_lines(world, goal) {
         print_line!("  {line}");
     }
     if !plan.steps().is_empty() {
@@ -111,9 +110,9 @@ pub(super) fn accepted(session: &Session) {
     // With `--yes` the user has not seen the plan yet.
     if session.settings().accept {
         if let Some(goal) = &last.goal {
-            goal_lines(session.domain(), &last.before, goal, &last.plan);
+            goal_lines(&last.before, goal, &last.plan);
         }
-        let lines = plan::outline(session.domain(), &last.before, last.plan.plan());
+        let lines = plan::outline(&last.before, last.plan.plan());
         show::steps(&lines, |_| false);
         output::blank();
     }
@@ -141,7 +140,7 @@ pub(super) fn at_hand(session: &Session) -> Option<(&World, &Plan, Purpose, Opti
 pub(super) fn plan(session: &Session) {
     if let Some(proposal) = session.proposal() {
         if let Some(goal) = &proposal.goal {
-            goal_lines(session.domain(), session.world(), goal, &proposal.plan);
+            goal_lines(session.world(), goal, &proposal.plan);
         }
         show::answer(&proposal.answer, show::Changes::Shown);
         return;
@@ -150,7 +149,7 @@ pub(super) fn plan(session: &Session) {
         Some(last) => {
             let number = session.accepted().len() - 1;
             print_line!("{} {}", format!("Plan {number}:").bold(), last.instruction);
-            let lines = plan::outline(session.domain(), &last.before, last.plan.plan());
+            let lines = plan::outline(&last.before, last.plan.plan());
             show::steps(&lines, |_| false);
         }
         None => print_line!("There is no plan yet"),

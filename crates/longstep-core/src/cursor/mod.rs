@@ -27,10 +27,10 @@ use crate::verify::VerifiedPlan;
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
-/// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
-/// let outcome = search::solve(&household, &world, &goal.wanted(&household), &search::Limits::default());
+/// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
+/// let outcome = search::solve(&world, &goal.wanted(&household), &search::Limits::default());
 /// let search::Outcome::Solved { plan, .. } = outcome else { panic!() };
-/// let plan = verify::check(&household, &world, plan, &goal.purpose(&household)).into_verified().unwrap();
+/// let plan = verify::check(&world, plan, &goal.purpose(&household)).into_verified().unwrap();
 ///
 /// let mut cursor = plan.cursor();
 /// let mut seen = None;

@@ -10,13 +10,11 @@ use crate::verify::tests::enumerated::{lane, parts};
 use crate::verify::{Purpose, VerifiedPlan, check};
 
 fn verified(world: &World, plan: Plan) -> Option<VerifiedPlan> {
-    check(world.domain(), world, plan, &Purpose::default())
-        .into_verified()
-        .ok()
+    check(world, plan, &Purpose::default()).into_verified().ok()
 }
 
 fn cursor(world: &World, parts: &[Part]) -> Cursor {
-    let plan = plan(world.domain(), world, parts);
+    let plan = plan(world, parts);
     Cursor::new(&verified(world, plan).expect("a valid plan"))
 }
 
@@ -125,9 +123,9 @@ fn an_observation_that_does_not_fit_leaves_the_cursor_where_it_was() {
     let feel = |lamp| Part::If(Ask::Feel(lamp), vec![], vec![]);
     let mut cursor = cursor(&world, &[feel(1), feel(1)]);
     let (first, second) = (StepId::new(0), StepId::new(1));
-    let (warm, cold) = (fact(&domain, &world, "warm", 1), fact(&domain, &world, "cold", 1));
+    let (warm, cold) = (fact(&world, "warm", 1), fact(&world, "cold", 1));
     assert_eq!(cursor.complete(first, None), Err(CursorError::MissingOutcome(first)));
-    let other = fact(&domain, &world, "warm", 2);
+    let other = fact(&world, "warm", 2);
     assert_eq!(
         cursor.complete(first, Some(other)),
         Err(CursorError::UnknownOutcome(first))
@@ -195,7 +193,7 @@ proptest! {
     fn every_run_ends_as_the_verifier_says(parts in parts(), lit in prop::collection::vec(1..=2usize, 0..=2)) {
         let domain = domain();
         let world = world(&domain, 2, &lit);
-        ends_as_verified(&world, plan(&domain, &world, &parts))?;
+        ends_as_verified(&world, plan(&world, &parts))?;
     }
 
     #[test]
@@ -207,6 +205,6 @@ proptest! {
         let domain = domain();
         let world = world(&domain, 4, &lit);
         let lanes = Part::Lanes(vec![("left", left), ("right", right)]);
-        ends_as_verified(&world, plan(&domain, &world, &[lanes]))?;
+        ends_as_verified(&world, plan(&world, &[lanes]))?;
     }
 }

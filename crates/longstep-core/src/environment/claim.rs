@@ -21,7 +21,8 @@ pub struct Claim {
 
 impl Claim {
     /// Reads a claimed environment.
-    pub fn read(domain: &Domain, world: &World, claimed: &Environment) -> Self {
+    pub fn read(world: &World, claimed: &Environment) -> Self {
+        let domain = world.domain();
         let mut claim = Self {
             state: world.state.clone(),
             ignored: Vec::new(),
@@ -47,7 +48,7 @@ impl Claim {
                 continue;
             };
             for text in words.as_slice() {
-                match fact_of(domain, world, subject, text) {
+                match fact_of(world, subject, text) {
                     Some(fact) => {
                         claim.state.set(fact, true);
                     }
@@ -100,13 +101,15 @@ impl Claim {
     }
 
     /// Returns the claimed facts that did not hold initially, in order: the changes that the plan promises.
-    pub fn promises(&self, domain: &Domain, world: &World) -> Vec<Fact> {
+    pub fn promises(&self, world: &World) -> Vec<Fact> {
+        let domain = world.domain();
         let new = differences(domain, &world.state, &self.state);
         new.into_iter().filter(|d| d.now_holds).map(|d| d.fact).collect()
     }
 
     /// Returns the claimed facts that held initially, in order.
-    pub fn kept(&self, domain: &Domain, world: &World) -> Vec<Fact> {
+    pub fn kept(&self, world: &World) -> Vec<Fact> {
+        let domain = world.domain();
         let mut kept = said(domain, &self.state);
         kept.retain(|fact| world.state.holds(*fact) && self.spoken_of.contains(&subject_of(domain, *fact)));
         kept

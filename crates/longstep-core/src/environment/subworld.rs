@@ -7,7 +7,6 @@ use rustc_hash::FxHashSet;
 
 use super::{Entity, EntityId, Environment, Fact, Words, World};
 use crate::call::Call;
-use crate::model::Domain;
 
 impl World {
     /// Returns the world restricted to these entities, for readers with limited space.
@@ -29,7 +28,8 @@ impl World {
     /// assert_eq!(part.entity(part.find("<cup_2>").unwrap()).name, "cup 2");
     /// ```
     #[must_use]
-    pub fn narrowed(&self, domain: &Domain, keep: &[EntityId]) -> World {
+    pub fn narrowed(&self, keep: &[EntityId]) -> World {
+        let domain = self.domain();
         let mut kept: Vec<EntityId> = (0..domain.constants.len()).map(EntityId::new).collect();
         kept.extend(keep);
         kept.sort_unstable();
@@ -130,10 +130,10 @@ mod tests {
         )
         .unwrap();
         let ids: Vec<EntityId> = keep.iter().map(|identifier| whole.find(identifier).unwrap()).collect();
-        let part = whole.narrowed(&domain, &ids);
+        let part = whole.narrowed(&ids);
         assert_eq!(serde_json::to_string(part.environment()).unwrap(), environment);
         let relations = part.state.iter().filter(|fact| domain.is_relation(*fact));
-        let told: Vec<String> = relations.map(|fact| fact_text(&domain, &part, fact, true)).collect();
+        let told: Vec<String> = relations.map(|fact| fact_text(&part, fact, true)).collect();
         assert_eq!(told, facts);
         for (id, entity) in part.entities() {
             assert_eq!(part.find(&entity.identifier), Some(id));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::write;
-use crate::model::{Domain, Ending, World, state_word};
+use crate::model::{Ending, World, state_word};
 
 impl World {
     /// Returns the world after a plan with this ending.
@@ -13,10 +13,11 @@ impl World {
     /// position of the hand, events) are reset. The result is the world read from the written environment, plus the
     /// knowledge from the first one.
     #[must_use]
-    pub fn after(&self, domain: &Domain, ending: &Ending) -> Self {
+    pub fn after(&self, ending: &Ending) -> Self {
+        let domain = self.domain();
         let said = |predicate| state_word(domain, predicate).is_some();
         let mut next = self.clone();
-        next.environment = Arc::new(write(domain, self, &ending.after));
+        next.environment = Arc::new(write(self, &ending.after));
         let before = self.state.iter().filter(|fact| said(fact.predicate()));
         for fact in before.filter(|fact| !ending.after.holds(*fact)) {
             next.state.set(fact, false);
@@ -47,14 +48,13 @@ mod tests {
         environment::read(domain, environment, "", "", &Path::default()).unwrap()
     }
 
-    fn plan(domain: &Domain, world: &World, text: &str) -> VerifiedPlan {
-        let goal = goal::parse(domain, world, text).unwrap();
-        let Outcome::Solved { plan, .. } = solve(domain, world, &goal.wanted(domain), &Limits::default()) else {
+    fn plan(world: &World, text: &str) -> VerifiedPlan {
+        let domain = world.domain();
+        let goal = goal::parse(world, text).unwrap();
+        let Outcome::Solved { plan, .. } = solve(world, &goal.wanted(domain), &Limits::default()) else {
             panic!("no plan for {text}");
         };
-        check(domain, world, plan, &goal.purpose(domain))
-            .into_verified()
-            .unwrap()
+        check(world, plan, &goal.purpose(domain)).into_verified().unwrap()
     }
 
     #[test]
@@ -69,8 +69,8 @@ mod tests {
             // The environment no longer implies that the chest is a container.
             ("put(pen, chest)", "inside_something(<chest>)"),
         ] {
-            let plan = plan(&household, &world, goal);
-            world = world.after(&household, plan.ending());
+            let plan = plan(&world, goal);
+            world = world.after(plan.ending());
             assert_eq!(
                 world.environment().object_states["<pen>"].as_slice(),
                 [expected],

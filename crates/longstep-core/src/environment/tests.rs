@@ -86,13 +86,13 @@ fn check_written(before: &str, changes: &[(&str, bool)], expected: &str) {
     let world = read(&domain, &environment, "env.json", before, &Path::default()).unwrap();
     let mut state = world.state.clone();
     for (fact, holds) in changes {
-        let goal = crate::goal::parse(&domain, &world, fact).unwrap();
+        let goal = crate::goal::parse(&world, fact).unwrap();
         let crate::goal::GoalFact::Plain(fact) = goal.facts[0] else {
             panic!()
         };
         assert!(state.set(fact, *holds));
     }
-    let after = serde_json::to_string(&write(&domain, &world, &state)).unwrap();
+    let after = serde_json::to_string(&write(&world, &state)).unwrap();
     assert_eq!(after, expected);
 }
 

@@ -4,17 +4,17 @@ use indexmap::IndexMap;
 
 use super::{EntityId, Environment, Fact, State, Words, World};
 use crate::call::Call;
-use crate::model::{Domain, entries_of};
+use crate::model::entries_of;
 
 /// Writes `state` as an environment, given the `world` with the initial state.
 ///
 /// Only changes are written: assumed facts stay implicit, and order and style of the initial environment are preserved.
-pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
+pub fn write(world: &World, state: &State) -> Environment {
     let mut environment = world.environment().clone();
     let as_list = environment.prefers_lists();
     let mut news: IndexMap<EntityId, Vec<String>> = IndexMap::new();
     for fact in state.iter().filter(|fact| !world.state.holds(*fact)) {
-        for (subject, text) in entries_of(domain, world, fact) {
+        for (subject, text) in entries_of(world, fact) {
             news.entry(subject).or_default().push(text);
         }
     }
@@ -24,7 +24,7 @@ pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
                 continue;
             };
             let new = news.shift_remove(&subject).unwrap_or_default();
-            revise(domain, world, state, subject, words, new);
+            revise(world, state, subject, words, new);
         }
         states.retain(|_, words| !matches!(words, Words::Many(many) if many.is_empty()));
     }
@@ -45,9 +45,9 @@ pub fn write(domain: &Domain, world: &World, state: &State) -> Environment {
 }
 
 /// Removes the states that no longer hold from an entry and inserts `new` at the position of the first one.
-fn revise(domain: &Domain, world: &World, state: &State, subject: EntityId, words: &mut Words, new: Vec<String>) {
+fn revise(world: &World, state: &State, subject: EntityId, words: &mut Words, new: Vec<String>) {
     let old = words.as_slice();
-    let kept = |text: &String| fact_of(domain, world, subject, text).is_none_or(|fact| state.holds(fact));
+    let kept = |text: &String| fact_of(world, subject, text).is_none_or(|fact| state.holds(fact));
     let place = old.iter().position(|text| !kept(text));
     if place.is_none() && new.is_empty() {
         return;
@@ -63,9 +63,10 @@ fn revise(domain: &Domain, world: &World, state: &State, subject: EntityId, word
 }
 
 /// Parses a state in the entry of `subject`; none if the domain has no such state or the world no such entity.
-pub fn fact_of(domain: &Domain, world: &World, subject: EntityId, text: &str) -> Option<Fact> {
+pub fn fact_of(world: &World, subject: EntityId, text: &str) -> Option<Fact> {
     let call = Call::parse(text).ok()?;
-    let word = domain
+    let word = world
+        .domain()
         .states
         .iter()
         .find(|s| s.word == call.name && s.parameters.len() == call.arguments.len())?;

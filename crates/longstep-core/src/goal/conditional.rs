@@ -107,12 +107,12 @@ impl Conditional {
     }
 
     /// Writes the conditional goal as a sentence.
-    pub(super) fn sentence(&self, voice: Voice, domain: &Domain, world: &World) -> String {
+    pub(super) fn sentence(&self, voice: Voice, world: &World) -> String {
         let side = |facts: &[GoalFact]| {
-            let facts = facts.iter().map(|fact| fact.sentence_in(voice, domain, world));
+            let facts = facts.iter().map(|fact| fact.sentence_in(voice, world));
             facts.collect::<Vec<_>>().join(" and ")
         };
-        let condition = voice.fact(domain, world, self.condition, true);
+        let condition = voice.fact(world, self.condition, true);
         match (&self.then[..], &self.otherwise[..]) {
             ([], otherwise) => format!("unless {condition}, {}", side(otherwise)),
             (then, []) => format!("if {condition}, {}", side(then)),

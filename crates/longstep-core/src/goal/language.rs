@@ -3,7 +3,7 @@
 use super::{Conditional, Goal, GoalFact, WrittenConditional};
 use crate::call::Call;
 use crate::diagnostic::nearest;
-use crate::model::{Domain, EntityId, Fact, FormPiece, GoalWord, GoalWordId, TypeId, World, ground};
+use crate::model::{EntityId, Fact, FormPiece, GoalWord, GoalWordId, TypeId, World, ground};
 
 /// The prefix of a question in a model's answer.
 pub const QUESTION: &str = "question: ";
@@ -66,13 +66,13 @@ pub enum GoalError {
 /// # Errors
 ///
 /// The error in the first unreadable part.
-pub fn parse(domain: &Domain, world: &World, text: &str) -> Result<Goal, GoalError> {
+pub fn parse(world: &World, text: &str) -> Result<Goal, GoalError> {
     let mut goal = Goal::default();
     for part in text.split('&').map(str::trim) {
         if part.is_empty() {
             return Err(GoalError::Empty);
         }
-        let fact = fact(domain, world, part)?;
+        let fact = fact(world, part)?;
         if !goal.facts.contains(&fact) {
             goal.facts.push(fact);
         }
@@ -80,16 +80,17 @@ pub fn parse(domain: &Domain, world: &World, text: &str) -> Result<Goal, GoalErr
     Ok(goal)
 }
 
-fn fact(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalError> {
+fn fact(world: &World, part: &str) -> Result<GoalFact, GoalError> {
     match WrittenConditional::read(part) {
-        Some(written) => Ok(GoalFact::If(conditional(domain, world, &written)?)),
-        None => plain(domain, world, part),
+        Some(written) => Ok(GoalFact::If(conditional(world, &written)?)),
+        None => plain(world, part),
     }
 }
 
 /// Reads a conditional goal; its branches cannot contain conditions.
-fn conditional(domain: &Domain, world: &World, written: &WrittenConditional<'_>) -> Result<Conditional, GoalError> {
-    let condition = match state(domain, world, written.condition)? {
+fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Conditional, GoalError> {
+    let domain = world.domain();
+    let condition = match state(world, written.condition)? {
         Some(fact) if domain.is_sensed(fact.predicate()) => fact,
         _ => {
             let sensed = domain
@@ -109,7 +110,7 @@ fn conditional(domain: &Domain, world: &World, written: &WrittenConditional<'_>)
             if text.is_empty() {
                 return Err(GoalError::Empty);
             }
-            let fact = plain(domain, world, text)?;
+            let fact = plain(world, text)?;
             if !facts.contains(&fact) {
                 facts.push(fact);
             }
@@ -142,24 +143,26 @@ fn conditional(domain: &Domain, world: &World, written: &WrittenConditional<'_>)
 }
 
 /// Reads a fact in a state word, with the subject as first argument; none if the text has another form.
-fn state(domain: &Domain, world: &World, part: &str) -> Result<Option<Fact>, GoalError> {
+fn state(world: &World, part: &str) -> Result<Option<Fact>, GoalError> {
     let Ok(call) = Call::parse(part) else { return Ok(None) };
-    let word = domain
+    let word = world
+        .domain()
         .states
         .iter()
         .find(|s| s.word == call.name && s.parameters.len() + 1 == call.arguments.len());
     let Some(word) = word else { return Ok(None) };
     let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
-    let bindings = entities(domain, world, part, &names, &vec![TypeId::OBJECT; names.len()])?;
+    let bindings = entities(world, part, &names, &vec![TypeId::OBJECT; names.len()])?;
     Ok(Some(ground(&word.atom, &bindings)))
 }
 
-fn plain(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalError> {
+fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
+    let domain = world.domain();
     let mut error = None;
     for (index, word) in domain.goal_words.iter().enumerate() {
         let Some(names) = read_form(word, part) else { continue };
         let kinds: Vec<TypeId> = word.parameters.iter().map(|parameter| parameter.kind).collect();
-        match entities(domain, world, part, &names, &kinds) {
+        match entities(world, part, &names, &kinds) {
             Ok(arguments) => {
                 return Ok(GoalFact::Word {
                     word: GoalWordId::new(index),
@@ -172,7 +175,7 @@ fn plain(domain: &Domain, world: &World, part: &str) -> Result<GoalFact, GoalErr
             }
         }
     }
-    if let Some(fact) = state(domain, world, part)? {
+    if let Some(fact) = state(world, part)? {
         return Ok(GoalFact::Plain(fact));
     }
     Err(error.unwrap_or_else(|| {
@@ -210,13 +213,8 @@ pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
     rest.is_empty().then_some(names)
 }
 
-fn entities(
-    domain: &Domain,
-    world: &World,
-    part: &str,
-    names: &[&str],
-    kinds: &[TypeId],
-) -> Result<Vec<EntityId>, GoalError> {
+fn entities(world: &World, part: &str, names: &[&str], kinds: &[TypeId]) -> Result<Vec<EntityId>, GoalError> {
+    let domain = world.domain();
     let mut entities = Vec::with_capacity(names.len());
     for (name, kind) in names.iter().zip(kinds) {
         let Some(entity) = world.find(name).or_else(|| world.find_name(name)) else {

@@ -66,29 +66,32 @@ impl GoalFact {
     }
 
     /// Writes the goal with everyday names: `put(pie, oven)`.
-    pub fn everyday(&self, domain: &Domain, world: &World) -> String {
+    pub fn everyday(&self, world: &World) -> String {
+        let domain = world.domain();
         self.written(domain, &|entity| world.entity(entity).name.clone())
     }
 
     /// Writes the goal with the environment's identifiers: `put(<pie_320>, <microwave_314>)`.
-    pub fn exact(&self, domain: &Domain, world: &World) -> String {
+    pub fn exact(&self, world: &World) -> String {
+        let domain = world.domain();
         self.written(domain, &|entity| world.entity(entity).identifier.clone())
     }
 
     /// Writes the goal as a sentence for a person.
-    pub fn sentence(&self, domain: &Domain, world: &World) -> String {
-        self.sentence_in(Voice::Person, domain, world)
+    pub fn sentence(&self, world: &World) -> String {
+        self.sentence_in(Voice::Person, world)
     }
 
     /// Writes the goal as a sentence for a person or a model.
-    pub fn sentence_in(&self, voice: Voice, domain: &Domain, world: &World) -> String {
+    pub fn sentence_in(&self, voice: Voice, world: &World) -> String {
+        let domain = world.domain();
         match self {
             Self::Word { word, arguments } => {
                 let name = |parameter: usize| voice.name(world, arguments[parameter]);
                 domain.goal_word(*word).says.fill(name)
             }
-            Self::Plain(fact) => voice.fact(domain, world, *fact, true),
-            Self::If(conditional) => conditional.sentence(voice, domain, world),
+            Self::Plain(fact) => voice.fact(world, *fact, true),
+            Self::If(conditional) => conditional.sentence(voice, world),
         }
     }
 

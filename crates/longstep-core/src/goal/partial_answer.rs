@@ -2,7 +2,7 @@
 
 use super::conditional::{AND, ELSE, IF, THEN};
 use super::{Goal, GoalError, GoalFact, JOINT, WrittenConditional, parse};
-use crate::model::{Domain, World};
+use crate::model::World;
 
 /// The possible continuation of a partial answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,12 +36,12 @@ impl Begun {
     /// # Errors
     ///
     /// The error in the first unreadable part.
-    pub fn read(domain: &Domain, world: &World, answer: &str) -> Result<Self, GoalError> {
+    pub fn read(world: &World, answer: &str) -> Result<Self, GoalError> {
         let answer = answer.trim();
         let all = |text: &str| -> Result<Vec<GoalFact>, GoalError> {
             match text.trim() {
                 "" => Ok(Vec::new()),
-                text => Ok(parse(domain, world, text)?.facts),
+                text => Ok(parse(world, text)?.facts),
             }
         };
         if let Some(said) = answer.strip_suffix(JOINT.trim()) {
@@ -107,7 +107,7 @@ impl Begun {
 /// # Errors
 ///
 /// The error in the first unreadable part.
-pub fn ended(domain: &Domain, world: &World, answer: &str) -> Result<Goal, GoalError> {
+pub fn ended(world: &World, answer: &str) -> Result<Goal, GoalError> {
     let mut text = answer.trim();
     while let Some(less) = [JOINT.trim(), AND, ELSE]
         .iter()
@@ -121,6 +121,6 @@ pub fn ended(domain: &Domain, world: &World, answer: &str) -> Result<Goal, GoalE
     }
     match text.trim() {
         "" => Ok(Goal::default()),
-        text => parse(domain, world, text),
+        text => parse(world, text),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Atom, Condition, Domain, EntityId, Fact, Slot, State, Term, TypeId, World};
+use super::{Atom, Condition, EntityId, Fact, Slot, State, Term, TypeId, World};
 use crate::effort;
 
 /// The entities bound to the slots of a condition.
@@ -238,15 +238,10 @@ impl<'a> Moment<'a> {
 }
 
 /// Returns the value of a static atom or an equality, the same in every state; none for any other condition.
-pub(crate) fn static_value(
-    domain: &Domain,
-    world: &World,
-    condition: &Condition,
-    bindings: &[EntityId],
-) -> Option<bool> {
+pub(crate) fn static_value(world: &World, condition: &Condition, bindings: &[EntityId]) -> Option<bool> {
     match condition {
         Condition::Atom { atom, holds, initially } => {
-            let unchanging = *initially || !domain.words(atom.predicate).fluent;
+            let unchanging = *initially || !world.domain().words(atom.predicate).fluent;
             unchanging.then(|| world.state.holds(ground(atom, bindings)) == *holds)
         }
         Condition::Equal { left, right, holds } => {

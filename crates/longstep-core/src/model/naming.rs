@@ -80,16 +80,16 @@ impl Voice {
     }
 
     /// Writes a fact, or its negation, as a sentence for this reader.
-    pub fn fact(self, domain: &Domain, world: &World, fact: Fact, holds: bool) -> String {
-        let words = domain.words(fact.predicate());
+    pub fn fact(self, world: &World, fact: Fact, holds: bool) -> String {
+        let words = world.domain().words(fact.predicate());
         let template = if holds { &words.says } else { &words.denies };
         template.fill(|place| self.name(world, fact.argument(place)))
     }
 }
 
 /// Writes a fact, or its negation, as a sentence for a person.
-pub fn fact_text(domain: &Domain, world: &World, fact: Fact, holds: bool) -> String {
-    Voice::Person.fact(domain, world, fact, holds)
+pub fn fact_text(world: &World, fact: Fact, holds: bool) -> String {
+    Voice::Person.fact(world, fact, holds)
 }
 
 impl Entity {

@@ -23,8 +23,8 @@ pub fn state_word(domain: &Domain, predicate: PredicateId) -> Option<&StateWord>
 }
 
 /// Returns every notation of a fact, with the entity under which an environment lists it.
-pub fn entries_of(domain: &Domain, world: &World, fact: Fact) -> impl Iterator<Item = (EntityId, String)> {
-    state_words(domain, fact.predicate()).map(move |word| {
+pub fn entries_of(world: &World, fact: Fact) -> impl Iterator<Item = (EntityId, String)> {
+    state_words(world.domain(), fact.predicate()).map(move |word| {
         let mut entities = word.places().map(|place| place.map(|place| fact.argument(place)));
         let subject = entities.next().flatten().unwrap_or(fact.argument(0));
         let call = Call {

@@ -74,6 +74,11 @@ impl World {
         }
     }
 
+    /// Returns the world with another domain, which has the types and constants of its own.
+    pub(crate) fn in_domain(&self, domain: Domain) -> Self {
+        Self { domain, ..self.clone() }
+    }
+
     /// The environment that the world was read from.
     pub fn environment(&self) -> &Environment {
         &self.environment

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::model::{Domain, World};
+use crate::model::World;
 
 /// Returns the PDDL name of every entity, by id.
 ///
@@ -10,8 +10,8 @@ use crate::model::{Domain, World};
 /// letters, digits, `_` and `-`. A name that does not begin with a letter gets the prefix `o_`. `<pie_320>` is
 /// `pie_320`. Where two entities would have the same name, the later one gets the suffix `-2`, `-3` and so on. So names
 /// are unique and deterministic. Constants of the domain keep their names.
-pub fn object_names(domain: &Domain, world: &World) -> Vec<String> {
-    let constants = domain.constants.iter().map(|(name, _)| name.clone());
+pub fn object_names(world: &World) -> Vec<String> {
+    let constants = world.domain().constants.iter().map(|(name, _)| name.clone());
     let mut names: Vec<String> = constants.collect();
     let mut taken: FxHashSet<String> = names.iter().cloned().collect();
     for (_, entity) in world.entities().skip(names.len()) {

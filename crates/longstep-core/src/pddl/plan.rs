@@ -5,17 +5,17 @@ use rustc_hash::FxHashMap;
 use super::object_names;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::domain::sexpr;
-use crate::model::{Domain, EntityId, World};
+use crate::model::{EntityId, World};
 use crate::plan::Step;
 use crate::search::GroundAction;
 
 /// Writes steps with all their arguments, one per line, with the names of [`object_names`].
-pub fn write_plan(domain: &Domain, world: &World, steps: &[Step]) -> String {
-    let names = object_names(domain, world);
+pub fn write_plan(world: &World, steps: &[Step]) -> String {
+    let names = object_names(world);
     let mut plan = String::new();
     for step in steps {
         plan.push('(');
-        plan.push_str(&domain.action(step.action).name);
+        plan.push_str(&world.domain().action(step.action).name);
         for argument in &step.arguments {
             plan.push(' ');
             plan.push_str(&names[argument.index()]);
@@ -32,9 +32,10 @@ pub fn write_plan(domain: &Domain, world: &World, steps: &[Step]) -> String {
 /// # Errors
 ///
 /// All unknown actions and objects, wrong numbers of arguments and arguments of the wrong type, with their positions.
-pub fn read_plan(domain: &Domain, world: &World, file: &str, text: &str) -> Result<Vec<GroundAction>, Diagnostics> {
+pub fn read_plan(world: &World, file: &str, text: &str) -> Result<Vec<GroundAction>, Diagnostics> {
+    let domain = world.domain();
     let lines = sexpr::read(file, text).map_err(|finding| Diagnostics(vec![finding]))?;
-    let names = object_names(domain, world);
+    let names = object_names(world);
     let entities: FxHashMap<&str, EntityId> = names
         .iter()
         .enumerate()

@@ -26,20 +26,19 @@ fn plan(problem: &str) -> String {
         Ok(problem) => problem,
         Err(findings) => return findings.to_string(),
     };
-    match solve(&domain, &problem.world, &problem.wanted, &Limits::default()) {
+    match solve(&problem.world, &problem.wanted, &Limits::default()) {
         Outcome::Solved { plan, .. } => {
-            let written = write_plan(&domain, &problem.world, plan.steps());
-            let read = read_plan(&domain, &problem.world, "plan", &written).unwrap();
+            let written = write_plan(&problem.world, plan.steps());
+            let read = read_plan(&problem.world, "plan", &written).unwrap();
             let steps = plan.steps().iter().map(|step| (step.action, &step.arguments));
             assert!(read.iter().map(|step| (step.action, &step.arguments)).eq(steps));
-            let explained =
-                |s: crate::search::GroundAction| Step::explained(&domain, &problem.world, s.action, s.arguments);
+            let explained = |s: crate::search::GroundAction| Step::explained(&problem.world, s.action, s.arguments);
             let purpose = Purpose {
                 wanted: problem.wanted.clone(),
                 ..Purpose::default()
             };
             let plan: Plan = read.into_iter().map(explained).collect();
-            assert_eq!(check(&domain, &problem.world, plan, &purpose).violations, vec![]);
+            assert_eq!(check(&problem.world, plan, &purpose).violations, vec![]);
             written
         }
         other => format!("{other:?}"),
@@ -129,9 +128,7 @@ fn mistakes_in_plans_are_told_with_their_place() {
     let problem = read_problem(&domain, "p.pddl", text).unwrap();
     let plan = "(carry cup low hand)\n(carry cop low hand)\n(carry low cup hand)\n(carry cup)\n(bury cup) ; cost\nrest\n(rest)";
     assert_eq!(
-        read_plan(&domain, &problem.world, "plan", plan)
-            .unwrap_err()
-            .to_string(),
+        read_plan(&problem.world, "plan", plan).unwrap_err().to_string(),
         "plan:2:8: unknown object `cop`\n  hint: did you mean `cup`?\n\
          plan:3:8: `low` is no thing\n\
          plan:3:12: `cup` is no place\n\
@@ -148,7 +145,7 @@ fn names_are_legal_and_tell_entities_apart() {
     let environment = Environment::from_json(environment).unwrap();
     let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
     assert_eq!(
-        object_names(&household, &world),
+        object_names(&world),
         [
             "shelf_top",
             "shelf_top-2",
@@ -176,17 +173,17 @@ fn check_round_trip(domain: &str, environment: &str, goals: &[&str]) {
         _ => None,
     };
     for goal in goals {
-        let goal = goal::parse(&domain, &world, goal).unwrap();
+        let goal = goal::parse(&world, goal).unwrap();
         let wanted = goal.wanted(&domain);
-        let problem = write_problem(&domain, &world, &wanted, "7 things").unwrap();
+        let problem = write_problem(&world, &wanted, "7 things").unwrap();
         let again = read_problem(&bare, "problem.pddl", &problem).unwrap();
         assert_eq!(again.name, "o_7_things");
         assert_eq!(
-            write_problem(&bare, &again.world, &again.wanted, "7 things"),
+            write_problem(&again.world, &again.wanted, "7 things"),
             Ok(without_comments(&problem))
         );
-        let expected = length(solve(&domain, &world, &wanted, &Limits::default()));
-        let found = length(solve(&bare, &again.world, &again.wanted, &Limits::default()));
+        let expected = length(solve(&world, &wanted, &Limits::default()));
+        let found = length(solve(&again.world, &again.wanted, &Limits::default()));
         assert!(expected.is_some());
         assert_eq!(found, expected, "{problem}");
     }
@@ -223,7 +220,7 @@ fn a_rule_for_every_state_cannot_be_said() {
     });
     let environment = Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>", "<jug>"]}"#).unwrap();
     let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
-    let error = write_problem(&domain, &world, &[], "p").unwrap_err();
+    let error = write_problem(&world, &[], "p").unwrap_err();
     assert_eq!(
         error.to_string(),
         "the rule `one-hand` must hold in every state on the way, which a PDDL problem cannot say"

@@ -38,8 +38,8 @@ const EFFORT: u64 = 25_000_000;
 ///
 /// [`WriteError::Always`] if a rule of the domain must hold in every state; [`WriteError::TooLarge`] if the goal has
 /// too many instances.
-pub fn write_problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
-    affordable(|| problem(domain, world, wanted, name))?
+pub fn write_problem(world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
+    affordable(|| problem(world, wanted, name))?
 }
 
 fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
@@ -50,16 +50,17 @@ fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
     }
 }
 
-fn problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
+fn problem(world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
+    let domain = world.domain();
     for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
-        let GroundCondition { formula, .. } = ground_condition(domain, world, &rule.everywhere(), &[]);
+        let GroundCondition { formula, .. } = ground_condition(world, &rule.everywhere(), &[]);
         if !formula.is_true() {
             return Err(WriteError::Always {
                 rule: rule.name.clone(),
             });
         }
     }
-    let names = object_names(domain, world);
+    let names = object_names(world);
     let mut text = format!("(define (problem {})\n  (:domain {})\n", plain(name), domain.pddl_name);
     text.push_str("  (:objects");
     for (id, entity) in world.entities().skip(domain.constants.len()) {
@@ -76,7 +77,7 @@ fn problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Res
         let _ = write!(text, "\n    {}", atom(domain, &names, fact));
     }
     text.push_str("\n  )\n  (:goal (and");
-    for part in ground_goal(domain, world, &names, wanted) {
+    for part in ground_goal(world, &names, wanted) {
         let _ = write!(text, "\n    {part}");
     }
     text.push_str("\n  ))\n)\n");
@@ -88,21 +89,21 @@ fn problem(domain: &Domain, world: &World, wanted: &[Wanted], name: &str) -> Res
 /// # Errors
 ///
 /// [`WriteError::TooLarge`] if the goal has too many instances.
-pub fn write_goal(domain: &Domain, world: &World, wanted: &[Wanted]) -> Result<Vec<String>, WriteError> {
-    affordable(|| ground_goal(domain, world, &object_names(domain, world), wanted))
+pub fn write_goal(world: &World, wanted: &[Wanted]) -> Result<Vec<String>, WriteError> {
+    affordable(|| ground_goal(world, &object_names(world), wanted))
 }
 
-fn ground_goal(domain: &Domain, world: &World, names: &[String], wanted: &[Wanted]) -> Vec<String> {
+fn ground_goal(world: &World, names: &[String], wanted: &[Wanted]) -> Vec<String> {
     let mut written: IndexSet<String> = IndexSet::new();
     for wanted in wanted {
-        let ground = ground_condition(domain, world, &wanted.condition, &wanted.bindings);
+        let ground = ground_condition(world, &wanted.condition, &wanted.bindings);
         let parts = match &ground.formula {
             Formula::And(parts) => parts.as_slice(),
             other => std::slice::from_ref(other),
         };
         for part in parts {
             if effort::spend(part.size()) {
-                written.insert(condition(domain, names, &ground.facts, part));
+                written.insert(condition(world.domain(), names, &ground.facts, part));
             }
         }
     }

@@ -42,7 +42,8 @@ pub struct Step {
 
 impl Step {
     /// Creates a step with the explanation that the domain defines for the action.
-    pub fn explained(domain: &Domain, world: &World, action: ActionId, arguments: Vec<EntityId>) -> Self {
+    pub fn explained(world: &World, action: ActionId, arguments: Vec<EntityId>) -> Self {
+        let domain = world.domain();
         let explanation = domain
             .action(action)
             .says
@@ -55,7 +56,8 @@ impl Step {
     }
 
     /// Returns the call in plan notation, for example `PutIn(<pie>, <oven>)` or `grasp_object()`.
-    pub fn call(&self, domain: &Domain, world: &World) -> Call {
+    pub fn call(&self, world: &World) -> Call {
+        let domain = world.domain();
         let action = domain.action(self.action);
         let argument = |parameter: &usize| world.entity(self.arguments[*parameter]).identifier.clone();
         Call {

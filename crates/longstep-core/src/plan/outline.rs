@@ -23,9 +23,10 @@ pub struct OutlineLine {
 /// use longstep_core::{domain, environment};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let world = environment::read(&household, &Default::default(), "", "", &Default::default()).unwrap();
-/// assert!(outline(&household, &world, &Plan::default()).is_empty());
+/// assert!(outline(&world, &Plan::default()).is_empty());
 /// ```
-pub fn outline(domain: &Domain, world: &World, plan: &Plan) -> Vec<OutlineLine> {
+pub fn outline(world: &World, plan: &Plan) -> Vec<OutlineLine> {
+    let domain = world.domain();
     let mut writer = Writer {
         domain,
         world,
@@ -101,7 +102,7 @@ impl Writer<'_> {
         self.lines.push(OutlineLine {
             step: Some(id.index()),
             depth,
-            text: step.call(self.domain, self.world).to_string(),
+            text: step.call(self.world).to_string(),
             explanation: step.explanation.clone(),
         });
     }
@@ -132,7 +133,7 @@ impl Writer<'_> {
             }
         };
         match test {
-            Test::Sense(id) => self.plan.step(*id).call(self.domain, self.world).to_string(),
+            Test::Sense(id) => self.plan.step(*id).call(self.world).to_string(),
             Test::Holds(fact) => written_fact(self.domain, *fact, &|entity| {
                 self.world.entity(entity).identifier.clone()
             }),

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::{Node, Plan, StepId, Written, WrittenStep, read_tree, write_tree};
 use crate::call::{Call, NotACall};
 use crate::json::Path;
-use crate::model::{Domain, Ending, Environment, Fact, World, written_fact};
+use crate::model::{Ending, Environment, Fact, World, written_fact};
 
 /// A plan file: the reply format of the paper's model, and the output of `longstep plan --save`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,7 +58,6 @@ pub struct EndingFile {
 /// Returns the final environments of a plan: a single one, or one for each ending with the sensing outcomes that lead
 /// to it.
 pub fn endings(
-    domain: &Domain,
     world: &World,
     endings: &[Ending],
     environment: impl Fn(&Ending) -> Environment,
@@ -66,7 +65,7 @@ pub fn endings(
     if let [only] = endings {
         return (Some(environment(only)), Vec::new());
     }
-    let when = |fact: &Fact| written_fact(domain, *fact, &|entity| world.entity(entity).identifier.clone());
+    let when = |fact: &Fact| written_fact(world.domain(), *fact, &|entity| world.entity(entity).identifier.clone());
     let file = |ending: &Ending| EndingFile {
         when: ending.when.iter().map(when).collect(),
         environment_after: environment(ending),
@@ -157,20 +156,20 @@ impl<'de> Deserialize<'de> for TaskCohesion {
 
 impl TaskCohesion {
     /// Converts a plan: a sequential plan to the paper's list, any other to a tree.
-    pub fn new(domain: &Domain, world: &World, plan: &Plan) -> Self {
+    pub fn new(world: &World, plan: &Plan) -> Self {
         if !plan.is_sequence() {
-            return Self::tree(Written::of_plan(domain, world, plan));
+            return Self::tree(Written::of_plan(world, plan));
         }
         let steps = plan.steps();
         let mut objects: Vec<String> = Vec::new();
-        for object in steps.iter().filter_map(|step| step.object(domain)) {
+        for object in steps.iter().filter_map(|step| step.object(world.domain())) {
             let identifier = &world.entity(object).identifier;
             if !objects.contains(identifier) {
                 objects.push(identifier.clone());
             }
         }
         Self {
-            task_sequence: steps.iter().map(|step| step.call(domain, world).to_string()).collect(),
+            task_sequence: steps.iter().map(|step| step.call(world).to_string()).collect(),
             step_instructions: steps.iter().map(|step| step.explanation.clone()).collect(),
             ..Self::handling(objects)
         }

@@ -91,10 +91,11 @@ impl Resolved {
 ///     task_sequence: vec!["Walk(<desk_1>)".to_owned(), "grab(<mug>)".to_owned(), "Fly(<mug_2>)".to_owned()],
 ///     ..TaskCohesion::default()
 /// };
-/// let resolved = resolve(&domain, &world, &written);
+/// let resolved = resolve(&world, &written);
 /// assert_eq!((resolved.readings.len(), resolved.issues.len()), (3, 1));
 /// ```
-pub fn resolve(domain: &Domain, world: &World, written: &TaskCohesion) -> Resolved {
+pub fn resolve(world: &World, written: &TaskCohesion) -> Resolved {
+    let domain = world.domain();
     let mut resolver = Resolver {
         domain,
         world,
@@ -346,7 +347,7 @@ impl Resolver<'_> {
     fn claims(&mut self, step: usize, explanation: &str) {
         for (name, word) in claims::told(explanation).claims {
             let subject = self.world.find(name);
-            let fact = subject.and_then(|subject| fact_of(self.domain, self.world, subject, &word.to_string()));
+            let fact = subject.and_then(|subject| fact_of(self.world, subject, &word.to_string()));
             match fact {
                 Some(fact) => self.claims.push(StepClaim { step, fact }),
                 None => self.ignored.push(format!("`{name}: {word}` of step {}", step + 1)),

@@ -48,7 +48,8 @@ impl Written {
 
 impl Written {
     /// Converts a plan to written form; implicit arguments are given by name.
-    pub fn of_plan(domain: &Domain, world: &World, plan: &Plan) -> Self {
+    pub fn of_plan(world: &World, plan: &Plan) -> Self {
+        let domain = world.domain();
         let mut writer = Writer {
             domain,
             world,
@@ -113,7 +114,7 @@ impl Writer<'_> {
             (name, self.identifier(step.arguments[parameter]))
         });
         WrittenStep {
-            call: step.call(self.domain, self.world),
+            call: step.call(self.world),
             implicit: named.collect(),
             explanation: step.explanation.clone(),
         }

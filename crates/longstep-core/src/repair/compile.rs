@@ -140,21 +140,21 @@ const OPERATOR: usize = 12 * effort::KEPT;
 
 /// Compiles the draft to a task over the entities in scope.
 pub(super) fn compile<'a>(
-    domain: &'a Domain,
     world: &'a World,
     scope: &'a Scope,
     draft: &Resolved,
     purpose: &Purpose,
     pins: &Pins,
 ) -> Compiled<'a> {
-    let mut grounder = Grounder::new(domain, world, scope);
+    let domain = world.domain();
+    let mut grounder = Grounder::new(world, scope);
     let always = grounder.always();
     let in_draft = draft
         .steps
         .iter()
         .flatten()
         .flat_map(|step| step.arguments.iter().flatten());
-    let places = claimed_places(domain, world, purpose.claim.as_ref(), &draft.objects);
+    let places = claimed_places(world, purpose.claim.as_ref(), &draft.objects);
     let spoken_of: FxHashSet<EntityId> = in_draft.chain(&draft.objects).chain(&places).copied().collect();
     let mut inserted = grounder.operators(&spoken_of);
     inserted.retain(|operator| {
@@ -198,7 +198,7 @@ pub(super) fn compile<'a>(
         }
         match step {
             Some(step) => {
-                let mut choices = candidates(domain, world, step, &draft.objects, &places);
+                let mut choices = candidates(world, step, &draft.objects, &places);
                 choices.retain(|choice| choice.arguments.iter().all(|thing| scope.contains(*thing)));
                 writer.step(index, step, &choices);
             }
@@ -362,7 +362,7 @@ impl Writer<'_, '_> {
                     idle.push(Formula::and(always.into_iter().map(Formula::Literal)));
                 }
             }
-            if can_apply(self.domain, self.world, step.action, &choice.arguments) {
+            if can_apply(self.world, step.action, &choice.arguments) {
                 let cost = if choice.unspoken { costs.rebind } else { 0 };
                 kept.push((operator, cost));
             }

@@ -87,13 +87,14 @@ pub(super) struct Script {
 
 impl Script {
     /// Builds the plan from the moves of a search.
-    pub(super) fn of(domain: &Domain, world: &World, draft: &Resolved, moves: &[Move]) -> Self {
+    pub(super) fn of(world: &World, draft: &Resolved, moves: &[Move]) -> Self {
+        let domain = world.domain();
         let mut script = Self {
             steps: Vec::new(),
             dropped: Vec::new(),
         };
         let own = |index: usize, ground: &GroundAction| {
-            let mut step = Step::explained(domain, world, ground.action, ground.arguments.clone());
+            let mut step = Step::explained(world, ground.action, ground.arguments.clone());
             if let Some(written) = draft.steps[index].as_ref().filter(|step| !step.explanation.is_empty()) {
                 step.explanation.clone_from(&written.explanation);
             }
@@ -110,10 +111,10 @@ impl Script {
             if named {
                 own(index, ground)
             } else {
-                Step::explained(domain, world, ground.action, ground.arguments.clone())
+                Step::explained(world, ground.action, ground.arguments.clone())
             }
         };
-        let new = |ground: &GroundAction| Step::explained(domain, world, ground.action, ground.arguments.clone());
+        let new = |ground: &GroundAction| Step::explained(world, ground.action, ground.arguments.clone());
         let mut read = 0;
         for next in moves {
             match next {
@@ -142,20 +143,20 @@ impl Script {
     /// Returns the edits, in plan order.
     pub(super) fn edits(
         &self,
-        domain: &Domain,
         world: &World,
         draft: &Resolved,
         purpose: &Purpose,
         meant: &Meant,
         report: &Report,
     ) -> Vec<Edit> {
+        let domain = world.domain();
         let reasons = Reasons {
             domain,
             world,
             purpose,
             meant,
             report,
-            before: states(domain, world, report.plan.steps()),
+            before: states(world, report.plan.steps()),
         };
         let mut edits = Vec::new();
         let mut dropped = self.dropped.iter().peekable();
@@ -174,7 +175,7 @@ impl Script {
             let Some((step, origin)) = self.steps.get(at) else {
                 break;
             };
-            let after = Some(step.call(domain, world).to_string());
+            let after = Some(step.call(world).to_string());
             let hides = domain.action(step.action).implicit().next().is_some();
             let (kind, index, why) = match origin {
                 Origin::Kept => continue,
@@ -198,11 +199,11 @@ impl Script {
 }
 
 /// Returns the states before each step and after the last one.
-fn states(domain: &Domain, world: &World, steps: &[Step]) -> Vec<State> {
+fn states(world: &World, steps: &[Step]) -> Vec<State> {
     let mut state = world.state.clone();
     let mut states = vec![state.clone()];
     for step in steps {
-        apply(world, &mut state, domain.action(step.action), &step.arguments);
+        apply(world, &mut state, world.domain().action(step.action), &step.arguments);
         states.push(state.clone());
     }
     states
@@ -244,9 +245,9 @@ impl Reasons<'_> {
                 let decides = |change: &&Change| !self.lacking(step, &undo(before, &[**change])).is_empty();
                 let decisive = changes.iter().filter(decides);
                 let told: Vec<String> = decisive
-                    .map(|change| fact_text(self.domain, self.world, change.fact, change.holds))
+                    .map(|change| fact_text(self.world, change.fact, change.holds))
                     .collect();
-                let call = step.call(self.domain, self.world);
+                let call = step.call(self.world);
                 let needs = if told.is_empty() { missing } else { told };
                 return format!("{call} needs that {}", needs.join(", and that "));
             }
@@ -258,21 +259,18 @@ impl Reasons<'_> {
     /// Describes what is wrong with a final state.
     fn at_end(&self, state: &State) -> Option<String> {
         let (domain, world) = (self.domain, self.world);
-        if let Some(broken) = broken_at_end(domain, world, state, self.purpose).find(|broken| broken.binds) {
+        if let Some(broken) = broken_at_end(world, state, self.purpose).find(|broken| broken.binds) {
             let says = &domain.rules[broken.rule].says;
             return Some(says.fill(|slot| world.entity(broken.bindings[slot]).with_article()));
         }
         // Facts that hold after the repair but would not without the step.
         let failing = |fact: &&Fact| self.report.ending().after.holds(**fact) && !state.holds(**fact);
         if let Some(fact) = self.meant.promised().find(failing) {
-            let text = fact_text(domain, world, *fact, true);
+            let text = fact_text(world, *fact, true);
             return Some(format!("the plan is to end so that {text}"));
         }
         if let Some(fact) = self.meant.kept.iter().find(failing) {
-            return Some(format!(
-                "it is to be as before: {}",
-                fact_text(domain, world, *fact, true)
-            ));
+            return Some(format!("it is to be as before: {}", fact_text(world, *fact, true)));
         }
         let moment = Moment { world, state };
         let unreached =
@@ -286,7 +284,7 @@ impl Reasons<'_> {
         unmet(self.world, state, condition, &mut step.arguments.clone())
             .iter()
             .map(|missing| match missing.fact {
-                Some(fact) => fact_text(self.domain, self.world, fact, missing.holds),
+                Some(fact) => fact_text(self.world, fact, missing.holds),
                 None => "the impossible".to_owned(),
             })
             .collect()
@@ -307,7 +305,7 @@ impl Reasons<'_> {
         let Some(arguments) = complete else {
             return Vec::new();
         };
-        let step = Step::explained(self.domain, self.world, step.action, arguments);
+        let step = Step::explained(self.world, step.action, arguments);
         self.lacking(&step, &self.before[at])
     }
 
@@ -330,7 +328,7 @@ impl Reasons<'_> {
             Reason::Unknown => {
                 let about = |issue: &&Violation| issue.step() == Some(index);
                 let issue = draft.issues.iter().find(about);
-                let told = issue.map(|issue| issue.message(self.domain, self.world, &[], None));
+                let told = issue.map(|issue| issue.message(self.world, &[], None));
                 told.unwrap_or_else(|| "its words mean nothing here".to_owned())
             }
             Reason::Impossible => format!("it can never be done here{needs}"),

@@ -109,18 +109,18 @@ pub struct Repaired {
 ///     task_sequence: calls.map(str::to_owned).to_vec(),
 ///     ..TaskCohesion::default()
 /// };
-/// let outcome = repair(&domain, &world, &resolve(&domain, &world, &draft), &verify::Purpose::default());
+/// let outcome = repair(&world, &resolve(&world, &draft), &verify::Purpose::default());
 /// let Outcome::Repaired(repaired) = outcome else { panic!("{outcome:?}") };
 /// let edits: Vec<_> = repaired.edits.iter().filter_map(|edit| edit.after.clone()).collect();
 /// assert_eq!(edits, ["Open(<fridge_2>)", "Close(<fridge_2>)"]);
 /// ```
-pub fn repair(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
-    repair_pinned(domain, world, draft, purpose, &Pins::default())
+pub fn repair(world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
+    repair_pinned(world, draft, purpose, &Pins::default())
 }
 
 /// Repairs a draft as [`repair`] does, but respects the decisions of the user: no repair violates a pin.
-pub fn repair_pinned(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
-    let spent = effort::within(EFFORT, || repair_within(LIMIT, domain, world, draft, purpose, pins));
+pub fn repair_pinned(world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
+    let spent = effort::within(EFFORT, || repair_within(LIMIT, world, draft, purpose, pins));
     match spent.result {
         outcome @ (Outcome::Valid(_) | Outcome::Repaired(_)) => outcome,
         Outcome::ProvenUnsolvable { expanded } if spent.exhausted => Outcome::GaveUp {
@@ -131,22 +131,16 @@ pub fn repair_pinned(domain: &Domain, world: &World, draft: &Resolved, purpose: 
     }
 }
 
-fn repair_within(
-    limit: usize,
-    domain: &Domain,
-    world: &World,
-    draft: &Resolved,
-    purpose: &Purpose,
-    pins: &Pins,
-) -> Outcome {
+fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
+    let domain = world.domain();
     if !draft.is_sequence() {
-        return branches::repair_branches(limit, domain, world, draft, purpose, pins);
+        return branches::repair_branches(limit, world, draft, purpose, pins);
     }
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
-    let bound = bind_as_far(domain, world, &steps, &draft.objects, purpose.claim.as_ref());
+    let bound = bind_as_far(world, &steps, &draft.objects, purpose.claim.as_ref());
     let whole = draft.issues.is_empty() && bound.missing.is_none();
     // The final state of the draft as if every step were applicable.
-    let as_if = match check(domain, world, Plan::sequence(bound.steps), purpose).into_verified() {
+    let as_if = match check(world, Plan::sequence(bound.steps), purpose).into_verified() {
         Ok(plan) if whole => return Outcome::Valid(plan),
         Ok(plan) => plan.ending().after.clone(),
         // A draft that exceeds the work budget of verification cannot be repaired either.
@@ -158,7 +152,7 @@ fn repair_within(
         }
         Err(report) => report.ending().after.clone(),
     };
-    if let Some(why) = unclear(domain, world, draft, purpose) {
+    if let Some(why) = unclear(world, draft, purpose) {
         return Outcome::Unclear { why };
     }
     if draft.steps.len() > LONGEST {
@@ -170,7 +164,7 @@ fn repair_within(
             expanded: 0,
         };
     }
-    let meant = target::meant(domain, world, draft, purpose, &as_if);
+    let meant = target::meant(world, draft, purpose, &as_if);
     let (asked, about) = compile::asked(domain, draft, &meant);
     let mut search = Search {
         domain,
@@ -185,7 +179,7 @@ fn repair_within(
     let way = search.way(limit, &asked, &about);
     let (expanded, exhausted) = (search.expanded, search.exhausted);
     match way {
-        Found::Path(way) => match follow(domain, world, draft, purpose, &meant, way, expanded) {
+        Found::Path(way) => match follow(world, draft, purpose, &meant, way, expanded) {
             Some(repaired) => Outcome::Repaired(Box::new(repaired)),
             None => Outcome::GaveUp {
                 why: "the repair that was found with what surrounds the plan does not work in the whole world"
@@ -206,13 +200,13 @@ fn repair_within(
 
 /// Returns the reason why a repair would be a guess: the handled object is unknown, or steps cannot be resolved and no
 /// claim shows their purpose.
-fn unclear(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Option<String> {
+fn unclear(world: &World, draft: &Resolved, purpose: &Purpose) -> Option<String> {
     let unspoken = purpose.claim.is_none() && purpose.wanted.is_empty();
     let issue = draft.issues.iter().find(|issue| match issue {
         Violation::UnknownEntity { step: None, .. } => true,
         issue => unspoken && issue.step().is_some(),
     })?;
-    let told = issue.message(domain, world, &[], None);
+    let told = issue.message(world, &[], None);
     Some(match issue.step() {
         Some(_) => format!("{told}; and the plan does not claim what the world is to be afterwards"),
         None => told,
@@ -235,8 +229,8 @@ impl Search<'_> {
     /// Finds a cheap repair with entities near the plan, then uses the whole world to prove that none is cheaper or to
     /// find a cheaper one.
     fn way(&mut self, limit: usize, asked: &Asked, about: &[EntityId]) -> Found<Way> {
-        let whole = Scope::whole(self.domain, self.world, asked);
-        let near = whole.around(self.domain, self.world, asked, about, false);
+        let whole = Scope::whole(self.world, asked);
+        let near = whole.around(self.world, asked, about, false);
         // In a small world, the first search would save nothing.
         let small = 2 * near.len() >= whole.len();
         let mut best = match small {
@@ -245,7 +239,7 @@ impl Search<'_> {
         };
         if !whole.is_bearable(self.domain) {
             if !matches!(best, Found::Path(_)) {
-                let far = whole.around(self.domain, self.world, asked, about, true);
+                let far = whole.around(self.world, asked, about, true);
                 if far.is_bearable(self.domain) {
                     best = self.within(&far, limit, None);
                 }
@@ -279,7 +273,7 @@ impl Search<'_> {
     }
 
     fn way_within(&mut self, scope: &Scope, limit: usize, below: Option<u32>) -> Found<Way> {
-        let compiled = compile::compile(self.domain, self.world, scope, self.draft, self.purpose, self.pins);
+        let compiled = compile::compile(self.world, scope, self.draft, self.purpose, self.pins);
         let (task, moves) = compiled.task(self.domain, self.meant);
         let task = reduce(task);
         let (mut found, looked_at) = cheapest(&task, limit, below);
@@ -318,7 +312,6 @@ struct Way {
 
 /// Returns the repaired plan if it is valid in the whole world.
 fn follow(
-    domain: &Domain,
     world: &World,
     draft: &Resolved,
     purpose: &Purpose,
@@ -332,11 +325,11 @@ fn follow(
         _ => None,
     }));
     given_up.sort_unstable();
-    let script = Script::of(domain, world, draft, &way.moves);
+    let script = Script::of(world, draft, &way.moves);
     let mut purpose = purpose.clone();
     purpose.claim = purpose.claim.map(|claim| claim.without(&given_up));
-    let report = check(domain, world, script.plan(), &purpose);
-    let edits = script.edits(domain, world, draft, &purpose, meant, &report);
+    let report = check(world, script.plan(), &purpose);
+    let edits = script.edits(world, draft, &purpose, meant, &report);
     Some(Repaired {
         plan: report.into_verified().ok()?,
         edits,

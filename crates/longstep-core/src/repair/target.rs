@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::model::{Domain, EntityId, Fact, State, World, differences, subject_of};
+use crate::model::{EntityId, Fact, State, World, differences, subject_of};
 use crate::plan::Resolved;
 use crate::search::Wanted;
 use crate::verify::{Purpose, broken_at_end, can_be_brought_about, hides_places, places_claimed, wanted_at_end};
@@ -38,7 +38,8 @@ pub(super) struct Promise {
 ///
 /// A claim that the draft's own steps contradict is outdated and ignored. Unchanged facts count only for entities
 /// without a claimed change in the same aspect: place (relations) or condition (properties).
-pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, as_if: &State) -> Meant {
+pub(super) fn meant(world: &World, draft: &Resolved, purpose: &Purpose, as_if: &State) -> Meant {
+    let domain = world.domain();
     let done: Vec<Fact> = differences(domain, &world.state, as_if)
         .into_iter()
         .filter(|difference| difference.now_holds)
@@ -46,12 +47,12 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
         .collect();
     let (claimed, stays) = match &purpose.claim {
         Some(claim) => {
-            let mut claimed = claim.promises(domain, world);
+            let mut claimed = claim.promises(world);
             let mut steps = draft.steps.iter().flatten();
             if steps.any(|step| hides_places(domain, step.action)) {
-                claimed.extend(places_claimed(domain, world, claim, &draft.objects));
+                claimed.extend(places_claimed(world, claim, &draft.objects));
             }
-            (claimed, claim.kept(domain, world))
+            (claimed, claim.kept(world))
         }
         None => {
             // Without a claim, nothing states that objects keep their places.
@@ -70,11 +71,11 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
     let unclaimed = done
         .iter()
         .filter(|fact| !spoken_of.contains(&subject_of(domain, **fact)));
-    let possible = |fact: &Fact| can_be_brought_about(domain, world, *fact);
+    let possible = |fact: &Fact| can_be_brought_about(world, *fact);
     // A fact that violates a rule in the final state is not promised: a hand that still holds an object is an
     // oversight.
     let broken = |state: &State| {
-        broken_at_end(domain, world, state, purpose)
+        broken_at_end(world, state, purpose)
             .filter(|broken| broken.binds)
             .count()
     };
@@ -88,7 +89,7 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
     let mut promises = Vec::new();
     let mut impossible = Vec::new();
     for fact in claimed.iter().chain(unclaimed).copied() {
-        let near = others(domain, world, fact);
+        let near = others(world, fact);
         // An unachievable relation is replaced by another one only if the draft relates the two entities at all.
         if possible(&fact) || as_if.holds(fact) || near.iter().any(|other| as_if.holds(*other)) {
             let related = near.into_iter().filter(possible).collect();
@@ -113,7 +114,8 @@ pub(super) fn meant(domain: &Domain, world: &World, draft: &Resolved, purpose: &
 }
 
 /// Returns the other relations that an environment can express between the arguments of a fact.
-fn others(domain: &Domain, world: &World, fact: Fact) -> Vec<Fact> {
+fn others(world: &World, fact: Fact) -> Vec<Fact> {
+    let domain = world.domain();
     let arguments: Vec<EntityId> = domain.arguments(fact).collect();
     let mut others: Vec<Fact> = Vec::new();
     for word in domain.states.iter().filter(|_| domain.is_relation(fact)) {

@@ -34,7 +34,7 @@ fn written(calls: &[&str]) -> TaskCohesion {
 }
 
 /// Returns the claim with these changes to the world.
-fn claim(domain: &Domain, world: &World, entries: &[(&str, &str)]) -> Option<Claim> {
+fn claim(world: &World, entries: &[(&str, &str)]) -> Option<Claim> {
     let mut environment = world.environment().clone();
     for (identifier, word) in entries {
         let states = match environment.assets.iter().any(|asset| asset == identifier) {
@@ -46,7 +46,7 @@ fn claim(domain: &Domain, world: &World, entries: &[(&str, &str)]) -> Option<Cla
             environment::Words::Many(vec![(*word).to_owned()]),
         );
     }
-    (!entries.is_empty()).then(|| Claim::read(domain, world, &environment))
+    (!entries.is_empty()).then(|| Claim::read(world, &environment))
 }
 
 #[track_caller]
@@ -54,11 +54,11 @@ fn check(calls: &[&str], claimed: &[(&str, &str)], expected: &[&str]) {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let world = world_of(&domain, KITCHEN);
     let purpose = Purpose {
-        claim: claim(&domain, &world, claimed),
+        claim: claim(&world, claimed),
         ..Purpose::default()
     };
-    let draft = resolve(&domain, &world, &written(calls));
-    let told: Vec<String> = match repair(&domain, &world, &draft, &purpose) {
+    let draft = resolve(&world, &written(calls));
+    let told: Vec<String> = match repair(&world, &draft, &purpose) {
         Outcome::Valid(_) => vec!["valid".to_owned()],
         Outcome::Repaired(repaired) => repaired.edits.iter().map(|edit| edit.told(calls.len())).collect(),
         other => vec![format!("{other:?}")],
@@ -152,7 +152,7 @@ fn nothing_is_guessed() {
         object_name: Some("<pear>".to_owned()),
         ..written(&["grasp_object()"])
     };
-    let outcome = repair(&domain, &world, &resolve(&domain, &world, &draft), &Purpose::default());
+    let outcome = repair(&world, &resolve(&world, &draft), &Purpose::default());
     assert!(matches!(outcome, Outcome::Unclear { .. }), "{outcome:?}");
 }
 
@@ -192,8 +192,8 @@ fn every_edit_says_why() {
         "Walktowards(<oven_2>)",
         "PutIn(<pie_4>, <oven_2>)",
     ];
-    let draft = resolve(&domain, &world, &written(&calls));
-    let Outcome::Repaired(repaired) = repair(&domain, &world, &draft, &Purpose::default()) else {
+    let draft = resolve(&world, &written(&calls));
+    let Outcome::Repaired(repaired) = repair(&world, &draft, &Purpose::default()) else {
         panic!("it can be repaired");
     };
     let whys: Vec<_> = repaired.edits.iter().map(|edit| edit.why.as_str()).collect();
@@ -224,17 +224,17 @@ fn plans_with_hidden_arguments_are_repaired_too() {
             "object_states": {"<milk>": "inside_something(<fridge>)", "<fridge_handle>": "closed()"}}}"#,
     )
     .unwrap();
-    let draft = resolve(&domain, &world, &file.task_cohesion);
+    let draft = resolve(&world, &file.task_cohesion);
     let purpose = Purpose {
-        claim: Some(Claim::read(&domain, &world, file.environment_after.as_ref().unwrap())),
+        claim: Some(Claim::read(&world, file.environment_after.as_ref().unwrap())),
         ..Purpose::default()
     };
-    let Outcome::Repaired(repaired) = repair(&domain, &world, &draft, &purpose) else {
+    let Outcome::Repaired(repaired) = repair(&world, &draft, &purpose) else {
         panic!("it can be repaired");
     };
     let inserted: Vec<_> = repaired.edits.iter().map(|edit| edit.told(6)).collect();
     assert_eq!(inserted.len(), 8, "{inserted:?}");
-    let after = environment::write(&domain, &world, &repaired.plan.ending().after);
+    let after = environment::write(&world, &repaired.plan.ending().after);
     assert_eq!(after.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);
     assert_eq!(after.object_states["<fridge_handle>"].as_slice(), ["closed()"]);
 }
@@ -242,10 +242,11 @@ fn plans_with_hidden_arguments_are_repaired_too() {
 // --- comparison with exhaustive search --------------------------------------------------------------------------
 
 /// Computes the least cost of a repair with Dijkstra's algorithm over draft position, postponed step and state.
-fn least_cost(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose, as_if: &State) -> Option<u32> {
-    let meant = target::meant(domain, world, draft, purpose, as_if);
+fn least_cost(world: &World, draft: &Resolved, purpose: &Purpose, as_if: &State) -> Option<u32> {
+    let domain = world.domain();
+    let meant = target::meant(world, draft, purpose, as_if);
     let costs = domain.repair;
-    let actions: Vec<(ActionId, Vec<EntityId>)> = all_actions(domain, world);
+    let actions: Vec<(ActionId, Vec<EntityId>)> = all_actions(world);
     let applicable = |state: &State, (id, arguments): &(ActionId, Vec<EntityId>)| {
         unmet(world, state, &domain.action(*id).precondition, &mut arguments.clone()).is_empty()
     };
@@ -273,7 +274,7 @@ fn least_cost(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpos
         let same_things = new.1.iter().all(|entity| old.1.contains(entity));
         let brought = brings(old);
         new.0 != old.0
-            && can_apply(domain, world, new.0, &new.1)
+            && can_apply(world, new.0, &new.1)
             && same_things
             && brings(new).iter().any(|effect| brought.contains(effect))
     };
@@ -320,7 +321,7 @@ fn least_cost(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpos
             next.push((costs.insert, (*at, *aside, done(state, action))));
         }
         if let Some(step) = steps.get(*at) {
-            let possible = can_apply(domain, world, step.0, &step.1);
+            let possible = can_apply(world, step.0, &step.1);
             let substitutes: Vec<_> = actions.iter().filter(|action| replaces(action, step)).collect();
             if applicable(state, step) {
                 next.push((0, (at + 1, *aside, done(state, step))));
@@ -356,9 +357,9 @@ fn least_cost(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpos
     best
 }
 
-fn all_actions(domain: &Domain, world: &World) -> Vec<(ActionId, Vec<EntityId>)> {
+fn all_actions(world: &World) -> Vec<(ActionId, Vec<EntityId>)> {
     let mut all = Vec::new();
-    for (id, action) in domain.action_ids() {
+    for (id, action) in world.domain().action_ids() {
         let mut choices: Vec<Vec<EntityId>> = vec![Vec::new()];
         for parameter in &action.parameters {
             let of_kind = world.of_kind(parameter.kind);
@@ -457,28 +458,28 @@ proptest! {
             .map(|(action, x, y)| format!("Act{}({}, {})", action % actions.len(), ENTITIES[*x], ENTITIES[*y]))
             .collect();
         let calls: Vec<&str> = calls.iter().map(String::as_str).collect();
-        let draft = resolve(&domain, &world, &written(&calls));
+        let draft = resolve(&world, &written(&calls));
         let purpose = Purpose {
             claim: claimed.map(|facts| {
-                Claim::read(&domain, &world, &Environment::from_json(&environment(&facts)).unwrap())
+                Claim::read(&world, &Environment::from_json(&environment(&facts)).unwrap())
             }),
             ..Purpose::default()
         };
         let steps = draft.complete().unwrap();
-        let (plan, _) = crate::verify::bind(&domain, &world, &steps, &[], None).unwrap();
-        let report: Report = verify::check(&domain, &world, plan.clone(), &purpose);
-        match repair_within(1_000_000, &domain, &world, &draft, &purpose, &Pins::default()) {
+        let (plan, _) = crate::verify::bind(&world, &steps, &[], None).unwrap();
+        let report: Report = verify::check(&world, plan.clone(), &purpose);
+        match repair_within(1_000_000, &world, &draft, &purpose, &Pins::default()) {
             Outcome::Valid(valid) => {
                 prop_assert_eq!(valid.plan(), &plan);
                 prop_assert!(report.violations.is_empty());
             }
             Outcome::Repaired(repaired) => {
                 prop_assert!(!report.violations.is_empty());
-                let least = least_cost(&domain, &world, &draft, &purpose, &report.ending().after);
+                let least = least_cost(&world, &draft, &purpose, &report.ending().after);
                 prop_assert_eq!(Some(repaired.cost), least, "{:?}", repaired.edits);
             }
             Outcome::ProvenUnsolvable { .. } => {
-                prop_assert_eq!(least_cost(&domain, &world, &draft, &purpose, &report.ending().after), None);
+                prop_assert_eq!(least_cost(&world, &draft, &purpose, &report.ending().after), None);
             }
             Outcome::GaveUp { why, .. } | Outcome::Unclear { why } => prop_assert!(false, "{}", why),
         }
@@ -496,20 +497,20 @@ proptest! {
             "objects": ["<milk>", "<cup>", "<fridge_handle>"], "object_states": {{"<milk>": "{milk}",
             "<cup>": "on_something(<counter>)", "<fridge_handle>": "{door}"}}}}"#);
         let world = world_of(&domain, &text);
-        let goal = goal::parse(&domain, &world, goal).unwrap();
-        let found = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
+        let goal = goal::parse(&world, goal).unwrap();
+        let found = search::solve(&world, &goal.wanted(&domain), &Limits::default());
         let search::Outcome::Solved { plan, .. } = found else { panic!("{found:?}") };
-        let after = verify::check(&domain, &world, plan.clone(), &Purpose::default()).ending().after.clone();
+        let after = verify::check(&world, plan.clone(), &Purpose::default()).ending().after.clone();
         let purpose = Purpose {
-            claim: Some(Claim::read(&domain, &world, &environment::write(&domain, &world, &after))),
+            claim: Some(Claim::read(&world, &environment::write(&world, &after))),
             ..Purpose::default()
         };
-        let draft = resolve(&domain, &world, &TaskCohesion::new(&domain, &world, &plan));
-        let outcome = repair(&domain, &world, &draft, &purpose);
+        let draft = resolve(&world, &TaskCohesion::new(&world, &plan));
+        let outcome = repair(&world, &draft, &purpose);
         let Outcome::Valid(valid) = outcome else { panic!("{outcome:?}") };
         prop_assert_eq!(&valid.ending().after, &after);
         let calls = |plan: &Plan| -> Vec<String> {
-            plan.steps().iter().map(|step| step.call(&domain, &world).to_string()).collect()
+            plan.steps().iter().map(|step| step.call(&world).to_string()).collect()
         };
         prop_assert_eq!(calls(valid.plan()), calls(&plan));
     }

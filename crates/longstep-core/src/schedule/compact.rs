@@ -26,21 +26,21 @@ pub struct Compacted {
 ///
 /// None if the plan is not a sequence, has only one actor, gains no time, or would have another final state: the result
 /// is verified in all interleavings of the lanes.
-pub fn compact(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
-    let spent = effort::within(effort::OPERATION, || compact_within(domain, world, plan, purpose));
+pub fn compact(world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
+    let spent = effort::within(effort::OPERATION, || compact_within(world, plan, purpose));
     spent.result.filter(|_| !spent.exhausted)
 }
 
-fn compact_within(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
+fn compact_within(world: &World, plan: &VerifiedPlan, purpose: &Purpose) -> Option<Compacted> {
     if !plan.plan().is_sequence() {
         return None;
     }
-    let (before, tree) = (makespan(plan.plan()), arranged(domain, world, plan.steps())?);
+    let (before, tree) = (makespan(plan.plan()), arranged(world, plan.steps())?);
     let after = makespan(&tree);
     if after.units() >= before.units() {
         return None;
     }
-    let compacted = check(domain, world, tree, purpose).into_verified().ok()?;
+    let compacted = check(world, tree, purpose).into_verified().ok()?;
     let same_end = compacted
         .endings()
         .iter()
@@ -53,11 +53,12 @@ fn compact_within(domain: &Domain, world: &World, plan: &VerifiedPlan, purpose: 
 }
 
 /// Arranges the steps as lanes; none if there are fewer than two actors.
-pub(super) fn arranged(domain: &Domain, world: &World, steps: &[Step]) -> Option<Plan> {
+pub(super) fn arranged(world: &World, steps: &[Step]) -> Option<Plan> {
+    let domain = world.domain();
     if actors(domain, steps).len() < 2 {
         return None;
     }
-    let prints = footprints(domain, world, steps);
+    let prints = footprints(world, steps);
     let mut tree = Tree::default();
     let mut from = 0;
     for to in 0..=steps.len() {
@@ -108,11 +109,12 @@ fn timed<'a>(domain: &Domain, steps: &'a [Step], prints: &[Footprint]) -> Vec<Ti
 }
 
 /// Returns the footprint of each step in the state in which it is executed.
-fn footprints(domain: &Domain, world: &World, steps: &[Step]) -> Vec<Footprint> {
+fn footprints(world: &World, steps: &[Step]) -> Vec<Footprint> {
+    let domain = world.domain();
     let mut state: State = world.state.clone();
     let mut grounded = Vec::with_capacity(steps.len());
     for step in steps {
-        grounded.push(Grounded::of(domain, world, &state, step));
+        grounded.push(Grounded::of(world, &state, step));
         apply(world, &mut state, domain.action(step.action), &step.arguments);
     }
     let writers: Vec<Option<EntityId>> = steps.iter().map(|step| step.actor(domain)).collect();

@@ -2,7 +2,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::model::{Domain, EntityId, Fact, State, World};
+use crate::model::{EntityId, Fact, State, World};
 use crate::plan::Step;
 use crate::search::{Formula, GroundAction, Literal, Operator, ground_step};
 
@@ -37,13 +37,13 @@ pub(super) struct Grounded {
 }
 
 impl Grounded {
-    pub(super) fn of(domain: &Domain, world: &World, state: &State, step: &Step) -> Self {
+    pub(super) fn of(world: &World, state: &State, step: &Step) -> Self {
         let ground = GroundAction {
             action: step.action,
             arguments: step.arguments.clone(),
         };
-        let (operator, facts) = ground_step(domain, world, ground);
-        let handled = |entity: &EntityId| world.is_of_kind(*entity, domain.environment.object);
+        let (operator, facts) = ground_step(world, ground);
+        let handled = |entity: &EntityId| world.is_of_kind(*entity, world.domain().environment.object);
         Self {
             operator,
             facts: facts.into_iter().map(|fact| (fact, state.holds(fact))).collect(),
@@ -149,18 +149,15 @@ impl Footprint {
 /// let (move_hand, _) = domain.action_ids().find(|(_, action)| action.name == "move-hand").unwrap();
 /// let to = |hand: &str, place: &str| {
 ///     let arguments = [hand, place].map(|name| world.find(name).unwrap()).to_vec();
-///     Step::explained(&domain, &world, move_hand, arguments)
+///     Step::explained(&world, move_hand, arguments)
 /// };
-/// let both = |one, other| schedule::independent(&domain, &world, &world.state, &one, &other);
+/// let both = |one, other| schedule::independent(&world, &world.state, &one, &other);
 /// assert!(both(to("right", "<jar>"), to("left", "<rack>")));
 /// assert!(!both(to("right", "<jar>"), to("right", "<rack>")));
 /// assert!(!both(to("right", "<jar>"), to("left", "<jar>")), "both reach for one thing");
 /// ```
-pub fn independent(domain: &Domain, world: &World, state: &State, one: &Step, other: &Step) -> bool {
-    let (one, other) = (
-        Grounded::of(domain, world, state, one),
-        Grounded::of(domain, world, state, other),
-    );
+pub fn independent(world: &World, state: &State, one: &Step, other: &Step) -> bool {
+    let (one, other) = (Grounded::of(world, state, one), Grounded::of(world, state, other));
     let (first, second) = (
         one.footprint(&other.contends().collect()),
         other.footprint(&one.contends().collect()),

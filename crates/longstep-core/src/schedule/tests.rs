@@ -27,26 +27,27 @@ fn room(text: &str) -> (Domain, World) {
     (domain, world)
 }
 
-fn solved(domain: &Domain, world: &World, goal: &str) -> (VerifiedPlan, Purpose) {
-    let goal = goal::parse(domain, world, goal).unwrap();
+fn solved(world: &World, goal: &str) -> (VerifiedPlan, Purpose) {
+    let domain = world.domain();
+    let goal = goal::parse(world, goal).unwrap();
     let purpose = goal.purpose(domain);
-    let outcome = solve(domain, world, &goal.wanted(domain), &Limits::default());
+    let outcome = solve(world, &goal.wanted(domain), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}");
     };
-    (check(domain, world, plan, &purpose).into_verified().unwrap(), purpose)
+    (check(world, plan, &purpose).into_verified().unwrap(), purpose)
 }
 
 /// Solves a goal in the room, and checks the number of steps and the makespans as a sequence and as lanes.
 #[track_caller]
 fn check_time(goal: &str, expected: (usize, u64)) {
-    let (domain, world) = room(ROOM);
-    let (plan, purpose) = solved(&domain, &world, goal);
-    let shared = share(&domain, &world, &plan, &purpose);
+    let (_, world) = room(ROOM);
+    let (plan, purpose) = solved(&world, goal);
+    let shared = share(&world, &plan, &purpose);
     let time = shared.as_ref().map_or(makespan(plan.plan()), |shared| shared.after);
     assert_eq!((plan.steps().len(), time.units()), expected, "{goal}");
     if let Some(shared) = shared {
-        let after = |plan: &VerifiedPlan| environment::write(&domain, &world, &plan.ending().after);
+        let after = |plan: &VerifiedPlan| environment::write(&world, &plan.ending().after);
         assert_eq!(after(&shared.plan), after(&plan), "{goal}");
         assert_eq!(shared.before, makespan(plan.plan()), "{goal}");
         assert_eq!(shared.after, makespan(shared.plan.plan()), "{goal}");
@@ -72,7 +73,7 @@ fn check_units(body: Vec<Node>, expected: &str) {
     let count = crate::plan::tree::steps(&body).count();
     let mug = world.find("<mug>").unwrap();
     let (wait, _) = domain.action_ids().find(|(_, action)| action.name == "grasp").unwrap();
-    let step = Step::explained(&domain, &world, wait, vec![world.find("right").unwrap(), mug]);
+    let step = Step::explained(&world, wait, vec![world.find("right").unwrap(), mug]);
     let plan = Plan::tree(vec![step; count], body).unwrap();
     assert_eq!(makespan(&plan).to_string(), expected);
 }
@@ -135,30 +136,30 @@ fn time_is_counted_along_the_longest_way() {
 /// Parses calls and their explanations, and arranges them as lanes; steps are counted from 1.
 #[track_caller]
 fn check_lanes(things: &[&str], steps: &[(&str, &str)], expected: &str) {
-    let (domain, world) = room(ROOM);
+    let (_, world) = room(ROOM);
     let written = TaskCohesion {
         task_sequence: steps.iter().map(|(call, _)| (*call).to_owned()).collect(),
         step_instructions: steps.iter().map(|(_, about)| (*about).to_owned()).collect(),
         object_names: things.iter().map(|thing| (*thing).to_owned()).collect(),
         ..TaskCohesion::default()
     };
-    let resolved = resolve(&domain, &world, &written);
-    let (plan, _) = bind(&domain, &world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap();
-    let plan = check(&domain, &world, plan, &Purpose::default()).into_verified();
+    let resolved = resolve(&world, &written);
+    let (plan, _) = bind(&world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap();
+    let plan = check(&world, plan, &Purpose::default()).into_verified();
     let plan = plan.unwrap_or_else(|report| panic!("{:?}", report.violations));
-    let told = match compact(&domain, &world, &plan, &Purpose::default()) {
+    let told = match compact(&world, &plan, &Purpose::default()) {
         None => "as it was".to_owned(),
         Some(compacted) => {
             let same = compacted.plan.ending().after == plan.ending().after;
             assert!(same);
-            told(&domain, &world, compacted.plan.plan())
+            told(&world, compacted.plan.plan())
         }
     };
     assert_eq!(told, expected);
 }
 
-fn told(domain: &Domain, world: &World, plan: &Plan) -> String {
-    let call = |id: &StepId| plan.step(*id).call(domain, world).name;
+fn told(world: &World, plan: &Plan) -> String {
+    let call = |id: &StepId| plan.step(*id).call(world).name;
     let node = |node: &Node| match node {
         Node::Step(id) => call(id),
         Node::Parallel { lanes } => {

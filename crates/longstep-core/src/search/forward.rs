@@ -13,7 +13,7 @@ use super::relevance;
 use super::task::Task;
 use super::{GroundAction, Outcome};
 use crate::effort;
-use crate::model::{Domain, World};
+use crate::model::World;
 use crate::plan::Step;
 
 /// Limits of a search as numbers of evaluated states, so that the result does not depend on the speed of the machine.
@@ -78,7 +78,7 @@ pub(super) enum Straight {
 
 impl Straight {
     /// Converts the result; the steps get the domain's explanations.
-    pub(super) fn explained(self, domain: &Domain, world: &World) -> Outcome {
+    pub(super) fn explained(self, world: &World) -> Outcome {
         match self {
             Self::Solved {
                 steps,
@@ -88,7 +88,7 @@ impl Straight {
                 worst: steps.len() as u32,
                 plan: steps
                     .into_iter()
-                    .map(|step| Step::explained(domain, world, step.action, step.arguments))
+                    .map(|step| Step::explained(world, step.action, step.arguments))
                     .collect(),
                 shortest,
                 expanded,

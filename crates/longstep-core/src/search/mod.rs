@@ -27,7 +27,7 @@ pub(crate) use scope::{Asked, Scope};
 pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
 
 use crate::effort;
-use crate::model::{ActionId, Domain, EntityId, Moment, World, apply, holds};
+use crate::model::{ActionId, EntityId, Moment, World, apply, holds};
 
 pub use crate::model::Wanted;
 
@@ -63,26 +63,27 @@ const TOO_MUCH: &str =
 ///     "assets": ["<table>", "<shelf>"], "asset_states": {},
 ///     "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
-/// let goal = goal::parse(&household, &world, "put(cup, shelf)").unwrap();
-/// let outcome = search::solve(&household, &world, &goal.wanted(&household), &search::Limits::default());
+/// let goal = goal::parse(&world, "put(cup, shelf)").unwrap();
+/// let outcome = search::solve(&world, &goal.wanted(&household), &search::Limits::default());
 /// let search::Outcome::Solved { plan, shortest, .. } = outcome else { panic!() };
 /// assert!(shortest && plan.steps().len() == 6);
 /// ```
-pub fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+pub fn solve(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+    let domain = world.domain();
     let mut atoms = wanted.iter().flat_map(|wanted| wanted.condition.atoms());
     if atoms.any(|(atom, _)| domain.is_sensed(atom.predicate)) {
-        return contingent::solve(domain, world, wanted, limits);
+        return contingent::solve(world, wanted, limits);
     }
     let senses = || domain.actions.iter().any(|action| !action.senses.is_empty());
-    match straight(domain, world, wanted, limits) {
-        Straight::ProvenUnsolvable { .. } if senses() => contingent::solve(domain, world, wanted, limits),
-        found => found.explained(domain, world),
+    match straight(world, wanted, limits) {
+        Straight::ProvenUnsolvable { .. } if senses() => contingent::solve(world, wanted, limits),
+        found => found.explained(world),
     }
 }
 
 /// Finds a shortest plan without sensing.
-fn straight(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
-    let spent = effort::within(EFFORT, || straight_within(domain, world, wanted, limits));
+fn straight(world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
+    let spent = effort::within(EFFORT, || straight_within(world, wanted, limits));
     match spent.exhausted {
         true => Straight::GaveUp {
             why: TOO_MUCH.to_owned(),
@@ -92,14 +93,15 @@ fn straight(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) 
     }
 }
 
-fn straight_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
+fn straight_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
+    let domain = world.domain();
     let asked = Asked::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
         .collect();
-    let whole = Scope::whole(domain, world, &asked);
-    let around = |far: &bool| whole.around(domain, world, &asked, &about, *far);
+    let whole = Scope::whole(world, &asked);
+    let around = |far: &bool| whole.around(world, &asked, &about, *far);
     let scopes = match whole.is_bearable(domain) {
         true => vec![whole],
         false => [false, true]
@@ -113,11 +115,11 @@ fn straight_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &L
         if effort::is_exhausted() {
             break;
         }
-        let task = relevance::reduce(task::ground(domain, world, &scope, wanted));
+        let task = relevance::reduce(task::ground(world, &scope, wanted));
         let outcome = forward::search(&task, limits);
         match outcome {
             outcome if scope.whole => return outcome,
-            Straight::Solved { steps, expanded, .. } if reaches(domain, world, &steps, wanted) => {
+            Straight::Solved { steps, expanded, .. } if reaches(world, &steps, wanted) => {
                 return Straight::Solved {
                     steps,
                     shortest: false,
@@ -136,10 +138,10 @@ fn straight_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &L
 }
 
 /// Returns true if the steps are applicable in the whole world and achieve all wanted conditions.
-fn reaches(domain: &Domain, world: &World, steps: &[GroundAction], wanted: &[Wanted]) -> bool {
+fn reaches(world: &World, steps: &[GroundAction], wanted: &[Wanted]) -> bool {
     let mut state = world.state.clone();
     let possible = steps.iter().all(|step| {
-        let action = domain.action(step.action);
+        let action = world.domain().action(step.action);
         let moment = Moment { world, state: &state };
         let possible = holds(moment, &action.precondition, &mut step.arguments.clone());
         apply(world, &mut state, action, &step.arguments);

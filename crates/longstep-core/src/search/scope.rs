@@ -34,7 +34,8 @@ pub(crate) struct Scope {
 
 impl Scope {
     /// Returns the scope with all entities, and the actions that may be relevant to the required conditions and facts.
-    pub(crate) fn whole(domain: &Domain, world: &World, asked: &Asked) -> Self {
+    pub(crate) fn whole(world: &World, asked: &Asked) -> Self {
+        let domain = world.domain();
         let kinds = 0..domain.types.len();
         Self {
             actions: asked.actions(domain),
@@ -44,12 +45,12 @@ impl Scope {
     }
 
     /// Returns the scope around the entities of the goal; if `far`, with the entities that share their places.
-    pub(crate) fn around(&self, domain: &Domain, world: &World, asked: &Asked, about: &[EntityId], far: bool) -> Self {
-        let mut things = asked.by_kind(domain, world, &self.actions);
+    pub(crate) fn around(&self, world: &World, asked: &Asked, about: &[EntityId], far: bool) -> Self {
+        let mut things = asked.by_kind(world, &self.actions);
         things.extend(about);
-        let near = around(domain, world, things, false);
+        let near = around(world, things, false);
         if far {
-            self.only(&around(domain, world, near, true))
+            self.only(&around(world, near, true))
         } else {
             self.only(&near)
         }
@@ -193,17 +194,23 @@ impl Asked {
     }
 
     /// Returns the few entities that conditions describe by static facts, such as some tap or some bin.
-    fn by_kind(&self, domain: &Domain, world: &World, actions: &[bool]) -> FxHashSet<EntityId> {
+    fn by_kind(&self, world: &World, actions: &[bool]) -> FxHashSet<EntityId> {
         let mut found = FxHashSet::default();
         for (condition, bindings) in &self.conditions {
-            named(domain, world, condition, &mut bindings.clone(), &mut found);
+            named(world, condition, &mut bindings.clone(), &mut found);
         }
         // Parameters are still unbound, so only conditions without parameters are evaluated.
-        for (action, _) in domain.actions.iter().zip(actions).filter(|(_, matters)| **matters) {
+        for (action, _) in world
+            .domain()
+            .actions
+            .iter()
+            .zip(actions)
+            .filter(|(_, matters)| **matters)
+        {
             let first = world.of_kind(TypeId::OBJECT).first().copied();
             let mut bindings: Bindings = first.iter().copied().cycle().take(action.parameters.len()).collect();
             if bindings.len() == action.parameters.len() {
-                named(domain, world, &action.precondition, &mut bindings, &mut found);
+                named(world, &action.precondition, &mut bindings, &mut found);
             }
         }
         found
@@ -211,19 +218,11 @@ impl Asked {
 }
 
 /// Adds the entities that an existential condition may be about, up to [`MANY`].
-fn named(
-    domain: &Domain,
-    world: &World,
-    condition: &Condition,
-    bindings: &mut Bindings,
-    found: &mut FxHashSet<EntityId>,
-) {
-    let unchanging = |atom: &Atom, initially: bool| initially || !domain.words(atom.predicate).fluent;
+fn named(world: &World, condition: &Condition, bindings: &mut Bindings, found: &mut FxHashSet<EntityId>) {
+    let unchanging = |atom: &Atom, initially: bool| initially || !world.domain().words(atom.predicate).fluent;
     match condition {
         Condition::And(parts) | Condition::Or(parts) => {
-            parts
-                .iter()
-                .for_each(|part| named(domain, world, part, bindings, found));
+            parts.iter().for_each(|part| named(world, part, bindings, found));
         }
         Condition::Exists(slot, kind, inner) => {
             let moment = Moment {
@@ -237,7 +236,7 @@ fn named(
                 }
                 found.insert(thing);
                 bindings.push(thing);
-                named(domain, world, inner, bindings, found);
+                named(world, inner, bindings, found);
                 bindings.pop();
             }
         }
@@ -247,7 +246,8 @@ fn named(
 
 /// Extends the entities with those they are related to: their places, their parts, and held objects. If `far`, also
 /// entities that share their places.
-fn around(domain: &Domain, world: &World, things: FxHashSet<EntityId>, far: bool) -> FxHashSet<EntityId> {
+fn around(world: &World, things: FxHashSet<EntityId>, far: bool) -> FxHashSet<EntityId> {
+    let domain = world.domain();
     let mut found = things;
     for index in 0..domain.predicates.len() {
         let facts = world.state.of_predicate(PredicateId::new(index));

@@ -104,14 +104,9 @@ pub(crate) struct GroundCondition {
 }
 
 /// Grounds a condition under `bindings`; static facts and `initially` atoms are replaced by their values.
-pub(crate) fn ground_condition(
-    domain: &Domain,
-    world: &World,
-    condition: &Condition,
-    bindings: &[EntityId],
-) -> GroundCondition {
-    let scope = Scope::whole(domain, world, &Asked::default());
-    let mut grounder = Grounder::new(domain, world, &scope);
+pub(crate) fn ground_condition(world: &World, condition: &Condition, bindings: &[EntityId]) -> GroundCondition {
+    let scope = Scope::whole(world, &Asked::default());
+    let mut grounder = Grounder::new(world, &scope);
     let formula = grounder.formula(condition, &mut bindings.to_vec());
     GroundCondition {
         formula,
@@ -120,25 +115,25 @@ pub(crate) fn ground_condition(
 }
 
 /// Grounds one step; returns the operator and the facts by number.
-pub(crate) fn ground_step(domain: &Domain, world: &World, step: GroundAction) -> (Operator, Vec<Fact>) {
-    let scope = Scope::whole(domain, world, &Asked::default());
-    let mut grounder = Grounder::new(domain, world, &scope);
+pub(crate) fn ground_step(world: &World, step: GroundAction) -> (Operator, Vec<Fact>) {
+    let scope = Scope::whole(world, &Asked::default());
+    let mut grounder = Grounder::new(world, &scope);
     let operator = grounder.operator(step);
     (operator, grounder.facts())
 }
 
 /// Grounds all actions whose static preconditions hold, without sensing.
-pub(super) fn ground(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
-    ground_with(domain, world, scope, wanted, false)
+pub(super) fn ground(world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
+    ground_with(world, scope, wanted, false)
 }
 
 /// Grounds like [`ground`], with an operator for each outcome of a sensing step.
-pub(super) fn ground_sensing(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
-    ground_with(domain, world, scope, wanted, true)
+pub(super) fn ground_sensing(world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
+    ground_with(world, scope, wanted, true)
 }
 
-fn ground_with(domain: &Domain, world: &World, scope: &Scope, wanted: &[Wanted], sensing: bool) -> Task {
-    let mut grounder = Grounder::new(domain, world, scope);
+fn ground_with(world: &World, scope: &Scope, wanted: &[Wanted], sensing: bool) -> Task {
+    let mut grounder = Grounder::new(world, scope);
     let goal = grounder.goal(wanted);
     let always = grounder.always();
     // Among equally short plans, prefer those with entities of the goal: walk to the sink rather than to its tap.
@@ -183,7 +178,8 @@ pub(crate) struct Grounder<'a> {
 }
 
 impl<'a> Grounder<'a> {
-    pub(crate) fn new(domain: &'a Domain, world: &'a World, scope: &'a Scope) -> Self {
+    pub(crate) fn new(world: &'a World, scope: &'a Scope) -> Self {
+        let domain = world.domain();
         Self {
             domain,
             world,
@@ -358,7 +354,7 @@ impl<'a> Grounder<'a> {
     ) {
         let bound = arguments.len();
         for (needed, condition) in conjuncts {
-            if *needed == bound && static_value(self.domain, self.world, condition, arguments) == Some(false) {
+            if *needed == bound && static_value(self.world, condition, arguments) == Some(false) {
                 return;
             }
         }
@@ -399,7 +395,7 @@ impl<'a> Grounder<'a> {
                 let parts = self.instances((*slot, *kind), inner, true, bindings);
                 Formula::or(parts)
             }
-            literal => match (static_value(self.domain, self.world, literal, bindings), literal) {
+            literal => match (static_value(self.world, literal, bindings), literal) {
                 (None, Condition::Atom { atom, holds, .. }) => Formula::Literal(Literal {
                     fact: self.number(ground_atom(atom, bindings)),
                     holds: *holds,

@@ -59,7 +59,6 @@ pub(super) enum Learned {
 /// [`Violation::NothingFits`] for the first step with an implicit argument that no entity of the environment fits;
 /// [`Violation::TooMuchWork`] if binding exceeds [`effort::OPERATION`] units.
 pub fn bind(
-    domain: &Domain,
     world: &World,
     steps: &[DraftStep],
     objects: &[EntityId],
@@ -69,7 +68,7 @@ pub fn bind(
         steps,
         assumptions,
         missing,
-    } = bind_as_far(domain, world, steps, objects, claim);
+    } = bind_as_far(world, steps, objects, claim);
     match missing {
         None => Ok((Plan::sequence(steps), assumptions)),
         Some(violation) => Err(violation),
@@ -86,13 +85,7 @@ pub(crate) struct Bound {
 }
 
 /// Binds implicit arguments up to the first step that no entity fits.
-pub(crate) fn bind_as_far(
-    domain: &Domain,
-    world: &World,
-    steps: &[DraftStep],
-    objects: &[EntityId],
-    claim: Option<&Claim>,
-) -> Bound {
+pub(crate) fn bind_as_far(world: &World, steps: &[DraftStep], objects: &[EntityId], claim: Option<&Claim>) -> Bound {
     let turn = |step: &DraftStep| Turn {
         step: step.clone(),
         claims: Vec::new(),
@@ -103,16 +96,16 @@ pub(crate) fn bind_as_far(
         arguments,
         assumptions,
         exhausted,
-    } = bind_way(domain, world, &world.state, &turns, objects, claim);
+    } = bind_way(world, &world.state, &turns, objects, claim);
     let missing = match steps.get(arguments.len()) {
         _ if exhausted => Some(Violation::TooMuchWork),
-        Some(step) => Some(nothing_fits(domain, arguments.len(), step)),
+        Some(step) => Some(nothing_fits(world.domain(), arguments.len(), step)),
         None => None,
     };
     let steps = steps
         .iter()
         .zip(arguments)
-        .map(|(step, arguments)| bound(domain, world, step, arguments));
+        .map(|(step, arguments)| bound(world, step, arguments));
     Bound {
         steps: steps.collect(),
         assumptions,
@@ -143,13 +136,13 @@ pub(super) struct WayArguments {
 
 /// Binds the steps of one execution path from the state `start`, as far as possible.
 pub(super) fn bind_way(
-    domain: &Domain,
     world: &World,
     start: &State,
     turns: &[Turn],
     objects: &[EntityId],
     claim: Option<&Claim>,
 ) -> WayArguments {
+    let domain = world.domain();
     let given = |turn: &Turn| turn.step.arguments.iter().copied().collect::<Option<Vec<EntityId>>>();
     if let Some(arguments) = turns.iter().map(given).collect() {
         return WayArguments {
@@ -199,8 +192,8 @@ pub(super) fn bind_way(
     }
 }
 
-pub(super) fn bound(domain: &Domain, world: &World, step: &DraftStep, arguments: Vec<EntityId>) -> Step {
-    let mut bound = Step::explained(domain, world, step.action, arguments);
+pub(super) fn bound(world: &World, step: &DraftStep, arguments: Vec<EntityId>) -> Step {
+    let mut bound = Step::explained(world, step.action, arguments);
     if !step.explanation.is_empty() {
         bound.explanation.clone_from(&step.explanation);
     }
@@ -219,13 +212,12 @@ pub struct Candidate {
 /// Returns all candidate arguments of a step, the most likely first: entities that the explanation mentions, then the
 /// places where the plan claims the objects to be.
 pub fn candidates(
-    domain: &Domain,
     world: &World,
     step: &DraftStep,
     objects: &[EntityId],
     claimed_places: &FxHashSet<EntityId>,
 ) -> Vec<Candidate> {
-    let action = domain.action(step.action);
+    let action = world.domain().action(step.action);
     let words = spoken(step);
     let handled: FxHashSet<EntityId> = objects.iter().copied().collect();
     let mut all = vec![Candidate {
@@ -293,14 +285,10 @@ pub fn candidates(
 }
 
 /// Returns the entities in newly claimed facts about the objects.
-pub(crate) fn claimed_places(
-    domain: &Domain,
-    world: &World,
-    claim: Option<&Claim>,
-    objects: &[EntityId],
-) -> FxHashSet<EntityId> {
+pub(crate) fn claimed_places(world: &World, claim: Option<&Claim>, objects: &[EntityId]) -> FxHashSet<EntityId> {
+    let domain = world.domain();
     let mut places = FxHashSet::default();
-    for fact in claim.map_or_else(Vec::new, |claim| claim.promises(domain, world)) {
+    for fact in claim.map_or_else(Vec::new, |claim| claim.promises(world)) {
         if domain.arguments(fact).any(|entity| objects.contains(&entity)) {
             places.extend(domain.arguments(fact));
         }
@@ -332,7 +320,7 @@ struct Binder<'a> {
 impl Binder<'_> {
     fn list_candidates(&mut self, objects: &[EntityId]) {
         let (domain, world) = (self.domain, self.world);
-        let mut places = claimed_places(domain, world, self.claim, objects);
+        let mut places = claimed_places(world, self.claim, objects);
         let claims = self.turns.iter().flat_map(|turn| &turn.claims);
         for fact in claims.filter(|fact| !self.start.holds(**fact)) {
             if domain.arguments(*fact).any(|entity| objects.contains(&entity)) {
@@ -340,7 +328,7 @@ impl Binder<'_> {
             }
         }
         let complete = |turn: &Turn| {
-            let all = candidates(domain, world, &turn.step, objects, &places).into_iter();
+            let all = candidates(world, &turn.step, objects, &places).into_iter();
             all.map(|candidate| candidate.arguments).collect()
         };
         self.candidates = self.turns.iter().map(complete).collect();
@@ -419,7 +407,7 @@ impl Binder<'_> {
             if claimed == 0 {
                 self.most = self.most.min(self.seen.len() + AFTER);
             }
-            let distance = claimed + broken_rules_at_end(self.domain, self.world, state);
+            let distance = claimed + broken_rules_at_end(self.world, state);
             if best.is_none_or(|best| distance < best) {
                 self.best = Some((distance, self.chosen.clone()));
             }
@@ -435,7 +423,7 @@ impl Binder<'_> {
             if self.lacks(depth, state, &arguments).is_empty() {
                 let mut next = state.clone();
                 let broken = self.advance(&mut next, &self.chosen, &arguments);
-                if breaks_a_rule(self.domain, self.world, state, &next) {
+                if breaks_a_rule(self.world, state, &next) {
                     continue;
                 }
                 self.broken += broken;
@@ -548,7 +536,7 @@ impl Binder<'_> {
             }
         }
         let differences =
-            |state: &State| self.claimed_differences(state).len() + broken_rules_at_end(self.domain, self.world, state);
+            |state: &State| self.claimed_differences(state).len() + broken_rules_at_end(self.world, state);
         let (end, known) = &along[chosen.len()];
         broken + differences(&state) == known + differences(end)
     }

@@ -9,7 +9,7 @@ use super::claims;
 use super::{Assumption, Violation};
 use crate::effort;
 use crate::environment::Claim;
-use crate::model::{Domain, Fact, World};
+use crate::model::{Fact, World};
 use crate::plan::{DraftStep, Node, Plan, Resolved, StepId, Test, lanes, tree};
 
 /// Maximum number of paths; a step on none of them is bound on its own.
@@ -25,7 +25,6 @@ const WAYS: usize = 256;
 /// fits; [`Violation::TooMuchWork`] if binding exceeds [`effort::OPERATION`] units; [`Violation::TooDeep`] if the tree
 /// is too deep.
 pub fn bind_tree(
-    domain: &Domain,
     world: &World,
     resolved: &Resolved,
     claim: Option<&Claim>,
@@ -33,7 +32,7 @@ pub fn bind_tree(
     let mut steps = resolved.complete().map_err(<[Violation]>::to_vec)?;
     let mut assumptions = Vec::new();
     let spent = effort::within(effort::OPERATION, || {
-        bind_ways(domain, world, resolved, claim, &mut steps, &mut assumptions)
+        bind_ways(world, resolved, claim, &mut steps, &mut assumptions)
     });
     if spent.exhausted || !spent.result {
         return Err(vec![Violation::TooMuchWork]);
@@ -42,8 +41,8 @@ pub fn bind_tree(
     let (mut all, mut missing) = (Vec::with_capacity(steps.len()), Vec::new());
     for (index, step) in steps.iter().enumerate() {
         match whole(step) {
-            Some(arguments) => all.push(bound(domain, world, step, arguments)),
-            None => missing.push(nothing_fits(domain, index, step)),
+            Some(arguments) => all.push(bound(world, step, arguments)),
+            None => missing.push(nothing_fits(world.domain(), index, step)),
         }
     }
     if !missing.is_empty() {
@@ -58,7 +57,6 @@ pub fn bind_tree(
 /// Binds path after path until every step has been on one, then each remaining step on its own. Returns false if the
 /// budget is exceeded.
 fn bind_ways(
-    domain: &Domain,
     world: &World,
     resolved: &Resolved,
     claim: Option<&Claim>,
@@ -79,9 +77,9 @@ fn bind_ways(
         let turns: Vec<Turn> = way.turns(steps, resolved);
         let mut start = world.state.clone();
         for (fact, holds) in &way.before {
-            learn(domain, &mut start, *fact, *holds);
+            learn(world.domain(), &mut start, *fact, *holds);
         }
-        let found = bind_way(domain, world, &start, &turns, &resolved.objects, claim);
+        let found = bind_way(world, &start, &turns, &resolved.objects, claim);
         if found.exhausted {
             return false;
         }
@@ -108,7 +106,7 @@ fn bind_ways(
             claims: Vec::new(),
             learned: Vec::new(),
         };
-        let found = bind_way(domain, world, &world.state, &[turn], &resolved.objects, claim);
+        let found = bind_way(world, &world.state, &[turn], &resolved.objects, claim);
         if found.exhausted {
             return false;
         }

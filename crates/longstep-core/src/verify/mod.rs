@@ -150,8 +150,8 @@ impl Report {
 ///
 /// The check has a budget of [`effort::OPERATION`] units. A plan that exceeds it gets the single violation
 /// [`Violation::TooMuchWork`].
-pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
-    let spent = effort::within(effort::OPERATION, || simulated(domain, world, plan, purpose));
+pub fn check(world: &World, plan: Plan, purpose: &Purpose) -> Report {
+    let spent = effort::within(effort::OPERATION, || simulated(world, plan, purpose));
     let mut report = spent.result;
     if spent.exhausted {
         // Findings after the budget is exhausted are not reliable.
@@ -163,11 +163,11 @@ pub fn check(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> R
     report
 }
 
-fn simulated(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> Report {
-    let mut walk = Walk::new(domain, world, &plan, &purpose.step_claims);
+fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
+    let mut walk = Walk::new(world, &plan, &purpose.step_claims);
     let ends = walk.run();
     let claimed = purpose.claim.as_ref();
-    let binding = claimed.map_or_else(Vec::new, |claim| binding_claims(domain, world, &plan, claim));
+    let binding = claimed.map_or_else(Vec::new, |claim| binding_claims(world, &plan, claim));
     let kept = |way: &Way| binding.iter().all(|fact| way.state.holds(*fact));
     let as_claimed = claimed.and_then(|_| ends.iter().position(kept));
     let endings = walk.each(ends, |walk, way| {
@@ -204,12 +204,13 @@ fn simulated(domain: &Domain, world: &World, plan: Plan, purpose: &Purpose) -> R
 
 /// Returns the claimed facts that an ending must have to fulfill the claim: achievable changes, and places of objects
 /// that are handled by calls which do not name the place.
-pub(crate) fn binding_claims(domain: &Domain, world: &World, plan: &Plan, claim: &Claim) -> Vec<Fact> {
-    let mut binding = claim.promises(domain, world);
-    binding.retain(|fact| can_be_brought_about(domain, world, *fact));
+pub(crate) fn binding_claims(world: &World, plan: &Plan, claim: &Claim) -> Vec<Fact> {
+    let domain = world.domain();
+    let mut binding = claim.promises(world);
+    binding.retain(|fact| can_be_brought_about(world, *fact));
     let led = plan.steps().iter().filter(|step| hides_places(domain, step.action));
     let handled: Vec<EntityId> = led.filter_map(|step| step.object(domain)).collect();
-    binding.extend(places_claimed(domain, world, claim, &handled));
+    binding.extend(places_claimed(world, claim, &handled));
     binding
 }
 
@@ -217,13 +218,13 @@ pub(crate) fn binding_claims(domain: &Domain, world: &World, plan: &Plan, claim:
 fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
     let (domain, world, state) = (walk.domain, walk.world, &way.state);
     let (mut wrong, mut odd) = (Vec::new(), Vec::new());
-    let promises = purpose.claim.as_ref().map(|claim| claim.promises(domain, world));
+    let promises = purpose.claim.as_ref().map(|claim| claim.promises(world));
     let meant: Vec<EntityId> = promises
         .iter()
         .flatten()
         .map(|fact| subject_of(domain, *fact))
         .collect();
-    for broken in broken_at_end(domain, world, state, purpose) {
+    for broken in broken_at_end(world, state, purpose) {
         // A change that the plan announces is not untidy.
         if !broken.binds && broken.bindings.iter().any(|entity| meant.contains(entity)) {
             continue;
@@ -241,7 +242,7 @@ fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
             wrong.push(Violation::Goal { index });
         }
     }
-    odd.extend(moved_unasked(domain, world, state, &purpose.spoken));
+    odd.extend(moved_unasked(world, state, &purpose.spoken));
     let when = walk.when(way);
     wrong
         .into_iter()
@@ -257,8 +258,9 @@ pub(crate) fn hides_places(domain: &Domain, action: ActionId) -> bool {
 
 /// Returns the claimed places of objects that are handled by calls which name no place. For them the claim is the only
 /// source, even if it keeps the old place. A constant of the domain, such as a hand, is no place.
-pub(crate) fn places_claimed(domain: &Domain, world: &World, claim: &Claim, handled: &[EntityId]) -> Vec<Fact> {
-    let mut places = claim.kept(domain, world);
+pub(crate) fn places_claimed(world: &World, claim: &Claim, handled: &[EntityId]) -> Vec<Fact> {
+    let domain = world.domain();
+    let mut places = claim.kept(world);
     let is_constant = |entity: EntityId| entity.index() < domain.constants.len();
     places.retain(|fact| {
         domain.is_relation(*fact)
@@ -270,7 +272,8 @@ pub(crate) fn places_claimed(domain: &Domain, world: &World, claim: &Claim, hand
 }
 
 /// Returns the objects that the plan moves and the instruction does not mention.
-fn moved_unasked(domain: &Domain, world: &World, after: &State, spoken: &[EntityId]) -> Vec<Violation> {
+fn moved_unasked(world: &World, after: &State, spoken: &[EntityId]) -> Vec<Violation> {
+    let domain = world.domain();
     // An instruction without any entity does not restrict what may be moved.
     if spoken.is_empty() {
         return Vec::new();

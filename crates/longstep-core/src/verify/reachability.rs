@@ -6,17 +6,17 @@ use crate::effort;
 use crate::model::{ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, static_value};
 
 /// Returns true if the condition can hold in some state of this world; fluent facts may have any value.
-pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
+pub(crate) fn possibly(world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
     if !effort::spend(1) {
         return false;
     }
     match condition {
-        Condition::And(parts) => parts.iter().all(|part| possibly(domain, world, part, bindings)),
-        Condition::Or(parts) => parts.iter().any(|part| possibly(domain, world, part, bindings)),
+        Condition::And(parts) => parts.iter().all(|part| possibly(world, part, bindings)),
+        Condition::Or(parts) => parts.iter().any(|part| possibly(world, part, bindings)),
         Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
             let mut instance = |entity: &EntityId| {
                 bindings.push(*entity);
-                let possible = possibly(domain, world, inner, bindings);
+                let possible = possibly(world, inner, bindings);
                 bindings.pop();
                 possible
             };
@@ -26,23 +26,23 @@ pub(crate) fn possibly(domain: &Domain, world: &World, condition: &Condition, bi
                 _ => all.iter().any(&mut instance),
             }
         }
-        literal => static_value(domain, world, literal, bindings).unwrap_or(true),
+        literal => static_value(world, literal, bindings).unwrap_or(true),
     }
 }
 
 /// Returns true if the action with these arguments may be applicable in some state of this world.
-pub fn can_apply(domain: &Domain, world: &World, action: ActionId, arguments: &[EntityId]) -> bool {
+pub fn can_apply(world: &World, action: ActionId, arguments: &[EntityId]) -> bool {
     possibly(
-        domain,
         world,
-        &domain.action(action).precondition,
+        &world.domain().action(action).precondition,
         &mut arguments.to_vec(),
     )
 }
 
 /// Returns true if some action may add the fact in this world: no static fact contradicts the action's precondition or
 /// the effect's condition.
-pub fn can_be_brought_about(domain: &Domain, world: &World, fact: Fact) -> bool {
+pub fn can_be_brought_about(world: &World, fact: Fact) -> bool {
+    let domain = world.domain();
     domain.action_ids().any(|(id, action)| {
         let adding = action
             .effects
@@ -88,11 +88,11 @@ impl Maker<'_> {
     fn some_arguments(&self, arguments: &mut Vec<EntityId>) -> bool {
         let (domain, world) = (self.domain, self.world);
         let parameters = domain.action(self.action).parameters.len();
-        if arguments.len() == parameters && !can_apply(domain, world, self.action, arguments) {
+        if arguments.len() == parameters && !can_apply(world, self.action, arguments) {
             return false;
         }
         let Some((kind, fixed)) = self.slots.get(arguments.len()) else {
-            return possibly(domain, world, &self.effect.condition, arguments);
+            return possibly(world, &self.effect.condition, arguments);
         };
         let candidates = fixed.as_ref().map_or(world.of_kind(*kind), std::slice::from_ref);
         candidates

@@ -21,8 +21,8 @@ impl Waiver {
 }
 
 /// Returns true if the step newly breaks an `always` rule.
-pub(super) fn breaks_a_rule(domain: &Domain, world: &World, before: &State, after: &State) -> bool {
-    let mut always = domain.rules.iter().filter(|rule| rule.time == RuleTime::Always);
+pub(super) fn breaks_a_rule(world: &World, before: &State, after: &State) -> bool {
+    let mut always = world.domain().rules.iter().filter(|rule| rule.time == RuleTime::Always);
     always.any(|rule| {
         let broken = broken_bindings(rule, world, after);
         !broken.is_empty() && {
@@ -33,8 +33,8 @@ pub(super) fn breaks_a_rule(domain: &Domain, world: &World, before: &State, afte
 }
 
 /// Counts the broken rules for the final state, once for each binding.
-pub(super) fn broken_rules_at_end(domain: &Domain, world: &World, state: &State) -> usize {
-    let at_end = domain.rules.iter().filter(|rule| rule.time == RuleTime::End);
+pub(super) fn broken_rules_at_end(world: &World, state: &State) -> usize {
+    let at_end = world.domain().rules.iter().filter(|rule| rule.time == RuleTime::End);
     at_end.map(|rule| broken_bindings(rule, world, state).len()).sum()
 }
 
@@ -50,12 +50,11 @@ pub(crate) struct Broken {
 
 /// Returns the rules that are broken in a final state and not waived, in the domain's order.
 pub(crate) fn broken_at_end<'a>(
-    domain: &'a Domain,
     world: &'a World,
     state: &'a State,
     purpose: &'a Purpose,
 ) -> impl Iterator<Item = Broken> + 'a {
-    let rules = domain.rules.iter().enumerate();
+    let rules = world.domain().rules.iter().enumerate();
     let at_end = rules.filter(|(_, rule)| matches!(rule.time, RuleTime::End | RuleTime::Tidy));
     at_end.flat_map(move |(number, rule)| {
         let waived = move |bindings: &Bindings| purpose.waivers.iter().any(|waiver| waiver.covers(number, bindings));

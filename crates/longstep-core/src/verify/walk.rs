@@ -58,7 +58,8 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub(super) fn new(domain: &'a Domain, world: &'a World, plan: &'a Plan, claims: &'a [StepClaim]) -> Self {
+    pub(super) fn new(world: &'a World, plan: &'a Plan, claims: &'a [StepClaim]) -> Self {
+        let domain = world.domain();
         let sensed = domain.actions.iter().flat_map(|action| &action.senses);
         let mut sensed: Vec<PredicateId> = sensed.map(|atom| atom.predicate).collect();
         sensed.sort_unstable();

@@ -123,7 +123,6 @@ pub fn load(files: &Files, domain: &Domain) -> Result<Suite, Diagnostics> {
         scenes.extend(read_scene(domain, &file, text, &mut faults).map(|world| (name.clone(), world)));
     }
     let mut loader = Loader {
-        domain,
         files,
         scenes: &scenes,
         faults,
@@ -181,7 +180,6 @@ fn read_scene(domain: &Domain, file: &str, text: &str, faults: &mut Vec<Diagnost
 }
 
 struct Loader<'a> {
-    domain: &'a Domain,
     files: &'a Files,
     scenes: &'a BTreeMap<String, World>,
     faults: Vec<Diagnostic>,
@@ -321,7 +319,7 @@ impl Loader<'_> {
         }
         let mut goals: Vec<Goal> = Vec::new();
         for text in &texts {
-            match goal::parse(self.domain, world, text) {
+            match goal::parse(world, text) {
                 Ok(goal) if !goal.facts.is_empty() => goals.push(goal),
                 Ok(_) => {
                     self.fault(at, "the goal is empty");

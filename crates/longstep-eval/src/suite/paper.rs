@@ -89,7 +89,7 @@ fn read(domain: &Domain, file: &str, scenario: &Scenario) -> Result<(World, Expe
     let mut goals = Vec::new();
     for facts in alternatives(&scenario.goal) {
         let text = facts.join(" & ");
-        goals.push(goal::parse(domain, &world, &text).map_err(|error| fault(format!("`{text}`: {error}")))?);
+        goals.push(goal::parse(&world, &text).map_err(|error| fault(format!("`{text}`: {error}")))?);
     }
     Ok((world, Expected::Plan(goals)))
 }

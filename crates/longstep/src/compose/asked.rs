@@ -1,7 +1,7 @@
 //! Sensing calls that a composition can contain, and the conditions that follow them.
 
 use crate::environment::{Entity, EntityId, Fact, World};
-use crate::model::{Action, Domain, Term};
+use crate::model::{Action, Term};
 use crate::plan::WrittenStep;
 use longstep_core::model::state_word;
 
@@ -23,7 +23,7 @@ pub(super) fn asked_of(action: &Action) -> Vec<usize> {
 }
 
 /// Replaces everyday names by identifiers and attaches hidden parameters under their names.
-pub(super) fn spelled_out(domain: &Domain, world: &World, step: &WrittenStep) -> WrittenStep {
+pub(super) fn spelled_out(world: &World, step: &WrittenStep) -> WrittenStep {
     let mut step = step.clone();
     for argument in &mut step.call.arguments {
         if world.find(argument).is_none()
@@ -33,7 +33,7 @@ pub(super) fn spelled_out(domain: &Domain, world: &World, step: &WrittenStep) ->
         }
     }
     let named = |action: &&Action| action.call == step.call.name && !action.senses.is_empty();
-    let Some(action) = domain.actions.iter().find(named) else {
+    let Some(action) = world.domain().actions.iter().find(named) else {
         return step;
     };
     let (asked, shown) = (asked_of(action), action.explicit.len());
@@ -60,9 +60,9 @@ pub(super) struct Check {
 }
 
 /// Returns every sensing call with an outcome that satisfies `worth`, in the order of the domain and the world.
-pub(super) fn checks(domain: &Domain, world: &World, worth: impl Fn(Fact) -> bool) -> Vec<Check> {
+pub(super) fn checks(world: &World, worth: impl Fn(Fact) -> bool) -> Vec<Check> {
     let mut all = Vec::new();
-    for action in domain.actions.iter().filter(|action| !action.senses.is_empty()) {
+    for action in world.domain().actions.iter().filter(|action| !action.senses.is_empty()) {
         let mut choices: Vec<Vec<(usize, EntityId)>> = vec![Vec::new()];
         for parameter in asked_of(action) {
             let longer = |given: &Vec<(usize, EntityId)>| {
@@ -81,7 +81,7 @@ pub(super) fn checks(domain: &Domain, world: &World, worth: impl Fn(Fact) -> boo
                 entities.is_some_and(|entities| worth(Fact::new(outcome.predicate, entities)))
             })
         });
-        all.extend(choices.iter().map(|given| check(domain, world, action, given)));
+        all.extend(choices.iter().map(|given| check(world, action, given)));
     }
     all
 }
@@ -97,7 +97,8 @@ fn about(term: &Term, given: &[(usize, EntityId)]) -> Option<EntityId> {
     }
 }
 
-fn check(domain: &Domain, world: &World, action: &Action, given: &[(usize, EntityId)]) -> Check {
+fn check(world: &World, action: &Action, given: &[(usize, EntityId)]) -> Check {
+    let domain = world.domain();
     let entity = |term: &Term| about(term, given);
     let outcomes = action.senses.iter().map(|outcome| {
         let word = state_word(domain, outcome.predicate)?;

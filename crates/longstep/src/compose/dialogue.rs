@@ -10,7 +10,6 @@ use crate::dialogue::{
     plain_line,
 };
 use crate::environment::World;
-use crate::model::Domain;
 
 /// Token budget of a script. The longest useful script under the grammar is shorter.
 const SCRIPT_TOKENS: u32 = 512;
@@ -20,8 +19,6 @@ const TREE_TOKENS: u32 = 2048;
 /// The inputs of a composition dialogue.
 #[derive(Debug, Clone, Copy)]
 pub struct CompositionInput<'a> {
-    /// The domain.
-    pub domain: &'a Domain,
     /// The current world.
     pub world: &'a World,
     /// The stored plans.
@@ -48,7 +45,7 @@ impl CompositionDialogue {
     /// [`ConstraintKind::Grammar`] the model writes a script; with [`ConstraintKind::JsonSchema`], which servers accept,
     /// it writes a JSON tree.
     pub fn new(input: CompositionInput<'_>) -> Self {
-        let menu = Menu::of(input.domain, input.world, input.stored, input.instruction);
+        let menu = Menu::of(input.world, input.stored, input.instruction);
         let mut transcript = Transcript::new(input.kind, fixed(input.kind));
         transcript.push(Role::User, query(&menu, input.instruction));
         for round in input.rounds {

@@ -7,9 +7,10 @@ use super::{Misfit, Recalled, Stored};
 use crate::diagnostic::nearest;
 use crate::dialogue::actors;
 use crate::environment::World;
-use crate::model::{Action, Domain};
+use crate::model::Action;
 use crate::plan::tree::{DEEPEST, Lane, LaneItem, Node, Rebuild, Test};
 use crate::plan::{StepId, Written, WrittenNode, WrittenStep};
+use longstep_core::model::Domain;
 
 /// Maximum number of steps after inlining. Without it, a script of 20 kB could call a plan of 1,000 steps 2,000 times.
 const LONGEST: usize = 2_000;
@@ -33,19 +34,15 @@ pub struct Inlined {
 /// # Errors
 ///
 /// Every misfit, without duplicates, in the order of the composition.
-pub fn inline(
-    domain: &Domain,
-    world: &World,
-    composition: &Written,
-    stored: &[Stored],
-) -> Result<Inlined, Vec<Misfit>> {
+pub fn inline(world: &World, composition: &Written, stored: &[Stored]) -> Result<Inlined, Vec<Misfit>> {
+    let domain = world.domain();
     let mut inliner = Inliner {
         domain,
         world,
         composition,
         recalled: stored
             .iter()
-            .map(|plan| (plan, Recalled::of(domain, world, plan).map(Rc::new)))
+            .map(|plan| (plan, Recalled::of(world, plan).map(Rc::new)))
             .collect(),
         steps: Vec::new(),
         origins: Vec::new(),
@@ -122,14 +119,14 @@ impl Rebuild<WrittenStep, String> for Inliner<'_> {
                 let name = step.call.name.clone();
                 self.misfits.push(Misfit::Asked { name });
             }
-            Test::Holds(spelled_out(self.domain, self.world, step))
+            Test::Holds(spelled_out(self.world, step))
         });
         self.note_sensing(&condition, None);
         condition
     }
 
     fn lane(&mut self, lane: &Lane<String>) -> Lane<String> {
-        let actors: Vec<(String, String)> = actors(self.domain, self.world)
+        let actors: Vec<(String, String)> = actors(self.world)
             .into_iter()
             .map(|actor| {
                 (
@@ -209,7 +206,7 @@ impl Inliner<'_> {
             });
             return None;
         }
-        let step = spelled_out(self.domain, self.world, step);
+        let step = spelled_out(self.world, step);
         Some(self.push(step, None))
     }
 

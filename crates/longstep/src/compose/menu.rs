@@ -8,7 +8,7 @@ use super::{Recalled, Stored};
 use crate::dialogue::actors;
 use crate::environment::World;
 use crate::goal::{Spoken, cannot_be_told, conditions};
-use crate::model::{Domain, plain_words, singular};
+use crate::model::{plain_words, singular};
 
 /// Parts available to a composition.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,10 +49,11 @@ const SIDE_BY_SIDE: [&str; 12] = [
 const PERHAPS_SIDE_BY_SIDE: [&str; 6] = ["while", "together", "both robots", "each robot", "other robot", "both"];
 
 impl Menu {
-    pub(super) fn of(domain: &Domain, world: &World, stored: &[Stored], instruction: &str) -> Self {
-        let spoken = Spoken::of(domain, world, instruction);
+    pub(super) fn of(world: &World, stored: &[Stored], instruction: &str) -> Self {
+        let domain = world.domain();
+        let spoken = Spoken::of(world, instruction);
         let words = plain_words(instruction);
-        let recalled = stored.iter().map(|plan| (plan, Recalled::of(domain, world, plan).ok()));
+        let recalled = stored.iter().map(|plan| (plan, Recalled::of(world, plan).ok()));
         let mut recalled: Vec<(&Stored, Option<Recalled>)> = recalled.collect();
         let is_meant = |(stored, recalled): &(&Stored, Option<Recalled>)| {
             let items = recalled.iter().flat_map(|recalled| &recalled.handled);
@@ -66,7 +67,7 @@ impl Menu {
         if recalled.iter().any(is_meant) {
             recalled.retain(is_meant);
         }
-        let actors = actors(domain, world);
+        let actors = actors(world);
         let lane = |recalled: &Recalled| match &recalled.actors[..] {
             [only] if !recalled.joint && recalled.written.is_sequence() => actors
                 .iter()
@@ -91,15 +92,13 @@ impl Menu {
         if lanes.len() < 2 || !(side_by_side || says(&PERHAPS_SIDE_BY_SIDE)) {
             lanes.clear();
         }
-        let asked = conditions(domain, world, &spoken);
+        let asked = conditions(world, &spoken);
         // A condition that matches no cue may still be about the outcome of a sensing call, so every call about the
         // mentioned entities is available.
         let checks = if !asked.is_empty() {
-            checks(domain, world, |fact| {
-                asked.iter().any(|dependence| dependence.fact == fact)
-            })
-        } else if cannot_be_told(domain, world, &spoken) {
-            checks(domain, world, |fact| {
+            checks(world, |fact| asked.iter().any(|dependence| dependence.fact == fact))
+        } else if cannot_be_told(world, &spoken) {
+            checks(world, |fact| {
                 domain.arguments(fact).all(|entity| spoken.entities.contains(&entity))
             })
         } else {

@@ -3,9 +3,9 @@
 use super::{Misfit, Stored};
 use crate::environment::{self, World};
 use crate::json::Path;
-use crate::model::Domain;
 use crate::plan::{Draft, Plan, Step, Written};
 use crate::report::Assessment;
+use longstep_core::model::Domain;
 
 /// A stored plan, bound in the world that it was made for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -27,7 +27,8 @@ impl Recalled {
     ///
     /// The plan need not be valid: a plan that grasps an object and keeps it breaks a rule alone, but can be part of a
     /// valid plan.
-    pub(super) fn of(domain: &Domain, world: &World, stored: &Stored) -> Result<Self, Misfit> {
+    pub(super) fn of(world: &World, stored: &Stored) -> Result<Self, Misfit> {
+        let domain = world.domain();
         let unusable = |why: String| Misfit::Unusable {
             name: stored.name.clone(),
             why,
@@ -43,7 +44,7 @@ impl Recalled {
         };
         let assessment = Assessment::new(&own, draft, None);
         let simulation = assessment.simulation().map_err(|issues| {
-            let told = issues.iter().map(|issue| issue.message(domain, &own, &[], None));
+            let told = issues.iter().map(|issue| issue.message(&own, &[], None));
             unusable(joined(told))
         })?;
         Ok(Self::of_plan(domain, &own, &simulation.report.plan, &stored.summary))
@@ -51,7 +52,7 @@ impl Recalled {
 
     fn of_plan(domain: &Domain, own: &World, plan: &Plan, summary: &str) -> Self {
         let mut recalled = Self {
-            written: Written::of_plan(domain, own, plan),
+            written: Written::of_plan(own, plan),
             summary: summary.to_owned(),
             ..Self::default()
         };

@@ -1,7 +1,7 @@
 //! Stored plans and their names.
 
-use crate::model::Domain;
 use crate::plan::PlanFile;
+use longstep_core::model::Domain;
 
 /// An accepted plan that can be part of another one.
 #[derive(Debug, Clone, PartialEq)]

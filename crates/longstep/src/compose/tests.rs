@@ -21,7 +21,6 @@ struct Scene {
 impl Scene {
     fn request(&self, instruction: &str, kind: ConstraintKind) -> ChatRequest {
         let dialogue = CompositionDialogue::new(CompositionInput {
-            domain: &self.domain,
             world: &self.world,
             stored: &self.stored,
             instruction,
@@ -145,7 +144,7 @@ fn shed(now: &[&str]) -> Scene {
 
 fn composed<'a>(scene: &'a Scene, composition: &str) -> Result<Composed<'a>, Vec<Misfit>> {
     let written = script::read(composition).unwrap();
-    let inlined = inline(&scene.domain, &scene.world, &written, &scene.stored)?;
+    let inlined = inline(&scene.world, &written, &scene.stored)?;
     Ok(Composed::new(&scene.world, inlined, ""))
 }
 

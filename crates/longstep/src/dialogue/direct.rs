@@ -80,32 +80,26 @@ pub fn direct_request(
         fit(conversation, room, counter)
     };
     if let Ok(fitted) = attempt(world, history, counter) {
-        return Ok(prepared(domain, world, fitted, 0, counter));
+        return Ok(prepared(world, fitted, 0, counter));
     }
-    let focus = focus(domain, world, instruction);
+    let focus = focus(world, instruction);
     let (part, mut fitted) = focus.most(focus.ranked.len(), |keep| {
-        let part = world.narrowed(domain, keep);
+        let part = world.narrowed(keep);
         attempt(&part, &[], counter).map(|fitted| (part, fitted))
     })?;
     fitted.dropped = history.len();
     let left_out = world.entities().count() - part.entities().count();
-    Ok(prepared(domain, &part, fitted, left_out, counter))
+    Ok(prepared(&part, fitted, left_out, counter))
 }
 
-fn prepared(
-    domain: &Domain,
-    shown: &World,
-    fitted: Fitted,
-    left_out: usize,
-    counter: &mut dyn TokenCounter,
-) -> Prepared {
+fn prepared(shown: &World, fitted: Fitted, left_out: usize, counter: &mut dyn TokenCounter) -> Prepared {
     let answer = answer_tokens(shown, counter);
     Prepared {
         request: ChatRequest {
             messages: fitted.messages,
             fixed: fitted.fixed,
             answer_so_far: String::new(),
-            constraint: Constraint::JsonSchema(direct_schema(domain, shown)),
+            constraint: Constraint::JsonSchema(direct_schema(shown)),
             max_tokens: u32::try_from(answer).unwrap_or(u32::MAX),
         },
         costs: fitted.costs,

@@ -67,7 +67,7 @@ impl GoalDialogue {
         counter: &mut dyn TokenCounter,
     ) -> Result<FittedDialogue, PromptError> {
         let room = context.map_or(u64::MAX, |context| context.saturating_sub(ANSWER_TOKENS.into()));
-        let GoalInput { domain, world, .. } = input;
+        let GoalInput { world, .. } = input;
         let mut attempt = |shown: &World| {
             let dialogue = GoalDialogue::before(GoalInput { world: shown, ..input });
             let costs = dialogue.costs(counter);
@@ -94,8 +94,8 @@ impl GoalDialogue {
         let said = input.rounds.iter().map(|round| round.said.as_str());
         let words: Vec<&str> = std::iter::once(input.instruction).chain(said).collect();
         let words = words.join(" ");
-        let focus = focus(domain, world, &words);
-        let (dialogue, costs) = focus.most(SCENE, |keep| attempt(&world.narrowed(domain, keep)))?;
+        let focus = focus(world, &words);
+        let (dialogue, costs) = focus.most(SCENE, |keep| attempt(&world.narrowed(keep)))?;
         Ok(FittedDialogue {
             left_out: all - dialogue.world().entities().count(),
             dialogue,

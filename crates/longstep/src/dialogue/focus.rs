@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::environment::{EntityId, World};
 use crate::goal::Spoken;
-use crate::model::{Domain, PredicateId, base_name, plain_words, singular};
+use crate::model::{PredicateId, base_name, plain_words, singular};
 
 /// Maximum candidates for an ambiguous reference to one entity of a kind.
 const CANDIDATES: usize = 12;
@@ -49,14 +49,15 @@ pub struct Focus {
 ///     "object_states": {"<cup>": "on_something(<shelf>)", "<jar>": "on_something(<table>)"}}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
-/// let focus = dialogue::focus(&household, &world, "Bring me the cup");
+/// let focus = dialogue::focus(&world, "Bring me the cup");
 /// let names: Vec<&str> = focus.ranked.iter().map(|id| world.entity(*id).name.as_str()).collect();
 /// assert_eq!(names, ["cup", "shelf", "table", "jar"]);
 /// assert_eq!(focus.needed, 2);
 /// ```
-pub fn focus(domain: &Domain, world: &World, instruction: &str) -> Focus {
-    let near = Nearness::of(domain, world);
-    let named = named(domain, world, instruction, &near);
+pub fn focus(world: &World, instruction: &str) -> Focus {
+    let domain = world.domain();
+    let near = Nearness::of(world);
+    let named = named(world, instruction, &near);
     let mut ranking = Ranking {
         near: &near,
         ranked: Vec::new(),
@@ -65,7 +66,7 @@ pub fn focus(domain: &Domain, world: &World, instruction: &str) -> Focus {
     for id in named {
         ranking.push(id, DEPTH);
     }
-    for id in handled(domain, world) {
+    for id in handled(world) {
         ranking.push(id, DEPTH);
     }
     let needed = ranking.ranked.len().min(NEEDED);
@@ -133,7 +134,8 @@ struct Nearness {
 }
 
 impl Nearness {
-    fn of(domain: &Domain, world: &World) -> Self {
+    fn of(world: &World) -> Self {
+        let domain = world.domain();
         let mut near = Self {
             around: FxHashMap::default(),
             parts: FxHashMap::default(),
@@ -180,7 +182,8 @@ impl Ranking<'_> {
 }
 
 /// Returns the objects in the robot's hand, and its location: arguments of changing facts that hold for few entities.
-fn handled(domain: &Domain, world: &World) -> Vec<EntityId> {
+fn handled(world: &World) -> Vec<EntityId> {
+    let domain = world.domain();
     let ids = (0..domain.predicates.len()).map(PredicateId::new);
     let few = ids.filter(|id| domain.words(*id).fluent && domain.predicate(*id).parameters.len() == 1);
     few.map(|id| world.state.of_predicate(id))
@@ -190,8 +193,8 @@ fn handled(domain: &Domain, world: &World) -> Vec<EntityId> {
 }
 
 /// Returns the entities that the instruction names, in the order of the world.
-fn named(domain: &Domain, world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
-    let spoken = Spoken::of(domain, world, instruction);
+fn named(world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
+    let spoken = Spoken::of(world, instruction);
     let words = plain_words(instruction);
     let exactly = |id: EntityId| {
         let entity = world.entity(id);
@@ -265,7 +268,7 @@ mod tests {
             &Path::default(),
         )
         .unwrap();
-        let found = focus(&domain, &world, instruction);
+        let found = focus(&world, instruction);
         let named: Vec<&str> = found.ranked[..found.needed]
             .iter()
             .map(|id| world.entity(*id).identifier.trim_matches(['<', '>']))

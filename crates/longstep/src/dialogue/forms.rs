@@ -2,7 +2,7 @@
 //! actors.
 
 use crate::environment::{EntityId, World};
-use crate::model::Domain;
+use longstep_core::model::Domain;
 
 /// Returns true if the domain has a sensing action, so that plans can branch.
 pub(crate) fn senses(domain: &Domain) -> bool {
@@ -20,8 +20,8 @@ pub(super) fn has_trees(domain: &Domain) -> bool {
 }
 
 /// Returns the actors (hands, arms or robots) of a world, in its order; empty if no action names an actor.
-pub(crate) fn actors(domain: &Domain, world: &World) -> Vec<EntityId> {
-    let kinds = domain.actions.iter().filter_map(|action| {
+pub(crate) fn actors(world: &World) -> Vec<EntityId> {
+    let kinds = world.domain().actions.iter().filter_map(|action| {
         let actor = action.actor?;
         Some(action.parameters[actor].kind)
     });

@@ -103,16 +103,16 @@ impl GoalDialogue {
             kind,
         } = input;
         let mut transcript = Transcript::new(kind, fixed_turns(domain, kind));
-        let mut heard = Correction::of(domain, world, instruction);
+        let mut heard = Correction::of(world, instruction);
         for round in rounds {
-            heard.hear(domain, world, &round.replied, &round.said);
+            heard.hear(world, &round.replied, &round.said);
         }
         let spoken = match &heard.unknown {
             Some(_) => Spoken::default(),
             None => heard.spoken.clone(),
         };
         let shown = effort::within(effort::OPERATION, || {
-            scene(domain, world, &offers(domain, world, &[], &Spoken::default()))
+            scene(world, &offers(world, &[], &Spoken::default()))
         });
         let scene = shown.result;
         transcript.push(Role::User, scene_and_instruction(&scene, &plain_line(instruction)));
@@ -122,7 +122,7 @@ impl GoalDialogue {
         }
         Self {
             world: world.clone(),
-            cannot_be_told: goal::cannot_be_told(domain, world, &heard.spoken),
+            cannot_be_told: goal::cannot_be_told(world, &heard.spoken),
             heard,
             spoken,
             transcript,
@@ -152,11 +152,7 @@ impl GoalDialogue {
             self.said.clear();
             self.look();
         } else if self.transcript.kind == ConstraintKind::Grammar {
-            let said: Vec<String> = self
-                .facts
-                .iter()
-                .map(|fact| fact.everyday(self.world.domain(), &self.world))
-                .collect();
+            let said: Vec<String> = self.facts.iter().map(|fact| fact.everyday(&self.world)).collect();
             self.transcript.answer = said.join(" & ") + goal::JOINT;
         }
     }
@@ -167,12 +163,12 @@ impl GoalDialogue {
     /// A goal is offered only if the words have a cue of it (or a verb that leads to a place, for a goal word without
     /// cues) and name its subject, be it by a pronoun: a second reading of words must not be a guess.
     pub(crate) fn further(&mut self, last: &Round) {
-        let Ok(goals) = goal::parse(self.world.domain(), &self.world, &last.replied) else {
+        let Ok(goals) = goal::parse(&self.world, &last.replied) else {
             return;
         };
         self.heard.begun = goals.facts;
         self.heard.rejected.clear();
-        self.further = Some(Request::of(self.world.domain(), &self.world, &last.said));
+        self.further = Some(Request::of(&self.world, &last.said));
         self.transcript.answer.clear();
         self.begin();
         if self.facts.is_empty() || self.exhausted {
@@ -190,7 +186,7 @@ impl GoalDialogue {
         let offers = &self.open;
         let spoken = &self.heard.spoken;
         let conditions = match self.next {
-            Next::Goal => goal::conditions(self.world.domain(), &self.world, spoken),
+            Next::Goal => goal::conditions(&self.world, spoken),
             _ => Vec::new(),
         };
         let more = self.said.len() + 1 < GOAL_LIMIT;
@@ -222,7 +218,7 @@ impl GoalDialogue {
             joints: &joints,
             may_end: !must_depend,
         };
-        goal_grammar(self.world.domain(), &self.world, &ways, place)
+        goal_grammar(&self.world, &ways, place)
     }
 
     /// Returns the token counts by part: `task`, `examples`, `query`, and `frame` for the chat template around the
@@ -267,7 +263,7 @@ impl GoalDialogue {
     /// Returns the possible next goals without those that the person rejected.
     fn offers(&self) -> Vec<Offer> {
         let further = !self.said.is_empty() || self.next == Next::Otherwise;
-        let mut offers = offers_on(self.world.domain(), &self.world, &self.said, &self.spoken, further);
+        let mut offers = offers_on(&self.world, &self.said, &self.spoken, further);
         for offer in &mut offers {
             let rejected = |arguments: &Vec<EntityId>| {
                 let same = |fact: &GoalFact| matches!(fact, GoalFact::Word { word, arguments: other } if *word == offer.word && other == arguments);
@@ -293,7 +289,7 @@ impl GoalDialogue {
             }
             return Ok(Some(self.asked(question)));
         }
-        let begun = Begun::read(self.world.domain(), &self.world, &self.transcript.answer)?;
+        let begun = Begun::read(&self.world, &self.transcript.answer)?;
         (self.said, self.next, self.has_condition) = (begun.said(), begun.next, begun.has_condition());
         (self.facts, self.other_side) = (begun.facts, begun.other_side);
         if self.next != Next::Nothing {
@@ -302,7 +298,7 @@ impl GoalDialogue {
                 return Ok(None);
             }
         }
-        self.facts = ended(self.world.domain(), &self.world, &self.transcript.answer)?.facts;
+        self.facts = ended(&self.world, &self.transcript.answer)?.facts;
         Ok(Some(self.done()))
     }
 
@@ -319,7 +315,7 @@ impl GoalDialogue {
             return Ok(Some(self.asked(answer.question.trim().to_owned())));
         }
         for part in answer.goals.iter().take(GOAL_LIMIT) {
-            for fact in goal::parse(self.world.domain(), &self.world, part)?.facts {
+            for fact in goal::parse(&self.world, part)?.facts {
                 if !self.facts.contains(&fact) {
                     self.facts.push(fact);
                 }
@@ -350,7 +346,7 @@ impl GoalDialogue {
 
     /// Handles a question of the model. If the requested goals hold already, they are the answer.
     fn asked(&self, question: String) -> Understanding {
-        let facts = goal::already(self.world.domain(), &self.world, &self.spoken);
+        let facts = goal::already(&self.world, &self.spoken);
         match facts.is_empty() {
             true => Understanding::Question(question),
             false => Understanding::Goal(Goal { facts }, Vec::new()),
@@ -367,7 +363,7 @@ impl GoalDialogue {
             facts: std::mem::take(&mut self.facts),
         };
         let unknown = self.heard.unknown.clone();
-        understand_spoken(self.world.domain(), &self.world, &self.heard.spoken, unknown, goal)
+        understand_spoken(&self.world, &self.heard.spoken, unknown, goal)
     }
 }
 
@@ -381,9 +377,8 @@ impl Dialogue for GoalDialogue {
                 self.transcript.request(constraint, STEP_TOKENS)
             }
             ConstraintKind::JsonSchema => {
-                let depends = !goal::conditions(self.world.domain(), &self.world, &self.heard.spoken).is_empty();
-                let constraint =
-                    Constraint::JsonSchema(goal_schema(self.world.domain(), &self.world, &self.open, depends));
+                let depends = !goal::conditions(&self.world, &self.heard.spoken).is_empty();
+                let constraint = Constraint::JsonSchema(goal_schema(&self.world, &self.open, depends));
                 self.transcript.request(constraint, ANSWER_TOKENS)
             }
         }

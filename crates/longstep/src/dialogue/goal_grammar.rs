@@ -1,7 +1,7 @@
 //! Structured output for goals: a grammar and a JSON schema of the offered goals.
 
 use indexmap::IndexMap;
-use longstep_core::model::{Domain, written_fact};
+use longstep_core::model::written_fact;
 use serde_json::Value;
 
 use super::answer_grammar::{Grammar, any_text, closed, group, list, listed, one_of, quoted};
@@ -35,7 +35,7 @@ pub(super) struct Ways<'a> {
 }
 
 /// Returns a grammar in llguidance's Lark dialect for the next goal of an answer. Without offers it admits only a question.
-pub(super) fn goal_grammar(domain: &Domain, world: &World, ways: &Ways<'_>, place: Place) -> String {
+pub(super) fn goal_grammar(world: &World, ways: &Ways<'_>, place: Place) -> String {
     let mut grammar = Grammar::default();
     if ways.offers.is_empty() {
         grammar.question();
@@ -66,19 +66,22 @@ pub(super) fn goal_grammar(domain: &Domain, world: &World, ways: &Ways<'_>, plac
     );
     if !ways.conditions.is_empty() {
         let conditions = ways.conditions.iter();
-        grammar.rule("condition", conditions.map(|depends| condition(domain, world, depends)));
+        grammar.rule("condition", conditions.map(|depends| condition(world, depends)));
     }
     let goals = ways.offers.iter();
-    let goals = goals.map(|offer| word_rule(domain.goal_word(offer.word), world, &offer.arguments));
+    let goals = goals.map(|offer| word_rule(world.domain().goal_word(offer.word), world, &offer.arguments));
     grammar.rule("goal", goals);
     grammar.text()
 }
 
 /// Returns the condition of a goal, up to "then".
-fn condition(domain: &Domain, world: &World, depends: &Dependence) -> String {
+fn condition(world: &World, depends: &Dependence) -> String {
     let name = |entity: EntityId| world.entity(entity).name.clone();
     let not = if depends.negated { NOT } else { "" };
-    quoted(&format!("{IF}{not}{}{THEN}", written_fact(domain, depends.fact, &name)))
+    quoted(&format!(
+        "{IF}{not}{}{THEN}",
+        written_fact(world.domain(), depends.fact, &name)
+    ))
 }
 
 fn word_rule(word: &GoalWord, world: &World, arguments: &[Vec<EntityId>]) -> String {
@@ -131,11 +134,11 @@ fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
 ///
 /// The schema enumerates the offered goals if servers can be expected to accept the list. Otherwise, and with `depends`,
 /// where goals may have conditions, it admits any string, and the parser rejects strings that are no goals.
-pub(super) fn goal_schema(domain: &Domain, world: &World, offers: &[Offer], depends: bool) -> Value {
+pub(super) fn goal_schema(world: &World, offers: &[Offer], depends: bool) -> Value {
     let texts = offers
         .iter()
         .flat_map(|offer| offer.arguments.iter().map(|arguments| (offer.word, arguments.clone())))
-        .map(|(word, arguments)| GoalFact::Word { word, arguments }.everyday(domain, world));
+        .map(|(word, arguments)| GoalFact::Word { word, arguments }.everyday(world));
     let goals = match depends {
         true => None,
         false => listed(texts.collect()),

@@ -11,8 +11,9 @@ use super::query::contained_json;
 use super::tree_schema::{TreeForms, TreeSchema, in_schema, tree_schema};
 use crate::call::Call;
 use crate::environment::{EntityId, Environment, World};
-use crate::model::{Action, Domain, TypeId};
+use crate::model::{Action, TypeId};
 use crate::plan::{PlanFile, TaskCohesion, write_tree};
+use longstep_core::model::Domain;
 
 /// A whole answer with all keys.
 #[derive(Debug, Serialize)]
@@ -144,11 +145,11 @@ pub(crate) fn answered(domain: &Domain, file: &PlanFile) -> String {
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let environment = environment::Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>"]}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
-/// let schema = dialogue::direct_schema(&household, &world);
+/// let schema = dialogue::direct_schema(&world);
 /// let calls = &schema["properties"]["task_cohesion"]["properties"]["task_sequence"]["items"]["enum"];
 /// assert_eq!(calls[0], "move_object()");
 /// ```
-pub fn direct_schema(domain: &Domain, world: &World) -> Value {
+pub fn direct_schema(world: &World) -> Value {
     let Environment { assets, objects, .. } = world.environment();
     let things = assets.len() + objects.len();
     let bytes: usize = assets.iter().chain(objects).map(String::len).sum();
@@ -176,11 +177,11 @@ pub fn direct_schema(domain: &Domain, world: &World) -> Value {
         ("objects", texts.clone()),
         ("object_states", states(objects)),
     ]);
-    let tree = has_trees(domain).then(|| tree(domain, world));
+    let tree = has_trees(world.domain()).then(|| tree(world));
     let steps = match &tree {
         Some(tree) => vec![("task_tree", tree.nodes.clone())],
         None => vec![
-            ("task_sequence", list(one_of(calls(domain, world, |_| true).as_deref()))),
+            ("task_sequence", list(one_of(calls(world, |_| true).as_deref()))),
             ("step_instructions", texts.clone()),
         ],
     };
@@ -202,15 +203,15 @@ pub fn direct_schema(domain: &Domain, world: &World) -> Value {
 const DEPTH: usize = 2;
 
 /// Builds the tree schema for a domain with sensing actions or actors.
-fn tree(domain: &Domain, world: &World) -> TreeSchema {
-    let calls = calls(domain, world, |_| true);
-    let senses = senses(domain);
+fn tree(world: &World) -> TreeSchema {
+    let calls = calls(world, |_| true);
+    let senses = senses(world.domain());
     let asked = match senses {
-        true => self::calls(domain, world, |action| !action.senses.is_empty())
-            .and_then(|sensing| listed_calls([sensing, sensed_states(domain, world)].concat())),
+        true => self::calls(world, |action| !action.senses.is_empty())
+            .and_then(|sensing| listed_calls([sensing, sensed_states(world)].concat())),
         false => Some(Vec::new()),
     };
-    let lanes: Vec<String> = actors(domain, world)
+    let lanes: Vec<String> = actors(world)
         .into_iter()
         .map(|actor| world.entity(actor).identifier.clone())
         .collect();
@@ -225,7 +226,8 @@ fn tree(domain: &Domain, world: &World) -> TreeSchema {
 }
 
 /// Returns the sensed states in condition notation, with well-typed arguments.
-fn sensed_states(domain: &Domain, world: &World) -> Vec<String> {
+fn sensed_states(world: &World) -> Vec<String> {
+    let domain = world.domain();
     let mut all = Vec::new();
     for outcome in domain.actions.iter().flat_map(|action| &action.senses) {
         let Some(word) = state_word(domain, outcome.predicate) else {
@@ -241,9 +243,9 @@ fn sensed_states(domain: &Domain, world: &World) -> Vec<String> {
 }
 
 /// Returns every call with well-typed arguments, or none if there are too many.
-fn calls(domain: &Domain, world: &World, wanted: impl Fn(&Action) -> bool) -> Option<Vec<String>> {
+fn calls(world: &World, wanted: impl Fn(&Action) -> bool) -> Option<Vec<String>> {
     let mut all = Vec::new();
-    for action in domain.actions.iter().filter(|action| wanted(action)) {
+    for action in world.domain().actions.iter().filter(|action| wanted(action)) {
         let shown = action.explicit.iter();
         let choices = choices(world, shown.map(|parameter| action.parameters[*parameter].kind))?;
         all.extend(choices.into_iter().map(|arguments| written(&action.call, arguments)));

@@ -5,10 +5,10 @@ use rustc_hash::FxHashSet;
 use super::example::scene_text;
 use crate::environment::{EntityId, Fact, World};
 use crate::goal::Offer;
-use crate::model::Domain;
 
 /// Renders the scene: every object with its place, and every place that occurs in an offer.
-pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {
+pub fn scene(world: &World, offers: &[Offer]) -> String {
+    let domain = world.domain();
     let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
     let mut shown: FxHashSet<EntityId> = offers
         .iter()
@@ -21,7 +21,7 @@ pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {
         let object = is_object(id);
         let said: Vec<String> = facts
             .iter()
-            .filter_map(|fact| line(domain, world, *fact, id, object, &shown))
+            .filter_map(|fact| line(world, *fact, id, object, &shown))
             .collect();
         let list = if object { &mut objects } else { &mut places };
         list.push((entity.name.clone(), said.join(", ")));
@@ -30,14 +30,8 @@ pub fn scene(domain: &Domain, world: &World, offers: &[Offer]) -> String {
 }
 
 /// Returns the text that a fact adds to the line of `id`, if any. Relations of places are omitted.
-fn line(
-    domain: &Domain,
-    world: &World,
-    fact: Fact,
-    id: EntityId,
-    object: bool,
-    shown: &FxHashSet<EntityId>,
-) -> Option<String> {
+fn line(world: &World, fact: Fact, id: EntityId, object: bool, shown: &FxHashSet<EntityId>) -> Option<String> {
+    let domain = world.domain();
     let arity = domain.predicate(fact.predicate()).parameters.len();
     let short = domain.words(fact.predicate()).short.as_ref()?;
     let others_shown = || (1..arity).all(|place| shown.contains(&fact.argument(place)));

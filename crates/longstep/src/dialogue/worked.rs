@@ -112,7 +112,7 @@ fn asking(domain: &Domain, world: &World, summary: &str, question: &str) -> Answ
 
 /// Finds a shortest plan for a goal; it senses if the goal depends on unknown facts.
 fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
-    let goal = goal::parse(domain, world, text).map_err(|error| error.to_string())?;
+    let goal = goal::parse(world, text).map_err(|error| error.to_string())?;
     let Solution { plan, answer } = report::of_goal(world, &goal, summary, &crate::search::Limits::default(), || 0.0);
     match (plan, answer.status) {
         (Some(plan), _) if plan.steps().is_empty() => Err("the goal of this example holds already".to_owned()),
@@ -171,7 +171,7 @@ fn told(answer: &Answer) -> String {
 
 /// Returns the answer with a plan and the simulated final environment.
 fn shown(domain: &Domain, world: &World, plan: &VerifiedPlan, summary: &str) -> AnswerText {
-    let after = environment::write(domain, world, &plan.ending().after);
-    let cohesion = TaskCohesion::new(domain, world, plan.plan());
+    let after = environment::write(world, &plan.ending().after);
+    let cohesion = TaskCohesion::new(world, plan.plan());
     AnswerText::new(domain, &cohesion, world, StateLists::of(&after), summary, "")
 }

@@ -4,7 +4,6 @@ use super::apply::{Applied, apply, completed, reopened};
 use super::{Obstacle, StepWish};
 use crate::environment::{State, World, fact_text};
 use crate::goal::GoalFact;
-use crate::model::Domain;
 use crate::plan::{Plan, Resolved, Step};
 use crate::repair::{Edit, Outcome, repair_pinned};
 use crate::search::Wanted;
@@ -52,14 +51,14 @@ pub struct Amendment {
 ///     "object_states": {"<mug_3>": "ON(<desk_1>)"}, "asset_properties": {"<shelf_2>": ["NOT_OPENABLE"]}}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();
 /// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
-/// let goal = goal::parse(&domain, &world, "put(mug, shelf)").unwrap();
-/// let outcome = solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
+/// let goal = goal::parse(&world, "put(mug, shelf)").unwrap();
+/// let outcome = solve(&world, &goal.wanted(&domain), &Limits::default());
 /// let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };
-/// let amended = amend(&domain, &world, &plan, &[StepWish::Drop { step: 1 }], &goal.purpose(&domain));
+/// let amended = amend(&world, &plan, &[StepWish::Drop { step: 1 }], &goal.purpose(&domain));
 /// let Amended::Impossible { why, .. } = amended else { panic!("{amended:?}") };
 /// assert_eq!(why[0].to_string(), "step 3: Put(<mug_3>, <shelf_2>) needs that the mug is in hand");
 /// ```
-pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose) -> Amended {
+pub fn amend(world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose) -> Amended {
     let length = plan.steps().len();
     let out_of_range = |wish: &StepWish| {
         let step = wish.step().filter(|step| *step >= length);
@@ -68,16 +67,16 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
     if let Some(step) = wishes.iter().find_map(out_of_range) {
         return Amended::Impossible {
             why: vec![Obstacle::NoSuchStep(step)],
-            report: Box::new(check(domain, world, plan.clone(), purpose)),
+            report: Box::new(check(world, plan.clone(), purpose)),
         };
     }
-    let ways = ways(domain, world, plan, wishes, purpose);
-    if let Some(plan) = verified_way(domain, world, &ways, purpose) {
+    let ways = ways(world, plan, wishes, purpose);
+    if let Some(plan) = verified_way(world, &ways, purpose) {
         return done(plan, Vec::new());
     }
     let (mut gave_up, mut too_many, mut unchanged) = (None, None, false);
     for way in &ways {
-        match repair_pinned(domain, world, &way.draft, purpose, &way.pins) {
+        match repair_pinned(world, &way.draft, purpose, &way.pins) {
             Outcome::Valid(plan) => return done(plan, Vec::new()),
             // So many changes would make a different plan.
             Outcome::Repaired(repaired) if repaired.edits.len() > OTHERS * wishes.len() + 1 => {
@@ -90,12 +89,12 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
             Outcome::Unclear { .. } | Outcome::ProvenUnsolvable { .. } => {}
         }
     }
-    let (mut why, report) = match verified(domain, world, &ways[0].draft, purpose) {
-        Ok(report) => (in_the_way(domain, world, &report, purpose), report),
+    let (mut why, report) = match verified(world, &ways[0].draft, purpose) {
+        Ok(report) => (in_the_way(world, &report, purpose), report),
         Err(violation) => {
-            let message = violation.message(domain, world, &[], None);
+            let message = violation.message(world, &[], None);
             let why = Obstacle::Violation { violation, message };
-            (vec![why], check(domain, world, plan.clone(), purpose))
+            (vec![why], check(world, plan.clone(), purpose))
         }
     };
     if unchanged {
@@ -114,15 +113,9 @@ pub fn amend(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], p
 }
 
 /// Changes a plan as a person wishes, if it verifies without any further change.
-pub(super) fn unrepaired(
-    domain: &Domain,
-    world: &World,
-    plan: &Plan,
-    wishes: &[StepWish],
-    purpose: &Purpose,
-) -> Option<Amendment> {
-    let ways = ways(domain, world, plan, wishes, purpose);
-    let plan = verified_way(domain, world, &ways, purpose)?;
+pub(super) fn unrepaired(world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose) -> Option<Amendment> {
+    let ways = ways(world, plan, wishes, purpose);
+    let plan = verified_way(world, &ways, purpose)?;
     Some(Amendment {
         plan,
         edits: Vec::new(),
@@ -131,12 +124,12 @@ pub(super) fn unrepaired(
 
 /// The plan after the wishes, with hidden arguments as those of the steps around, as the wishes say, and unbound: at
 /// least one way, the likeliest first.
-fn ways(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose) -> Vec<Applied> {
-    let mut ways = vec![apply(domain, world, plan, &completed(domain, world, plan, wishes))];
-    let open = apply(domain, world, plan, wishes);
+fn ways(world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose) -> Vec<Applied> {
+    let mut ways = vec![apply(world, plan, &completed(world, plan, wishes))];
+    let open = apply(world, plan, wishes);
     // Without a claim or a goal, nothing shows that another binding is equally good.
     let says_what_for = purpose.claim.is_some() || !purpose.wanted.is_empty();
-    let freer = says_what_for.then(|| reopened(domain, world, &open.draft)).flatten();
+    let freer = says_what_for.then(|| reopened(world, &open.draft)).flatten();
     let freer = freer.map(|draft| Applied {
         draft,
         pins: open.pins.clone(),
@@ -148,10 +141,8 @@ fn ways(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish], purpos
     ways
 }
 
-fn verified_way(domain: &Domain, world: &World, ways: &[Applied], purpose: &Purpose) -> Option<VerifiedPlan> {
-    let mut reports = ways
-        .iter()
-        .filter_map(|way| verified(domain, world, &way.draft, purpose).ok());
+fn verified_way(world: &World, ways: &[Applied], purpose: &Purpose) -> Option<VerifiedPlan> {
+    let mut reports = ways.iter().filter_map(|way| verified(world, &way.draft, purpose).ok());
     reports.find_map(|report| report.into_verified().ok())
 }
 
@@ -166,25 +157,25 @@ fn done(plan: VerifiedPlan, edits: Vec<Edit>) -> Amended {
 }
 
 /// Returns the report on a draft. Its assumptions include the ambiguous bindings.
-fn verified(domain: &Domain, world: &World, draft: &Resolved, purpose: &Purpose) -> Result<Report, Violation> {
+fn verified(world: &World, draft: &Resolved, purpose: &Purpose) -> Result<Report, Violation> {
     let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
-    let (plan, assumptions) = bind(domain, world, &steps, &draft.objects, purpose.claim.as_ref())?;
-    let mut report = check(domain, world, plan, purpose);
+    let (plan, assumptions) = bind(world, &steps, &draft.objects, purpose.claim.as_ref())?;
+    let mut report = check(world, plan, purpose);
     report.assumptions.extend(assumptions);
     Ok(report)
 }
 
 /// Returns the violations with sentences for a person.
-fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose) -> Vec<Obstacle> {
+fn in_the_way(world: &World, report: &Report, purpose: &Purpose) -> Vec<Obstacle> {
     let sentence = |violation: &Violation| match violation {
         Violation::Goal { index } => match purpose.wanted.get(*index) {
             Some(wanted) => format!(
                 "at the end, this is not reached: {}",
-                wanted_text(domain, world, wanted, &report.ending().after)
+                wanted_text(world, wanted, &report.ending().after)
             ),
-            None => violation.message(domain, world, report.plan.steps(), None),
+            None => violation.message(world, report.plan.steps(), None),
         },
-        other => other.message(domain, world, report.plan.steps(), None),
+        other => other.message(world, report.plan.steps(), None),
     };
     let violations = report.violations.iter().map(|violation| Obstacle::Violation {
         message: sentence(violation),
@@ -194,8 +185,8 @@ fn in_the_way(domain: &Domain, world: &World, report: &Report, purpose: &Purpose
 }
 
 /// Returns the sentence of the goal word, or else the missing facts.
-fn wanted_text(domain: &Domain, world: &World, wanted: &Wanted, state: &State) -> String {
-    let mut words = domain.goal_words.iter();
+fn wanted_text(world: &World, wanted: &Wanted, state: &State) -> String {
+    let mut words = world.domain().goal_words.iter();
     let same = |word: &crate::model::GoalWord| {
         word.condition == wanted.condition && word.parameters.len() == wanted.bindings.len()
     };
@@ -204,12 +195,12 @@ fn wanted_text(domain: &Domain, world: &World, wanted: &Wanted, state: &State) -
             word: crate::model::GoalWordId::new(index),
             arguments: wanted.bindings.clone(),
         };
-        return fact.sentence(domain, world);
+        return fact.sentence(world);
     }
     let missing = unmet(world, state, &wanted.condition, &mut wanted.bindings.clone());
     let facts: Vec<String> = missing
         .iter()
-        .filter_map(|missing| Some(fact_text(domain, world, missing.fact?, missing.holds)))
+        .filter_map(|missing| Some(fact_text(world, missing.fact?, missing.holds)))
         .collect();
     facts.join(", and ")
 }

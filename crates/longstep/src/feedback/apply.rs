@@ -3,7 +3,7 @@
 use super::StepWish;
 use super::difference::unwanted;
 use crate::environment::{EntityId, World};
-use crate::model::{ActionId, Domain, plain_words, singular};
+use crate::model::{ActionId, plain_words, singular};
 use crate::plan::{DraftStep, Plan, Resolved, Step};
 use crate::repair::Pins;
 
@@ -14,7 +14,8 @@ pub(super) struct Applied {
 }
 
 /// Applies all wishes at once.
-pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish]) -> Applied {
+pub(super) fn apply(world: &World, plan: &Plan, wishes: &[StepWish]) -> Applied {
+    let domain = world.domain();
     let steps = plan.steps();
     let mut applied = Applied {
         draft: Resolved::default(),
@@ -78,7 +79,7 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
     applied.draft.written = drafted
         .iter()
         .flatten()
-        .map(|step| super::written(domain, world, step.action, &step.arguments))
+        .map(|step| super::written(world, step.action, &step.arguments))
         .collect();
     let mut objects: Vec<EntityId> = steps.iter().filter_map(|step| step.object(domain)).collect();
     for step in drafted.iter().flatten() {
@@ -99,7 +100,7 @@ pub(super) fn apply(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepW
 
 /// Fills open arguments of the wishes from neighbouring steps: "another move_object()" has the object and the direction
 /// of its neighbour, unless its explanation names another place.
-pub(super) fn completed(domain: &Domain, world: &World, plan: &Plan, wishes: &[StepWish]) -> Vec<StepWish> {
+pub(super) fn completed(world: &World, plan: &Plan, wishes: &[StepWish]) -> Vec<StepWish> {
     let mut wishes = wishes.to_vec();
     for wish in &mut wishes {
         let (at, own) = match wish {
@@ -120,7 +121,7 @@ pub(super) fn completed(domain: &Domain, world: &World, plan: &Plan, wishes: &[S
             ..
         } = wish
         {
-            complete(domain, world, plan.steps(), at, own, *action, arguments, explanation);
+            complete(world, plan.steps(), at, own, *action, arguments, explanation);
         }
     }
     wishes
@@ -128,7 +129,6 @@ pub(super) fn completed(domain: &Domain, world: &World, plan: &Plan, wishes: &[S
 
 #[expect(clippy::too_many_arguments, reason = "the parts of one wish and where it stands")]
 fn complete(
-    domain: &Domain,
     world: &World,
     steps: &[Step],
     at: usize,
@@ -137,6 +137,7 @@ fn complete(
     arguments: &mut [Option<EntityId>],
     explanation: &str,
 ) {
+    let domain = world.domain();
     let (before, after) = steps.split_at(at.min(steps.len()));
     let around = || own.into_iter().chain(after).chain(before.iter().rev());
     let object = domain.action(action).object;
@@ -169,7 +170,7 @@ fn complete(
 
 /// Opens the hidden arguments that no wish and no explanation names, so that binding can choose them again. Returns
 /// none if there are none.
-pub(super) fn reopened(domain: &Domain, world: &World, draft: &Resolved) -> Option<Resolved> {
+pub(super) fn reopened(world: &World, draft: &Resolved) -> Option<Resolved> {
     let mut draft = draft.clone();
     let mut any = false;
     for step in draft.steps.iter_mut().flatten() {
@@ -177,7 +178,7 @@ pub(super) fn reopened(domain: &Domain, world: &World, draft: &Resolved) -> Opti
             .iter()
             .map(|word| singular(word))
             .collect();
-        let action = domain.action(step.action);
+        let action = world.domain().action(step.action);
         for parameter in action.implicit().filter(|parameter| action.object != Some(*parameter)) {
             let named = step.arguments[parameter].is_some_and(|entity| world.entity(entity).words_in(&words) > 0);
             if !named {

@@ -66,13 +66,13 @@ impl FeedbackDialogue {
             domain, world, plan, ..
         } = input;
         let words = one_line(input.feedback);
-        let lines: Vec<String> = plan.steps().iter().map(|step| line(domain, world, step)).collect();
+        let lines: Vec<String> = plan.steps().iter().map(|step| line(world, step)).collect();
         let mut transcript = Transcript::new(input.kind, fixed_turns(domain, input.kind));
         transcript.push(Role::User, plan_and_words(&one_line(input.instruction), &lines, &words));
-        let heard = Heard::of(domain, world, plan, &words);
+        let heard = Heard::of(world, plan, &words);
         let several = heard.steps.len() > 1 || says_several(&words);
         Self {
-            offers: offers(domain, world, plan, &heard, several),
+            offers: offers(world, plan, &heard, several),
             world: world.clone(),
             words,
             length: plan.steps().len(),
@@ -123,14 +123,14 @@ impl Dialogue for FeedbackDialogue {
     type Output = Wish;
 
     fn request(&self) -> ChatRequest {
-        let (domain, world) = (self.world.domain(), &self.world);
+        let world = &self.world;
         match self.transcript.kind {
             ConstraintKind::Grammar => {
-                let constraint = Constraint::Lark(grammar(domain, world, &self.offers, self.length));
+                let constraint = Constraint::Lark(grammar(world, &self.offers, self.length));
                 self.transcript.request(constraint, GRAMMAR_TOKENS)
             }
             ConstraintKind::JsonSchema => {
-                let constraint = Constraint::JsonSchema(schema(domain, world, &self.offers, self.length));
+                let constraint = Constraint::JsonSchema(schema(world, &self.offers, self.length));
                 self.transcript.request(constraint, ANSWER_TOKENS)
             }
         }
@@ -153,8 +153,8 @@ impl Dialogue for FeedbackDialogue {
         if text == GOAL {
             return Ok(Some(Wish::Goal));
         }
-        let mut wishes = parse(self.world.domain(), &self.world, &text, self.length)
-            .map_err(|error| DialogueError::NoWish(error.to_string()))?;
+        let mut wishes =
+            parse(&self.world, &text, self.length).map_err(|error| DialogueError::NoWish(error.to_string()))?;
         self.explain(&mut wishes);
         Ok(Some(Wish::Steps(wishes)))
     }
@@ -165,9 +165,9 @@ impl Dialogue for FeedbackDialogue {
 }
 
 /// Returns a step as the model sees it: its call and its explanation.
-fn line(domain: &Domain, world: &World, step: &Step) -> String {
+fn line(world: &World, step: &Step) -> String {
     let arguments: Vec<_> = step.arguments.iter().copied().map(Some).collect();
-    let call = everyday(domain, world, step.action, &arguments);
+    let call = everyday(world, step.action, &arguments);
     format!("{call}: {}", one_line(&step.explanation))
 }
 

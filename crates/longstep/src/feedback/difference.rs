@@ -15,10 +15,10 @@ use crate::repair::{Pins, Reach, Unwanted};
 /// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
 /// let read = |calls: &[&str]| {
 ///     let task_sequence = calls.iter().map(|call| (*call).to_owned()).collect();
-///     resolve(&domain, &world, &TaskCohesion { task_sequence, ..TaskCohesion::default() })
+///     resolve(&world, &TaskCohesion { task_sequence, ..TaskCohesion::default() })
 /// };
 /// let before = read(&["Walktowards(<desk_1>)", "Grab(<mug_2>)"]);
-/// let (before, _) = verify::bind(&domain, &world, &before.complete().unwrap(), &[], None).unwrap();
+/// let (before, _) = verify::bind(&world, &before.complete().unwrap(), &[], None).unwrap();
 /// let after = read(&["Walktowards(<mug_2>)", "Grab(<mug_2>)"]);
 /// let pins = feedback::pins(&before, &after);
 /// assert_eq!((pins.kept, pins.unwanted.len()), (vec![0], 1));

@@ -1,7 +1,6 @@
 //! Structured output for feedback: a grammar and a JSON schema of the offered changes.
 
 use indexmap::IndexMap;
-use longstep_core::model::Domain;
 use serde_json::{Value, json};
 
 use super::language::{JOINT, everyday};
@@ -16,12 +15,12 @@ pub(super) const GOAL: &str = "goal";
 pub(super) const MOST: usize = 4;
 
 /// Returns a grammar in llguidance's Lark dialect for a whole answer about a plan of `length` steps.
-pub(super) fn grammar(domain: &Domain, world: &World, offers: &Offers, length: usize) -> String {
+pub(super) fn grammar(world: &World, offers: &Offers, length: usize) -> String {
     let mut grammar = Grammar::default();
     if offers.goal {
         grammar.start(quoted(GOAL));
     }
-    let wishes = wishes(domain, world, offers, length);
+    let wishes = wishes(world, offers, length);
     if !wishes.is_empty() {
         let mut more = String::new();
         for _ in 1..if offers.several { MOST } else { 1 } {
@@ -36,14 +35,14 @@ pub(super) fn grammar(domain: &Domain, world: &World, offers: &Offers, length: u
     grammar.text()
 }
 
-fn wishes(domain: &Domain, world: &World, offers: &Offers, length: usize) -> Vec<String> {
+fn wishes(world: &World, offers: &Offers, length: usize) -> Vec<String> {
     let mut rules = Vec::new();
     let mut by_place: IndexMap<&[usize], Vec<&Called>> = IndexMap::new();
     for (call, places) in &offers.inserts {
         by_place.entry(places).or_default().push(call);
     }
     for (places, inserted) in by_place {
-        let calls = calls_rule(domain, world, inserted);
+        let calls = calls_rule(world, inserted);
         rules.push(format!("\"insert \" {calls} \" \" {}", places_rule(places, length)));
     }
     if !offers.drops.is_empty() {
@@ -54,7 +53,7 @@ fn wishes(domain: &Domain, world: &World, offers: &Offers, length: usize) -> Vec
         by_calls.entry(others).or_default().push(*step);
     }
     for (others, steps) in by_calls {
-        let calls = calls_rule(domain, world, others);
+        let calls = calls_rule(world, others);
         rules.push(format!("\"replace \" {} \" with \" {calls}", steps_rule(&steps)));
     }
     for (step, places) in &offers.moves {
@@ -64,9 +63,9 @@ fn wishes(domain: &Domain, world: &World, offers: &Offers, length: usize) -> Vec
     rules
 }
 
-fn calls_rule<'a>(domain: &Domain, world: &World, calls: impl IntoIterator<Item = &'a Called>) -> String {
+fn calls_rule<'a>(world: &World, calls: impl IntoIterator<Item = &'a Called>) -> String {
     let calls = calls.into_iter();
-    let texts = calls.map(|(action, arguments)| quoted(&everyday(domain, world, *action, arguments)));
+    let texts = calls.map(|(action, arguments)| quoted(&everyday(world, *action, arguments)));
     group(&texts.collect::<Vec<_>>())
 }
 
@@ -91,8 +90,8 @@ fn place_texts(at: usize, length: usize) -> Vec<String> {
 ///
 /// The schema enumerates the offered changes if servers can be expected to accept the list. The parser validates the
 /// changes in any case.
-pub(super) fn schema(domain: &Domain, world: &World, offers: &Offers, length: usize) -> Value {
-    let call = |(action, arguments): &Called| everyday(domain, world, *action, arguments);
+pub(super) fn schema(world: &World, offers: &Offers, length: usize) -> Value {
+    let call = |(action, arguments): &Called| everyday(world, *action, arguments);
     let mut texts: Vec<String> = Vec::new();
     for (inserted, places) in &offers.inserts {
         let places = places

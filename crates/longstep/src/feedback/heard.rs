@@ -2,8 +2,9 @@
 
 use crate::environment::{EntityId, World};
 use crate::goal::{Spoken, parts};
-use crate::model::{ActionId, Domain, plain_words, singular};
+use crate::model::{ActionId, plain_words, singular};
 use crate::plan::{Plan, Step};
+use longstep_core::model::Domain;
 
 /// The references in an utterance about a plan.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -101,24 +102,25 @@ const EMPTY: &str = "a an and another as be because before but can case could do
 
 impl Heard {
     /// Finds the references in an utterance about a plan.
-    pub(super) fn of(domain: &Domain, world: &World, plan: &Plan, words: &str) -> Self {
+    pub(super) fn of(world: &World, plan: &Plan, words: &str) -> Self {
+        let domain = world.domain();
         let tokens = plain_words(words);
         let actions = named_actions(domain, words);
         let (main, side) = clauses(words);
         let mut heard = Self {
-            entities: Spoken::of(domain, world, words).entities,
-            likeness: likeness(domain, world, plan.steps(), &plain_words(&main)),
+            entities: Spoken::of(world, words).entities,
+            likeness: likeness(world, plan.steps(), &plain_words(&main)),
             actions,
             stems: tokens.iter().map(|token| stem(token)).collect(),
             ..Self::default()
         };
         let (meant, denied) = parts(words);
-        let speaks = |text: &str| !Spoken::of(domain, world, text).entities.is_empty();
+        let speaks = |text: &str| !Spoken::of(world, text).entities.is_empty();
         heard.corrects = speaks(&denied) && speaks(&meant);
         heard.numbered(plan, &tokens, domain);
         heard.again = tokens.iter().any(|token| AGAIN.contains(&token.as_str()));
         if let (Some((after, clause)), true) = (side, heard.places.is_empty()) {
-            let alike = likeness(domain, world, plan.steps(), &plain_words(&clause));
+            let alike = likeness(world, plan.steps(), &plain_words(&clause));
             let most = alike.iter().copied().max().unwrap_or(0);
             let best = alike.iter().enumerate().filter(|(_, like)| most > 0 && **like == most);
             heard.places = best.map(|(step, _)| step + usize::from(after)).collect();
@@ -295,7 +297,7 @@ fn named_actions(domain: &Domain, words: &str) -> Vec<ActionId> {
 }
 
 /// Returns, for each step, the number of the words that occur in its sentence or its call.
-fn likeness(domain: &Domain, world: &World, steps: &[Step], tokens: &[String]) -> Vec<usize> {
+fn likeness(world: &World, steps: &[Step], tokens: &[String]) -> Vec<usize> {
     let empty: Vec<&str> = EMPTY.split_whitespace().collect();
     let stems = |words: Vec<String>| -> Vec<String> {
         let full = words.into_iter().filter(|word| !empty.contains(&word.as_str()));
@@ -308,11 +310,7 @@ fn likeness(domain: &Domain, world: &World, steps: &[Step], tokens: &[String]) -
     steps
         .iter()
         .map(|step| {
-            let text = format!(
-                "{} {}",
-                step.call(domain, world).name.replace('_', " "),
-                step.explanation
-            );
+            let text = format!("{} {}", step.call(world).name.replace('_', " "), step.explanation);
             let own = stems(plain_words(&text));
             own.iter().filter(|word| said.contains(word)).count()
         })

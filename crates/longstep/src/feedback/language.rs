@@ -116,16 +116,16 @@ pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
 /// let text = r#"{"assets": ["<shelf>"], "objects": ["<tea>"]}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();
 /// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
-/// let wishes = parse(&domain, &world, "drop 3 & insert move_object() after 4", 7).unwrap();
+/// let wishes = parse(&world, "drop 3 & insert move_object() after 4", 7).unwrap();
 /// assert_eq!(wishes[0], StepWish::Drop { step: 2 });
 /// assert_eq!(wishes[1].before(), Some(4));
 /// ```
-pub fn parse(domain: &Domain, world: &World, text: &str, length: usize) -> Result<Vec<StepWish>, WishError> {
+pub fn parse(world: &World, text: &str, length: usize) -> Result<Vec<StepWish>, WishError> {
     let mut wishes: Vec<StepWish> = Vec::new();
     for part in text.split('&').map(str::trim) {
         let wish = match form(part, length)? {
             Form::Insert { call, before } => {
-                let (action, arguments) = called(domain, world, call)?;
+                let (action, arguments) = called(world, call)?;
                 StepWish::Insert {
                     before,
                     action,
@@ -135,7 +135,7 @@ pub fn parse(domain: &Domain, world: &World, text: &str, length: usize) -> Resul
             }
             Form::Drop { step } => StepWish::Drop { step },
             Form::Replace { step, call } => {
-                let (action, arguments) = called(domain, world, call)?;
+                let (action, arguments) = called(world, call)?;
                 StepWish::Replace {
                     step,
                     action,
@@ -170,7 +170,8 @@ pub(super) fn action_of(domain: &Domain, text: &str) -> Result<(ActionId, Call),
     }
 }
 
-fn called(domain: &Domain, world: &World, text: &str) -> Result<(ActionId, Vec<Option<EntityId>>), WishError> {
+fn called(world: &World, text: &str) -> Result<(ActionId, Vec<Option<EntityId>>), WishError> {
+    let domain = world.domain();
     let (id, call) = action_of(domain, text)?;
     let action = domain.action(id);
     let mut arguments = vec![None; action.parameters.len()];
@@ -186,15 +187,17 @@ fn called(domain: &Domain, world: &World, text: &str) -> Result<(ActionId, Vec<O
 }
 
 /// Returns a call in plan notation, with `?` for unknown explicit arguments.
-pub fn written(domain: &Domain, world: &World, action: ActionId, arguments: &[Option<EntityId>]) -> String {
-    call(domain, action, arguments, |entity| {
+pub fn written(world: &World, action: ActionId, arguments: &[Option<EntityId>]) -> String {
+    call(world.domain(), action, arguments, |entity| {
         world.entity(entity).identifier.clone()
     })
 }
 
 /// Returns a call with everyday names, as in prompts and replies.
-pub(super) fn everyday(domain: &Domain, world: &World, action: ActionId, arguments: &[Option<EntityId>]) -> String {
-    call(domain, action, arguments, |entity| world.entity(entity).name.clone())
+pub(super) fn everyday(world: &World, action: ActionId, arguments: &[Option<EntityId>]) -> String {
+    call(world.domain(), action, arguments, |entity| {
+        world.entity(entity).name.clone()
+    })
 }
 
 fn call(

@@ -2,7 +2,7 @@
 
 use super::heard::Heard;
 use crate::environment::{EntityId, State, World};
-use crate::model::{ActionId, Domain};
+use crate::model::ActionId;
 use crate::plan::{DraftStep, Plan};
 use crate::verify::{apply, can_apply, candidates, unmet};
 
@@ -31,7 +31,7 @@ const LIMIT: usize = 240;
 /// Returns the changes that fit the references in the utterance: calls, step numbers and entities. An insertion is
 /// offered where its action is applicable in the current plan, unless the utterance gives a position or no position
 /// fits.
-pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, several: bool) -> Offers {
+pub(super) fn offers(world: &World, plan: &Plan, heard: &Heard, several: bool) -> Offers {
     let length = plan.steps().len();
     if heard.corrects && heard.verbs.is_empty() && !heard.is_about_steps() {
         return Offers {
@@ -47,12 +47,12 @@ pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard,
         several,
         ..Offers::default()
     };
-    let calls = calls(domain, world, plan, heard);
+    let calls = calls(world, plan, heard);
     // Moving or removing steps cannot involve an entity that the plan does not mention.
     let in_plan = |thing: &EntityId| plan.steps().iter().any(|step| step.arguments.contains(thing));
     let brings_in = !heard.is_about_steps() && !heard.verbs.contains(&"drop") && !heard.entities.iter().all(in_plan);
     if asks("insert") {
-        offers.inserts = inserts(domain, world, plan, heard, &calls);
+        offers.inserts = inserts(world, plan, heard, &calls);
     }
     let meant = meant_steps(plan, heard);
     if asks("drop") && !brings_in {
@@ -62,7 +62,7 @@ pub(super) fn offers(domain: &Domain, world: &World, plan: &Plan, heard: &Heard,
         for step in &meant {
             let own = &plan.steps()[*step];
             let same = |(action, arguments): &&Called| {
-                let shown = domain.action(own.action).explicit.iter();
+                let shown = world.domain().action(own.action).explicit.iter();
                 *action == own.action && shown.clone().all(|p| arguments[*p] == Some(own.arguments[*p]))
             };
             let others: Vec<Called> = calls.iter().filter(|call| !same(call)).cloned().collect();
@@ -109,7 +109,8 @@ fn meant_steps(plan: &Plan, heard: &Heard) -> Vec<usize> {
 }
 
 /// Returns the calls that the utterance can mean: of named actions, about entities of the utterance or the plan.
-fn calls(domain: &Domain, world: &World, plan: &Plan, heard: &Heard) -> Vec<Called> {
+fn calls(world: &World, plan: &Plan, heard: &Heard) -> Vec<Called> {
+    let domain = world.domain();
     let mut pool = heard.entities.clone();
     for step in plan.steps() {
         let shown = domain.action(step.action).explicit.iter();
@@ -158,7 +159,7 @@ fn calls(domain: &Domain, world: &World, plan: &Plan, heard: &Heard) -> Vec<Call
     // A call that can never be applicable is offered only if the utterance names its action.
     let possible = |(action, arguments): &Called| {
         let shown: Option<Vec<EntityId>> = arguments.iter().copied().collect();
-        shown.is_none_or(|shown| can_apply(domain, world, *action, &shown))
+        shown.is_none_or(|shown| can_apply(world, *action, &shown))
     };
     if heard.actions.is_empty() && calls.iter().any(possible) {
         calls.retain(possible);
@@ -167,9 +168,10 @@ fn calls(domain: &Domain, world: &World, plan: &Plan, heard: &Heard) -> Vec<Call
     calls
 }
 
-fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[Called]) -> Vec<(Called, Vec<usize>)> {
+fn inserts(world: &World, plan: &Plan, heard: &Heard, calls: &[Called]) -> Vec<(Called, Vec<usize>)> {
+    let domain = world.domain();
     let length = plan.steps().len();
-    let states = states(domain, world, plan);
+    let states = states(world, plan);
     let objects: Vec<EntityId> = plan.steps().iter().filter_map(|step| step.object(domain)).collect();
     let can_be_at = |call: &Called| -> Vec<usize> {
         let step = DraftStep {
@@ -177,7 +179,7 @@ fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[
             arguments: call.1.clone(),
             explanation: String::new(),
         };
-        let choices = candidates(domain, world, &step, &objects, &rustc_hash::FxHashSet::default());
+        let choices = candidates(world, &step, &objects, &rustc_hash::FxHashSet::default());
         let precondition = &domain.action(call.0).precondition;
         let can_be_done = |state: &State| {
             let done = |choice: &crate::verify::Candidate| {
@@ -223,11 +225,11 @@ fn inserts(domain: &Domain, world: &World, plan: &Plan, heard: &Heard, calls: &[
 }
 
 /// Returns the state before each step and after the last.
-fn states(domain: &Domain, world: &World, plan: &Plan) -> Vec<State> {
+fn states(world: &World, plan: &Plan) -> Vec<State> {
     let mut states = vec![world.state.clone()];
     for step in plan.steps() {
         let mut state = states[states.len() - 1].clone();
-        apply(world, &mut state, domain.action(step.action), &step.arguments);
+        apply(world, &mut state, world.domain().action(step.action), &step.arguments);
         states.push(state);
     }
     states

@@ -6,9 +6,10 @@ use super::StepWish;
 use super::amend::{Amendment, unrepaired};
 use super::heard::Heard;
 use crate::environment::World;
-use crate::model::{Domain, plain_words};
+use crate::model::plain_words;
 use crate::plan::{Plan, Step};
 use crate::verify::Purpose;
+use longstep_core::model::Domain;
 
 const EARLIER: [&str; 5] = ["first", "earlier", "sooner", "before", "beforehand"];
 const LATER: [&str; 7] = ["later", "after", "afterwards", "last", "finally", "end", "then"];
@@ -17,17 +18,17 @@ const LATER: [&str; 7] = ["later", "after", "afterwards", "last", "finally", "en
 /// steps around it that handle the same entity, are moved to where the words say. Repair is not tried: it could make
 /// any order possible by doing the step twice.
 pub(crate) fn reordered(
-    domain: &Domain,
     world: &World,
     plan: &Plan,
     words: &str,
     wishes: &[StepWish],
     purpose: &Purpose,
 ) -> Option<Amendment> {
+    let domain = world.domain();
     let [StepWish::Insert { action, arguments, .. }] = wishes else {
         return None;
     };
-    let order = Order::of(domain, world, plan, words);
+    let order = Order::of(world, plan, words);
     if !order.is_said() {
         return None;
     }
@@ -43,7 +44,7 @@ pub(crate) fn reordered(
         for (begin, end) in blocks(domain, steps, at) {
             for before in order.places(begin, end, steps.len()) {
                 let moved: Vec<StepWish> = (begin..end).map(|step| StepWish::Move { step, before }).collect();
-                if let Some(amendment) = unrepaired(domain, world, plan, &moved, purpose) {
+                if let Some(amendment) = unrepaired(world, plan, &moved, purpose) {
                     return Some(amendment);
                 }
             }
@@ -75,8 +76,8 @@ struct Order {
 }
 
 impl Order {
-    fn of(domain: &Domain, world: &World, plan: &Plan, words: &str) -> Self {
-        let heard = Heard::of(domain, world, plan, words);
+    fn of(world: &World, plan: &Plan, words: &str) -> Self {
+        let heard = Heard::of(world, plan, words);
         let tokens = plain_words(words);
         let has = |list: &[&str]| tokens.iter().any(|token| list.contains(&token.as_str()));
         Self {

@@ -34,8 +34,8 @@ fn scene(name: &str, environment: &str, wanted: &str) -> Scene {
     let domain = domain::shipped(name).unwrap().unwrap();
     let read = Environment::from_json(environment).unwrap();
     let world = environment::read(&domain, &read, "env.json", environment, &Path::default()).unwrap();
-    let goal = goal::parse(&domain, &world, wanted).unwrap();
-    let outcome = search::solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
+    let goal = goal::parse(&world, wanted).unwrap();
+    let outcome = search::solve(&world, &goal.wanted(&domain), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
@@ -58,7 +58,7 @@ fn studio() -> Scene {
 impl Scene {
     /// Returns the sentences of the amended plan and its other edits, or the reasons against it.
     fn amended(&self, wishes: &[StepWish]) -> Vec<String> {
-        match amend(&self.domain, &self.world, &self.plan, wishes, &self.purpose) {
+        match amend(&self.world, &self.plan, wishes, &self.purpose) {
             Amended::Done(done) => {
                 let sentences = done.plan.steps().iter().map(|step| step.explanation.clone());
                 let edits = done.edits.iter().map(|edit| format!("({})", edit.told(usize::MAX)));
@@ -70,12 +70,12 @@ impl Scene {
 
     #[track_caller]
     fn check(&self, answer: &str, expected: &[&str]) {
-        let wishes = parse(&self.domain, &self.world, answer, self.plan.steps().len()).unwrap();
+        let wishes = parse(&self.world, answer, self.plan.steps().len()).unwrap();
         assert_eq!(self.amended(&wishes), expected, "{answer}");
     }
 
     fn heard(&self, words: &str) -> Heard {
-        Heard::of(&self.domain, &self.world, &self.plan, words)
+        Heard::of(&self.world, &self.plan, words)
     }
 
     /// Interprets an answer about an utterance.
@@ -109,7 +109,7 @@ fn a_plan_without_wishes_stays() {
 #[test]
 fn a_step_more_goes_the_way_of_its_neighbours_and_keeps_its_words() {
     let den = den();
-    let mut wishes = parse(&den.domain, &den.world, "insert move_object() after 3", 6).unwrap();
+    let mut wishes = parse(&den.world, "insert move_object() after 3", 6).unwrap();
     if let StepWish::Insert { explanation, .. } = &mut wishes[0] {
         explanation.push_str("move the tea upward");
     }
@@ -124,7 +124,7 @@ fn a_step_more_goes_the_way_of_its_neighbours_and_keeps_its_words() {
     ];
     assert_eq!(den.amended(&wishes), expected);
     // Either of the two `move_object` steps can be removed again.
-    let plan = match amend(&den.domain, &den.world, &den.plan, &wishes, &den.purpose) {
+    let plan = match amend(&den.world, &den.plan, &wishes, &den.purpose) {
         Amended::Done(done) => done.plan.plan().clone(),
         other => panic!("{other:?}"),
     };
@@ -208,7 +208,7 @@ fn steps_that_there_are_not_are_told() {
             "`mov_object()` calls no action of this domain; did you mean `move_object`?",
         ),
     ] {
-        let error = parse(&den().domain, &den().world, answer, 6).unwrap_err();
+        let error = parse(&den().world, answer, 6).unwrap_err();
         assert_eq!(error.to_string(), expected);
     }
 }
@@ -325,7 +325,7 @@ fn check_pins(scene: &Scene, steps: &[(&str, &str)], kept: &[usize], unwanted: &
         object_name: Some("<tea>".to_owned()),
         ..TaskCohesion::default()
     };
-    let pins = pins(&scene.plan, &resolve(&scene.domain, &scene.world, &cohesion));
+    let pins = pins(&scene.plan, &resolve(&scene.world, &cohesion));
     let gone: Vec<_> = pins.unwanted.iter().map(|gone| (gone.before, gone.reach)).collect();
     assert_eq!((&pins.kept[..], &gone[..]), (kept, unwanted));
 }

@@ -11,7 +11,8 @@ const ANY: &str = "a an";
 
 /// Returns a question if the instruction refers to a definite object and several in different places fit: "the mug".
 /// Returns none if the reference is clear or the choice makes no difference.
-pub(super) fn which(domain: &Domain, world: &World, spoken: &Spoken, goal: &Goal) -> Option<String> {
+pub(super) fn which(world: &World, spoken: &Spoken, goal: &Goal) -> Option<String> {
+    let domain = world.domain();
     let facts = goal.facts.iter().filter(|fact| matches!(fact, GoalFact::Word { .. }));
     for fact in facts {
         let GoalFact::Word { word, arguments } = fact else {
@@ -37,7 +38,7 @@ pub(super) fn which(domain: &Domain, world: &World, spoken: &Spoken, goal: &Goal
             holds(moment, &word.offered, &mut instead) && !holds(moment, &word.condition, &mut instead)
         };
         let kind = base_name(&world.entity(subject).identifier);
-        let here = places(domain, world, subject);
+        let here = places(world, subject);
         let told = |places: &[Fact]| {
             let mut places = places.iter().flat_map(|fact| domain.arguments(*fact).skip(1));
             places.any(|place| spoken.entities.contains(&place))
@@ -48,16 +49,16 @@ pub(super) fn which(domain: &Domain, world: &World, spoken: &Spoken, goal: &Goal
             .copied()
             .filter(|other| *other != subject && base_name(&world.entity(*other).identifier) == kind)
             .filter(|other| !taken(*other) && wish_is_open(*other))
-            .filter(|other| where_from(domain, &places(domain, world, *other)) != where_from(domain, &here))
+            .filter(|other| where_from(domain, &places(world, *other)) != where_from(domain, &here))
             .collect();
         // A mentioned place identifies the object.
-        if rivals.is_empty() || told(&here) || rivals.iter().any(|rival| told(&places(domain, world, *rival))) {
+        if rivals.is_empty() || told(&here) || rivals.iter().any(|rival| told(&places(world, *rival))) {
             continue;
         }
         let mut all = vec![subject];
         all.extend(rivals);
         all.sort_unstable();
-        let described: Vec<String> = all.iter().map(|entity| described(domain, world, *entity)).collect();
+        let described: Vec<String> = all.iter().map(|entity| described(world, *entity)).collect();
         let name = head(&world.entity(subject).name);
         return Some(format!("Which {name} do you mean: {}?", described.join(", or ")));
     }
@@ -81,7 +82,8 @@ fn is_certain(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
 }
 
 /// Returns the facts about where an entity is.
-fn places(domain: &Domain, world: &World, entity: EntityId) -> Vec<Fact> {
+fn places(world: &World, entity: EntityId) -> Vec<Fact> {
+    let domain = world.domain();
     let about =
         |fact: &Fact| domain.is_relation(*fact) && domain.words(fact.predicate()).fluent && fact.argument(0) == entity;
     world.state.iter().filter(about).collect()
@@ -93,11 +95,11 @@ fn where_from(domain: &Domain, places: &[Fact]) -> Vec<(usize, Vec<EntityId>)> {
     places.iter().map(rest).collect()
 }
 
-fn described(domain: &Domain, world: &World, entity: EntityId) -> String {
+fn described(world: &World, entity: EntityId) -> String {
     let name = &world.entity(entity).name;
     // The last fact is the most specific: the surface rather than the room.
-    let place = places(domain, world, entity).into_iter().rev().find_map(|fact| {
-        let says = Voice::Person.fact(domain, world, fact, true);
+    let place = places(world, entity).into_iter().rev().find_map(|fact| {
+        let says = Voice::Person.fact(world, fact, true);
         says.strip_prefix(&format!("{name} is ")).map(str::to_owned)
     });
     match place {

@@ -21,18 +21,18 @@ fn kitchen() -> (Domain, World) {
 /// Compares a parsed goal, written for the model and as a sentence, or the parse error.
 #[track_caller]
 fn check(text: &str, written: &str, sentence: &str) {
-    let (domain, world) = kitchen();
-    match parse(&domain, &world, text) {
+    let (_, world) = kitchen();
+    match parse(&world, text) {
         Ok(goal) => {
-            let everyday: Vec<String> = goal.facts.iter().map(|fact| fact.everyday(&domain, &world)).collect();
-            let sentences: Vec<String> = goal.facts.iter().map(|fact| fact.sentence(&domain, &world)).collect();
+            let everyday: Vec<String> = goal.facts.iter().map(|fact| fact.everyday(&world)).collect();
+            let sentences: Vec<String> = goal.facts.iter().map(|fact| fact.sentence(&world)).collect();
             assert_eq!(
                 (everyday.join(" & ").as_str(), sentences.join("; ").as_str()),
                 (written, sentence),
                 "{text}"
             );
-            let exact: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&domain, &world)).collect();
-            assert_eq!(parse(&domain, &world, &exact.join(" & ")), Ok(goal), "{text}");
+            let exact: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&world)).collect();
+            assert_eq!(parse(&world, &exact.join(" & ")), Ok(goal), "{text}");
         }
         Err(error) => assert_eq!((written, error.to_string().as_str()), ("", sentence), "{text}"),
     }
@@ -166,7 +166,7 @@ fn check_understood(instruction: &str, replies: &[&str], kind: ConstraintKind, e
             understood = match done {
                 Understanding::Goal(goal, left_out) => {
                     let all = goal.facts.iter().chain(left_out.iter().map(|left| &left.fact));
-                    let texts: Vec<String> = all.map(|fact| fact.everyday(&domain, &world)).collect();
+                    let texts: Vec<String> = all.map(|fact| fact.everyday(&world)).collect();
                     format!("{} ({} left out)", texts.join(" & "), left_out.len())
                 }
                 Understanding::Question(question) => question,

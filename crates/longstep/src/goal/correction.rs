@@ -35,10 +35,10 @@ fn among(list: &str, word: &str) -> bool {
 
 impl Correction {
     /// Starts with an instruction.
-    pub(crate) fn of(domain: &Domain, world: &World, instruction: &str) -> Self {
+    pub(crate) fn of(world: &World, instruction: &str) -> Self {
         Self {
-            spoken: Spoken::of(domain, world, instruction),
-            unknown: unknown_thing(domain, world, instruction),
+            spoken: Spoken::of(world, instruction),
+            unknown: unknown_thing(world, instruction),
             ..Self::default()
         }
     }
@@ -48,10 +48,11 @@ impl Correction {
     /// Words after "not" rule entities out, preferably those of the answer. "The other one" excludes the entity of the
     /// answer. An entity that the utterance names replaces entities with the same last word that only the instruction
     /// mentions.
-    pub(crate) fn hear(&mut self, domain: &Domain, world: &World, answer: &str, said: &str) {
+    pub(crate) fn hear(&mut self, world: &World, answer: &str, said: &str) {
+        let domain = world.domain();
         let facts = match answer.starts_with(QUESTION) {
             true => Vec::new(),
-            false => parse(domain, world, answer).map_or_else(|_| Vec::new(), |goal| goal.facts),
+            false => parse(world, answer).map_or_else(|_| Vec::new(), |goal| goal.facts),
         };
         let handled: Vec<EntityId> = facts.iter().flat_map(|fact| entities_of(domain, fact)).collect();
         // "Yes" refers to the content of the question.
@@ -62,7 +63,7 @@ impl Correction {
             false => said,
         };
         let (meant, denied) = parts(said);
-        let mut not_meant = exactly(world, Spoken::of(domain, world, &denied).entities, &denied);
+        let mut not_meant = exactly(world, Spoken::of(world, &denied).entities, &denied);
         // "Not that plate" rules out the plate of the answer.
         if not_meant.iter().any(|entity| handled.contains(entity)) {
             not_meant.retain(|entity| handled.contains(entity));
@@ -78,11 +79,11 @@ impl Correction {
             let others = handled.iter().filter(|entity| words[at..].contains(&head_of(entity)));
             not_meant.extend(others);
         }
-        let heard = Spoken::of(domain, world, &meant);
+        let heard = Spoken::of(world, &meant);
         let mut named = exactly(world, heard.entities.clone(), &meant);
         named.retain(|entity| !not_meant.contains(entity));
         let stands_for_it = |entity: &EntityId| named.iter().any(|other| head_of(other) == head_of(entity));
-        self.unknown = unknown_thing(domain, world, &meant);
+        self.unknown = unknown_thing(world, &meant);
         self.spoken.add(heard);
         self.spoken
             .entities

@@ -109,7 +109,8 @@ fn has_cue(words: &[String], cue: &str) -> bool {
 ///
 /// With two outcomes, each is the negation of the other. With more, an outcome can also be negated; "unless" negates
 /// the mentioned one.
-pub(crate) fn conditions(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<Dependence> {
+pub(crate) fn conditions(world: &World, spoken: &Spoken) -> Vec<Dependence> {
+    let domain = world.domain();
     let clauses = spoken.clauses();
     if clauses.is_empty() {
         return Vec::new();
@@ -176,9 +177,9 @@ pub(crate) fn has_other_case(spoken: &Spoken) -> bool {
 }
 
 /// Returns true if the instruction has a condition that no sensing action can decide.
-pub(crate) fn cannot_be_told(domain: &Domain, world: &World, spoken: &Spoken) -> bool {
-    let senses = domain.actions.iter().any(|action| !action.senses.is_empty());
-    senses && spoken.clauses().strict && conditions(domain, world, spoken).is_empty()
+pub(crate) fn cannot_be_told(world: &World, spoken: &Spoken) -> bool {
+    let senses = world.domain().actions.iter().any(|action| !action.senses.is_empty());
+    senses && spoken.clauses().strict && conditions(world, spoken).is_empty()
 }
 
 /// Returns true if a word belongs to a cue for a sensing outcome: "the best-by date" is no object.
@@ -201,14 +202,14 @@ mod tests {
         let text = r#"{"assets": ["<table>", "<fridge>"], "objects": ["<milk>", "<sponge>", "<fridge_handle>"]}"#;
         let environment = Environment::from_json(text).unwrap();
         let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
-        let spoken = Spoken::of(&domain, &world, instruction);
+        let spoken = Spoken::of(&world, instruction);
         let shown = |depends: Dependence| {
-            let text = super::super::GoalFact::Plain(depends.fact).everyday(&domain, &world);
+            let text = super::super::GoalFact::Plain(depends.fact).everyday(&world);
             if depends.negated { format!("not {text}") } else { text }
         };
-        let conditions = conditions(&domain, &world, &spoken).into_iter();
+        let conditions = conditions(&world, &spoken).into_iter();
         let mut shown: Vec<String> = conditions.map(shown).collect();
-        if cannot_be_told(&domain, &world, &spoken) {
+        if cannot_be_told(&world, &spoken) {
             shown.push("nobody knows".to_owned());
         }
         assert_eq!(shown.join(" "), expected, "{instruction}");

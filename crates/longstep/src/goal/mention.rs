@@ -93,7 +93,7 @@ pub struct Spoken {
 impl Spoken {
     /// Finds the mentions in an instruction. Among entities that share the last word of their names, those with the
     /// most matching words are meant: "the water glass" excludes the wine glass.
-    pub fn of(domain: &Domain, world: &World, instruction: &str) -> Self {
+    pub fn of(world: &World, instruction: &str) -> Self {
         let words = asserted(instruction);
         let singulars: Vec<String> = words.iter().map(|word| singular(word)).collect();
         let said = Places::of(&singulars);
@@ -117,7 +117,7 @@ impl Spoken {
         };
         let implied = |id: EntityId| {
             let base = base_name(&world.entity(id).identifier);
-            let mut stems = domain.implied.iter().filter(|(name, _)| ends_with(&base, name));
+            let mut stems = world.domain().implied.iter().filter(|(name, _)| ends_with(&base, name));
             stems.any(|(_, stems)| begins_with_any(&words, stems))
         };
         let names = FullNames::of(world, &said, &singulars);
@@ -352,10 +352,10 @@ fn begins_with_any(words: &[String], stems: &[String]) -> bool {
 }
 
 /// Compares a goal with the instruction.
-pub fn understand(domain: &Domain, world: &World, instruction: &str, goal: Goal) -> Understanding {
-    let spoken = Spoken::of(domain, world, instruction);
-    let unknown = unknown_thing(domain, world, instruction);
-    understand_spoken(domain, world, &spoken, unknown, goal)
+pub fn understand(world: &World, instruction: &str, goal: Goal) -> Understanding {
+    let spoken = Spoken::of(world, instruction);
+    let unknown = unknown_thing(world, instruction);
+    understand_spoken(world, &spoken, unknown, goal)
 }
 
 /// Splits a goal into its supported and its other parts. A conditional goal keeps its supported parts.
@@ -377,13 +377,8 @@ fn sorted_out(fact: GoalFact, about: &impl Fn(&GoalFact) -> bool) -> Vec<GoalFac
 }
 
 /// Compares a goal with parsed mentions. `unknown` is an object of the instruction that does not exist.
-pub(crate) fn understand_spoken(
-    domain: &Domain,
-    world: &World,
-    spoken: &Spoken,
-    unknown: Option<String>,
-    goal: Goal,
-) -> Understanding {
+pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<String>, goal: Goal) -> Understanding {
+    let domain = world.domain();
     let meant = &spoken.entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
@@ -422,7 +417,7 @@ pub(crate) fn understand_spoken(
             .collect();
         let goal = Goal { facts: kept };
         // This question is asked once; the model interprets the answer.
-        let unclear = (!spoken.later).then(|| which(domain, world, spoken, &goal)).flatten();
+        let unclear = (!spoken.later).then(|| which(world, spoken, &goal)).flatten();
         return match unclear {
             Some(question) => Understanding::Question(question),
             None => Understanding::Goal(goal, left_out),
@@ -433,7 +428,7 @@ pub(crate) fn understand_spoken(
     if let Some(fact @ GoalFact::Word { word, .. }) = goal.facts.first()
         && !(meant.is_empty() && spoken.has_any(&domain.goal_word(*word).cues))
     {
-        let guess = fact.sentence(domain, world);
+        let guess = fact.sentence(world);
         return Understanding::Question(format!("I am not sure what you want. Do you mean that {guess}?"));
     }
     let mut facts = goal.facts.into_iter();
@@ -444,7 +439,8 @@ pub(crate) fn understand_spoken(
 }
 
 /// Finds a noun phrase after a determiner that matches no entity of the world.
-pub fn unknown_thing(domain: &Domain, world: &World, instruction: &str) -> Option<String> {
+pub fn unknown_thing(world: &World, instruction: &str) -> Option<String> {
+    let domain = world.domain();
     let words = plain_words(instruction);
     let mut known: FxHashSet<String> = FxHashSet::default();
     for (_, entity) in world.entities() {

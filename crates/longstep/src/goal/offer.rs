@@ -29,21 +29,16 @@ pub struct Offer {
 /// The instruction narrows the offers. If an argument that it mentions fits, the others are not offered: "table"
 /// excludes the floor. A further goal must have a mentioned subject, and the instruction must contain one of its cues
 /// if the domain lists any.
-pub fn offers(domain: &Domain, world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Offer> {
-    offers_on(domain, world, said, spoken, !said.is_empty())
+pub fn offers(world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Offer> {
+    offers_on(world, said, spoken, !said.is_empty())
 }
 
 /// Returns the offers for a first or a `further` goal. The first goal of an "otherwise" branch is not `further`,
 /// although `said` is not empty.
-pub(crate) fn offers_on(
-    domain: &Domain,
-    world: &World,
-    said: &[GoalFact],
-    spoken: &Spoken,
-    further: bool,
-) -> Vec<Offer> {
+pub(crate) fn offers_on(world: &World, said: &[GoalFact], spoken: &Spoken, further: bool) -> Vec<Offer> {
+    let domain = world.domain();
     let known = world.known();
-    let held = settled_words(domain, world, said, spoken);
+    let held = settled_words(world, said, spoken);
     let mut offers = Vec::new();
     let mut left: Option<State> = None;
     for (index, word) in domain.goal_words.iter().enumerate() {
@@ -67,14 +62,12 @@ pub(crate) fn offers_on(
         }
         // "Take the milk out and close the fridge": the fridge is closed now, but not after the first goal.
         if further && spoken.has_any(&word.cues) {
-            let undone = settled(domain, world, word, said, spoken)
-                .into_iter()
-                .filter(|bindings| {
-                    let after = left.get_or_insert_with(|| state_after(domain, world, said));
-                    let moment = Moment { world, state: after };
-                    !holds(moment, &word.condition, &mut bindings.clone())
-                        && !said.iter().any(|fact| excludes(domain, fact, word, bindings))
-                });
+            let undone = settled(world, word, said, spoken).into_iter().filter(|bindings| {
+                let after = left.get_or_insert_with(|| state_after(world, said));
+                let moment = Moment { world, state: after };
+                !holds(moment, &word.condition, &mut bindings.clone())
+                    && !said.iter().any(|fact| excludes(domain, fact, word, bindings))
+            });
             arguments.extend(undone);
         }
         arguments.retain(|bindings| !doubles(world, spoken, bindings));
@@ -91,9 +84,9 @@ pub(crate) fn offers_on(
                 arguments.retain(phrased);
             }
         }
-        narrow(domain, world, spoken, word.parameters.len(), &mut arguments);
+        narrow(world, spoken, word.parameters.len(), &mut arguments);
         if further && !spoken.entities.is_empty() {
-            arguments.retain(|bindings| may_follow(domain, world, word, said, spoken, bindings));
+            arguments.retain(|bindings| may_follow(world, word, said, spoken, bindings));
         }
         if !arguments.is_empty() {
             offers.push(Offer {
@@ -105,7 +98,7 @@ pub(crate) fn offers_on(
     let mut offers = likely(domain, spoken, offers);
     // For a further goal, the cue may belong to an earlier one: "wipe it, and leave the sponge on the table".
     if !further {
-        offers = named_for_the_same(domain, world, spoken, offers);
+        offers = named_for_the_same(world, spoken, offers);
     }
     // Every requested goal holds already: offer no other reading.
     let asked = |offer: &Offer| spoken.has_any(&domain.goal_word(offer.word).destination_verbs) && fits(offer, spoken);
@@ -117,13 +110,14 @@ pub(crate) fn offers_on(
 
 /// Returns the state after a plan for the goals, or the current state if search finds none or a goal depends on
 /// sensing.
-fn state_after(domain: &Domain, world: &World, said: &[GoalFact]) -> State {
+fn state_after(world: &World, said: &[GoalFact]) -> State {
+    let domain = world.domain();
     let goal = Goal { facts: said.to_vec() };
     let mut state = world.state.clone();
     if goal.depends_on_sensing(domain) {
         return state;
     }
-    if let Outcome::Solved { plan, .. } = search::solve(domain, world, &goal.wanted(domain), &Limits::default()) {
+    if let Outcome::Solved { plan, .. } = search::solve(world, &goal.wanted(domain), &Limits::default()) {
         for step in plan.steps() {
             verify::apply(world, &mut state, domain.action(step.action), &step.arguments);
         }
@@ -189,23 +183,24 @@ struct Settled<'a> {
 }
 
 /// Returns the requested goals about a destination that hold already.
-fn settled_words<'a>(domain: &'a Domain, world: &World, said: &[GoalFact], spoken: &Spoken) -> Vec<Settled<'a>> {
-    let words = domain.goal_words.iter().enumerate();
+fn settled_words<'a>(world: &'a World, said: &[GoalFact], spoken: &Spoken) -> Vec<Settled<'a>> {
+    let words = world.domain().goal_words.iter().enumerate();
     let asked = words.filter(|(_, word)| spoken.has_any(&word.destination_verbs));
     asked
         .map(|(index, word)| Settled {
             word: &word.word,
             id: GoalWordId::new(index),
-            arguments: settled(domain, world, word, said, spoken),
+            arguments: settled(world, word, said, spoken),
         })
         .filter(|settled| !settled.arguments.is_empty())
         .collect()
 }
 
 /// Returns the goals that the instruction requests with a cue or a destination verb, and that hold already.
-pub(crate) fn already(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<GoalFact> {
-    let mut all = settled_words(domain, world, &[], spoken);
-    for (index, word) in domain
+pub(crate) fn already(world: &World, spoken: &Spoken) -> Vec<GoalFact> {
+    let mut all = settled_words(world, &[], spoken);
+    for (index, word) in world
+        .domain()
         .goal_words
         .iter()
         .enumerate()
@@ -214,7 +209,7 @@ pub(crate) fn already(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<Go
         all.push(Settled {
             word: &word.word,
             id: GoalWordId::new(index),
-            arguments: settled(domain, world, word, &[], spoken),
+            arguments: settled(world, word, &[], spoken),
         });
     }
     let fact = |id: GoalWordId| move |arguments| GoalFact::Word { word: id, arguments };
@@ -224,7 +219,7 @@ pub(crate) fn already(domain: &Domain, world: &World, spoken: &Spoken) -> Vec<Go
 }
 
 /// Returns the argument lists of mentioned entities for which a word is offered and holds already.
-fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], spoken: &Spoken) -> Vec<Vec<EntityId>> {
+fn settled(world: &World, word: &GoalWord, said: &[GoalFact], spoken: &Spoken) -> Vec<Vec<EntityId>> {
     let moment = Moment {
         world,
         state: &world.state,
@@ -234,7 +229,7 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
         let bindings = &mut bindings.clone();
         let disturbed = bindings
             .iter()
-            .any(|e| said.iter().any(|fact| disturbs(domain, fact, *e)));
+            .any(|e| said.iter().any(|fact| disturbs(world.domain(), fact, *e)));
         !disturbed
             && phrases.fit(bindings)
             && holds(moment, &word.offered, bindings)
@@ -263,7 +258,8 @@ fn settled(domain: &Domain, world: &World, word: &GoalWord, said: &[GoalFact], s
 /// Removes offers without cues that have the arguments of an offer whose cue the instruction contains: "give the bench
 /// a scrub with the brush" does not put the brush on it. A cue inside the name of an object does not count: "the frying
 /// pan".
-fn named_for_the_same(domain: &Domain, world: &World, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
+fn named_for_the_same(world: &World, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer> {
+    let domain = world.domain();
     let sorted = |bindings: &Vec<EntityId>| {
         let mut things = bindings.clone();
         things.sort_unstable();
@@ -336,14 +332,7 @@ fn likely(domain: &Domain, spoken: &Spoken, mut offers: Vec<Offer>) -> Vec<Offer
 }
 
 /// Returns true if a goal may follow the goals of `said`.
-fn may_follow(
-    domain: &Domain,
-    world: &World,
-    word: &GoalWord,
-    said: &[GoalFact],
-    spoken: &Spoken,
-    bindings: &[EntityId],
-) -> bool {
+fn may_follow(world: &World, word: &GoalWord, said: &[GoalFact], spoken: &Spoken, bindings: &[EntityId]) -> bool {
     let Some(subject) = word.subject.map(|parameter| bindings[parameter]) else {
         return true;
     };
@@ -352,7 +341,7 @@ fn may_follow(
         let GoalFact::Word { word: said, arguments } = fact else {
             return true;
         };
-        let said = domain.goal_word(*said);
+        let said = world.domain().goal_word(*said);
         // Goals of different exclusive groups are independent: a filled dishwasher may also be switched on.
         let apart = said.exclusive.is_some() && word.exclusive.is_some() && said.exclusive != word.exclusive;
         arguments.iter().enumerate().all(|(parameter, entity)| {
@@ -365,7 +354,7 @@ fn may_follow(
     }) && spoken.entities.contains(&subject)
 }
 
-fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
+fn narrow(world: &World, spoken: &Spoken, parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
     let meant = &spoken.entities;
     // After "on the table", other portable objects and origins ("from the counter") are no destinations.
     if parameters == 2 && !meant.is_empty() {
@@ -378,7 +367,7 @@ fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, ar
         let (towards, from) = (led_to(TOWARDS), led_to(FROM));
         let towards = |entity: EntityId| towards.contains(&entity);
         let from = |entity: EntityId| from.contains(&entity);
-        let portable = |entity: EntityId| world.is_of_kind(entity, domain.environment.object);
+        let portable = |entity: EntityId| world.is_of_kind(entity, world.domain().environment.object);
         if arguments.iter().any(|bindings| towards(bindings[1])) {
             arguments.retain(|bindings| towards(bindings[1]) || !(portable(bindings[1]) || from(bindings[1])));
         }
@@ -394,7 +383,7 @@ fn narrow(domain: &Domain, world: &World, spoken: &Spoken, parameters: usize, ar
     // "The pan on the stove by the door" says where the pan is: mentioned places where an object is already are the
     // last choice as its destination.
     if parameters == 2 && !meant.is_empty() {
-        let at = Relations::of(domain, world, arguments);
+        let at = Relations::of(world, arguments);
         let mut keep = |fits: &dyn Fn(&Vec<EntityId>) -> bool| {
             if arguments.iter().any(fits) {
                 arguments.retain(fits);
@@ -419,7 +408,8 @@ struct Relations(FxHashMap<EntityId, FxHashSet<EntityId>>);
 
 impl Relations {
     /// Computes the closure for the entities of the arguments.
-    fn of(domain: &Domain, world: &World, arguments: &[Vec<EntityId>]) -> Self {
+    fn of(world: &World, arguments: &[Vec<EntityId>]) -> Self {
+        let domain = world.domain();
         let binary = |fact: &Fact| {
             domain.words(fact.predicate()).fluent && domain.predicate(fact.predicate()).parameters.len() == 2
         };

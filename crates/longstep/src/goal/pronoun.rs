@@ -3,7 +3,6 @@
 use super::mention::Spoken;
 use crate::environment::{EntityId, World};
 use crate::model::plain_words;
-use longstep_core::model::Domain;
 
 /// Pronouns for one object and for several.
 const ONE: [&str; 1] = ["it"];
@@ -32,11 +31,11 @@ pub struct SpelledOut {
 /// let environment = environment::Environment::from_json(r#"{"assets": ["<desk>"], "objects": ["<pen>"]}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
 /// let pen = world.find("<pen>").unwrap();
-/// let spelled = goal::spelled_out(&household, &world, "Now put it on the desk", &[pen]).unwrap();
+/// let spelled = goal::spelled_out(&world, "Now put it on the desk", &[pen]).unwrap();
 /// assert_eq!(spelled.text, "Now put the pen on the desk");
-/// assert_eq!(goal::spelled_out(&household, &world, "Take the pen and put it on the desk", &[pen]), None);
+/// assert_eq!(goal::spelled_out(&world, "Take the pen and put it on the desk", &[pen]), None);
 /// ```
-pub fn spelled_out(domain: &Domain, world: &World, instruction: &str, before: &[EntityId]) -> Option<SpelledOut> {
+pub fn spelled_out(world: &World, instruction: &str, before: &[EntityId]) -> Option<SpelledOut> {
     let mut words: Vec<&str> = instruction.split_whitespace().collect();
     let plain = |word: &str| plain_words(word).concat();
     let at = words.iter().position(|word| {
@@ -49,7 +48,7 @@ pub fn spelled_out(domain: &Domain, world: &World, instruction: &str, before: &[
         return None;
     }
     // The instruction itself has the antecedent.
-    if !Spoken::of(domain, world, &words[..at].join(" ")).entities.is_empty() {
+    if !Spoken::of(world, &words[..at].join(" ")).entities.is_empty() {
         return None;
     }
     let names: Vec<String> = before
@@ -81,7 +80,7 @@ mod tests {
         let environment = Environment::from_json(text).unwrap();
         let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
         let before: Vec<_> = before.iter().map(|name| world.find(name).unwrap()).collect();
-        let spelled = spelled_out(&household, &world, instruction, &before);
+        let spelled = spelled_out(&world, instruction, &before);
         assert_eq!(
             spelled.as_ref().map(|spelled| spelled.text.as_str()),
             expected,

@@ -19,8 +19,8 @@ pub(crate) struct Request {
 
 impl Request {
     /// Reads what the words mention.
-    pub(crate) fn of(domain: &Domain, world: &World, words: &str) -> Self {
-        let spoken = Spoken::of(domain, world, words);
+    pub(crate) fn of(world: &World, words: &str) -> Self {
+        let spoken = Spoken::of(world, words);
         let refers = plain_words(words).iter().any(|word| among(PRONOUNS, word));
         Self {
             has_pronoun: refers && spoken.entities.is_empty(),

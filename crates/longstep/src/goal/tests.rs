@@ -28,9 +28,9 @@ fn check_put(instruction: &str, said: &str, expected: &[&str]) {
     let said = if said.is_empty() {
         Goal::default()
     } else {
-        parse(&domain, &world, said).unwrap()
+        parse(&world, said).unwrap()
     };
-    let offers = offers(&domain, &world, &said.facts, &Spoken::of(&domain, &world, instruction));
+    let offers = offers(&world, &said.facts, &Spoken::of(&world, instruction));
     let mut texts = Vec::new();
     for offer in offers.iter().filter(|offer| domain.goal_word(offer.word).word == "put") {
         for arguments in &offer.arguments {
@@ -38,7 +38,7 @@ fn check_put(instruction: &str, said: &str, expected: &[&str]) {
                 word: offer.word,
                 arguments: arguments.clone(),
             };
-            texts.push(fact.everyday(&domain, &world));
+            texts.push(fact.everyday(&world));
         }
     }
     assert_eq!(texts, expected, "{instruction}");
@@ -68,13 +68,13 @@ fn what_is_carried_along_is_no_place_to_go() {
 #[test]
 fn a_thing_that_is_where_it_should_be_goes_nowhere_else() {
     check_put("Put the apple back on the tray", "", &[]);
-    let (domain, world) = flat();
+    let (_, world) = flat();
     for (instruction, expected) in [
         ("Close the oven", "closed(oven)"),
         ("Put the mug back on the desk", "put(mug 1, desk)"),
     ] {
-        let already = already(&domain, &world, &Spoken::of(&domain, &world, instruction));
-        let texts: Vec<_> = already.iter().map(|fact| fact.everyday(&domain, &world)).collect();
+        let already = already(&world, &Spoken::of(&world, instruction));
+        let texts: Vec<_> = already.iter().map(|fact| fact.everyday(&world)).collect();
         assert_eq!(texts, [expected]);
     }
 }
@@ -83,7 +83,7 @@ fn a_thing_that_is_where_it_should_be_goes_nowhere_else() {
 fn one_mug_is_not_two() {
     check_put("Put the mug on the sofa", "put(mug 1, sofa)", &[]);
     let (domain, world) = flat();
-    let offers = offers(&domain, &world, &[], &Spoken::of(&domain, &world, "Reposition the mug"));
+    let offers = offers(&world, &[], &Spoken::of(&world, "Reposition the mug"));
     let words: Vec<_> = offers
         .iter()
         .map(|offer| domain.goal_word(offer.word).word.as_str())
@@ -123,12 +123,12 @@ fn a_further_goal_is_about_another_thing_that_is_spoken_of() {
 
 #[track_caller]
 fn check_understood(instruction: &str, goal: &str, expected: &str) {
-    let (domain, world) = flat();
-    let goal = parse(&domain, &world, goal).unwrap();
-    let understood = match understand(&domain, &world, instruction, goal) {
+    let (_, world) = flat();
+    let goal = parse(&world, goal).unwrap();
+    let understood = match understand(&world, instruction, goal) {
         Understanding::Question(question) => question,
         Understanding::Goal(goal, left_out) => {
-            let kept: Vec<_> = goal.facts.iter().map(|fact| fact.everyday(&domain, &world)).collect();
+            let kept: Vec<_> = goal.facts.iter().map(|fact| fact.everyday(&world)).collect();
             format!("{} (left out {})", kept.join(" & "), left_out.len())
         }
     };
@@ -180,15 +180,15 @@ fn things_that_are_not_there_are_asked_about() {
 
 #[test]
 fn goals_are_read_and_written() {
-    let (domain, world) = flat();
+    let (_, world) = flat();
     for text in [
         "put(apple, top of oven)",
         "heated(apple, oven)",
         "INSIDE(<apple_10>, <oven_4>)",
         "on(lamp)",
     ] {
-        let goal = parse(&domain, &world, text).unwrap();
-        let again = parse(&domain, &world, &goal.facts[0].exact(&domain, &world)).unwrap();
+        let goal = parse(&world, text).unwrap();
+        let again = parse(&world, &goal.facts[0].exact(&world)).unwrap();
         assert_eq!(goal, again);
     }
     for (text, error) in [
@@ -199,16 +199,16 @@ fn goals_are_read_and_written() {
         ),
         ("put(sofa, desk)", "`sofa` in `put(sofa, desk)` is no item"),
     ] {
-        assert_eq!(parse(&domain, &world, text).unwrap_err().to_string(), error);
+        assert_eq!(parse(&world, text).unwrap_err().to_string(), error);
     }
 }
 
 /// Compares the mentioned, excluded and rejected entities and goals after an utterance about an answer.
 #[track_caller]
 fn check_correction(instruction: &str, answer: &str, said: &str, expected: [&str; 3]) {
-    let (domain, world) = flat();
-    let mut correction = Correction::of(&domain, &world, instruction);
-    correction.hear(&domain, &world, answer, said);
+    let (_, world) = flat();
+    let mut correction = Correction::of(&world, instruction);
+    correction.hear(&world, answer, said);
     let names = |entities: &[EntityId]| {
         let names: Vec<_> = entities
             .iter()
@@ -216,11 +216,7 @@ fn check_correction(instruction: &str, answer: &str, said: &str, expected: [&str
             .collect();
         names.join(", ")
     };
-    let rejected: Vec<_> = correction
-        .rejected
-        .iter()
-        .map(|fact| fact.everyday(&domain, &world))
-        .collect();
+    let rejected: Vec<_> = correction.rejected.iter().map(|fact| fact.everyday(&world)).collect();
     let found = [
         names(&correction.spoken.entities),
         names(&correction.excluded),
@@ -258,7 +254,7 @@ fn who_throws_something_away_speaks_of_the_bins() {
     let text = r#"{"assets": ["<bench>", "<scrap_bin>", "<cabin>"], "objects": ["<rag>", "<left>", "<right>"]}"#;
     let environment = Environment::from_json(text).unwrap();
     let world = environment::read(&domain, &environment, "shed", text, &Path::default()).unwrap();
-    let spoken = Spoken::of(&domain, &world, "Throw the rag away");
+    let spoken = Spoken::of(&world, "Throw the rag away");
     let names: Vec<&str> = spoken
         .entities
         .iter()
@@ -269,12 +265,12 @@ fn who_throws_something_away_speaks_of_the_bins() {
 
 #[track_caller]
 fn check_which(instruction: &str, goal: &str, expected: &str) {
-    let (domain, world) = flat();
-    let goal = parse(&domain, &world, goal).unwrap();
-    let came = match understand(&domain, &world, instruction, goal) {
+    let (_, world) = flat();
+    let goal = parse(&world, goal).unwrap();
+    let came = match understand(&world, instruction, goal) {
         Understanding::Question(question) => question,
         Understanding::Goal(goal, _) => {
-            let facts = goal.facts.iter().map(|fact| fact.everyday(&domain, &world));
+            let facts = goal.facts.iter().map(|fact| fact.everyday(&world));
             facts.collect::<Vec<_>>().join(" & ")
         }
     };
@@ -316,13 +312,13 @@ fn check_kitchen(instruction: &str, said: &str, expected: &[&str]) {
     let world = environment::read(&domain, &environment, "kitchen", text, &Path::default()).unwrap();
     let said = match said {
         "" => Goal::default(),
-        said => parse(&domain, &world, said).unwrap(),
+        said => parse(&world, said).unwrap(),
     };
-    let offers = offers(&domain, &world, &said.facts, &Spoken::of(&domain, &world, instruction));
+    let offers = offers(&world, &said.facts, &Spoken::of(&world, instruction));
     let texts = offers.iter().flat_map(|offer| {
         let fact = |arguments: &Vec<EntityId>| {
             let (word, arguments) = (offer.word, arguments.clone());
-            GoalFact::Word { word, arguments }.everyday(&domain, &world)
+            GoalFact::Word { word, arguments }.everyday(&world)
         };
         offer.arguments.iter().map(fact).collect::<Vec<_>>()
     });

@@ -244,15 +244,13 @@ impl Answer {
 
     /// Creates the answer for a simulated plan, valid or invalid.
     pub fn of_report(world: &World, report: &Report, goal: Option<&Goal>, summary: &str) -> Self {
-        let domain = world.domain();
         let good = report.violations.is_empty();
         let status = if good { Status::Verified } else { Status::Invalid };
         let mut answer = Self::without_plan(status, world, summary, "");
-        answer.plan.task_cohesion = TaskCohesion::new(domain, world, &report.plan);
-        let environment = |ending: &Ending| environment::write(domain, world, &ending.after);
-        (answer.plan.environment_after, answer.plan.endings) =
-            plan::endings(domain, world, &report.endings, environment);
-        answer.outline = plan::outline(domain, world, &report.plan);
+        answer.plan.task_cohesion = TaskCohesion::new(world, &report.plan);
+        let environment = |ending: &Ending| environment::write(world, &ending.after);
+        (answer.plan.environment_after, answer.plan.endings) = plan::endings(world, &report.endings, environment);
+        answer.outline = plan::outline(world, &report.plan);
         answer.steps = report
             .plan
             .steps()
@@ -264,19 +262,19 @@ impl Answer {
             .plan
             .steps()
             .iter()
-            .map(|step| step.call(domain, world).to_string())
+            .map(|step| step.call(world).to_string())
             .collect();
         let told = report.violations.iter();
         answer.violations = told
             .map(|v| ViolationAnswer::of(world, v, &calls, report.plan.steps(), goal))
             .collect();
-        answer.assumptions = report.assumptions.iter().map(|a| a.message(domain, world)).collect();
+        answer.assumptions = report.assumptions.iter().map(|a| a.message(world)).collect();
         let odd = report.warnings.iter();
         answer.notes = odd
-            .map(|warning| warning.message(domain, world, report.plan.steps(), goal))
+            .map(|warning| warning.message(world, report.plan.steps(), goal))
             .collect();
         if let Some(goal) = goal {
-            answer.goal = goal.facts.iter().map(|fact| fact.exact(domain, world)).collect();
+            answer.goal = goal.facts.iter().map(|fact| fact.exact(world)).collect();
         }
         answer
     }
@@ -309,27 +307,25 @@ impl Answer {
 
     /// Adds the goals that were left out to the assumptions.
     pub fn tell_left_out(&mut self, world: &World, left_out: &[LeftOut]) {
-        let domain = world.domain();
-        let sentence = |left: &LeftOut| format!("left out {}: {}", left.fact.everyday(domain, world), left.why);
+        let sentence = |left: &LeftOut| format!("left out {}: {}", left.fact.everyday(world), left.why);
         self.assumptions.extend(left_out.iter().map(sentence));
     }
 }
 
 impl ViolationAnswer {
     fn of(world: &World, violation: &Violation, calls: &[String], steps: &[Step], goal: Option<&Goal>) -> Self {
-        let domain = world.domain();
         Self {
             kind: violation.kind(),
             step: violation.step(),
             action: violation.step().and_then(|step| calls.get(step).cloned()),
-            missing: violation.missing(domain, world),
+            missing: violation.missing(world),
             undone_by: violation.undone_by(),
             when: violation
                 .told()
                 .iter()
-                .map(|fact| Voice::Person.fact(domain, world, *fact, true))
+                .map(|fact| Voice::Person.fact(world, *fact, true))
                 .collect(),
-            message: violation.message(domain, world, steps, goal),
+            message: violation.message(world, steps, goal),
         }
     }
 }
@@ -338,7 +334,7 @@ impl StepAnswer {
     fn of(world: &World, index: usize, step: &Step) -> Self {
         let domain = world.domain();
         let action = domain.action(step.action);
-        let call = step.call(domain, world);
+        let call = step.call(world);
         let implicit = action.implicit().map(|parameter| {
             let name = if action.object == Some(parameter) {
                 "object"
@@ -383,10 +379,9 @@ pub fn compare_claims(world: &World, claim: &Claim, simulated: &State) -> Claims
 
 /// Returns the state words of each entity, sorted.
 fn words_by_entity(world: &World, state: &State) -> Vec<Vec<String>> {
-    let domain = world.domain();
     let mut all = vec![Vec::new(); world.entities().count()];
     for fact in state.iter() {
-        for (subject, text) in entries_of(domain, world, fact) {
+        for (subject, text) in entries_of(world, fact) {
             all[subject.index()].push(text);
         }
     }

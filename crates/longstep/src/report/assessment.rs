@@ -55,21 +55,20 @@ impl<'a> Assessment<'a> {
     /// assert_eq!(answer.violations[0].message, "step 1: grasp_object() needs that the hand is at the pen");
     /// ```
     pub fn new(world: &'a World, draft: plan::Draft, instruction: Option<&str>) -> Self {
-        let domain = world.domain();
         let file = draft.file;
         let mut notes: Vec<String> = draft.leniencies.iter().map(|leniency| leniency.message()).collect();
         let claim = file
             .environment_after
             .as_ref()
-            .map(|environment| Claim::read(domain, world, environment));
+            .map(|environment| Claim::read(world, environment));
         for ignored in claim.iter().flat_map(|claim| &claim.ignored) {
             notes.push(format!("`environment_after` was compared without {ignored}"));
         }
-        let resolved = resolve(domain, world, &file.task_cohesion);
+        let resolved = resolve(world, &file.task_cohesion);
         let asked = instruction.unwrap_or(&file.instruction_summary).trim();
         let spoken = match asked {
             "" => Vec::new(),
-            asked => Spoken::of(domain, world, asked).entities.into_iter().collect(),
+            asked => Spoken::of(world, asked).entities.into_iter().collect(),
         };
         let ignored = resolved.ignored.iter();
         notes.extend(ignored.map(|claim| format!("the plan was checked without what it claims here: {claim}")));
@@ -115,8 +114,8 @@ impl<'a> Assessment<'a> {
     pub(crate) fn simulation(&self) -> Result<&Simulation, &[Violation]> {
         let simulate = || {
             let claim = self.purpose.claim.as_ref();
-            let (plan, open) = bind_tree(self.world.domain(), self.world, &self.resolved, claim)?;
-            let report = check(self.world.domain(), self.world, plan, &self.purpose);
+            let (plan, open) = bind_tree(self.world, &self.resolved, claim)?;
+            let report = check(self.world, plan, &self.purpose);
             Ok(Simulation { report, open })
         };
         self.simulation.get_or_init(simulate).as_ref().map_err(Vec::as_slice)
@@ -140,18 +139,16 @@ impl<'a> Assessment<'a> {
 
     /// Creates the answer for a simulated plan.
     fn answer(&self, report: &Report, open: &[Assumption]) -> Answer {
-        let (domain, world) = (self.world.domain(), self.world);
+        let world = self.world;
         let mut answer = Answer::of_report(world, report, None, &self.file.instruction_summary);
-        answer.assumptions.extend(open.iter().map(|a| a.message(domain, world)));
+        answer.assumptions.extend(open.iter().map(|a| a.message(world)));
         let claim = self.purpose.claim.as_ref();
         answer.claims = claim.map_or_else(Claims::default, |claim| {
             compare_claims(world, claim, &report.claimed_ending().after)
         });
         if let (Some(number), true) = (report.claimed, report.endings.len() > 1) {
             let when = report.endings[number].when.iter();
-            let told: Vec<String> = when
-                .map(|fact| Voice::Person.fact(domain, world, *fact, true))
-                .collect();
+            let told: Vec<String> = when.map(|fact| Voice::Person.fact(world, *fact, true)).collect();
             let ending = number + 1;
             answer.notes.push(match told.as_slice() {
                 [] => format!(
@@ -168,22 +165,14 @@ impl<'a> Assessment<'a> {
     fn remark(&self, answer: &mut Answer) {
         answer.plan.question.clone_from(&self.file.question);
         let readings = self.resolved.readings.iter();
-        let told = readings.map(|reading| reading.message(self.world.domain(), self.world));
+        let told = readings.map(|reading| reading.message(self.world));
         answer.assumptions.splice(0..0, told);
         answer.notes.splice(0..0, self.notes.iter().cloned());
     }
 
     /// Finds the cheapest repair that keeps the pinned steps.
     pub fn repair(&self) -> &Outcome {
-        let find = || {
-            repair_pinned(
-                self.world.domain(),
-                self.world,
-                &self.resolved,
-                &self.purpose,
-                &self.pins,
-            )
-        };
+        let find = || repair_pinned(self.world, &self.resolved, &self.purpose, &self.pins);
         self.repair.get_or_init(find)
     }
 
@@ -194,7 +183,7 @@ impl<'a> Assessment<'a> {
 
     /// Returns the answer after repair.
     pub fn repaired(&self) -> Answer {
-        let (domain, world) = (self.world.domain(), self.world);
+        let world = self.world;
         let outcome = self.repair();
         let mut answer = match outcome {
             Outcome::Repaired(repaired) => self.answer(repaired.plan.report(), &[]),
@@ -210,7 +199,7 @@ impl<'a> Assessment<'a> {
                 }
                 // Edits show the issues of single steps; issues of the whole plan become notes.
                 let whole = self.resolved.issues.iter().filter(|issue| issue.step().is_none());
-                let told = whole.map(|issue| issue.message(domain, world, &[], None));
+                let told = whole.map(|issue| issue.message(world, &[], None));
                 answer.notes.extend(told);
                 let given_up = given_up(world, repaired).into_iter();
                 let told = given_up.map(|fact| format!("claimed and given up: {fact}"));
@@ -276,7 +265,6 @@ impl<'a> Assessment<'a> {
 
 /// Returns the claims that a repaired plan violates, as sentences.
 fn given_up(world: &World, repaired: &Repaired) -> Vec<String> {
-    let domain = world.domain();
-    let told = |fact: &_| Voice::Person.fact(domain, world, *fact, true);
+    let told = |fact: &_| Voice::Person.fact(world, *fact, true);
     repaired.given_up.iter().map(told).collect()
 }

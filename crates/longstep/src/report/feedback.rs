@@ -17,10 +17,9 @@ pub(crate) fn feedback(
     length: usize,
     edits: &[Edit],
 ) -> String {
-    let domain = world.domain();
     let mut text = String::from("This plan cannot be carried out as it is.\n");
     for violation in violations {
-        let told = violation.message_in(Voice::Model, domain, world, steps, None);
+        let told = violation.message_in(Voice::Model, world, steps, None);
         text.push_str(&format!("- {}\n", visible::line(&told)));
     }
     if !edits.is_empty() {

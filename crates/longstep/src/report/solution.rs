@@ -27,7 +27,7 @@ pub struct Solution {
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
-/// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
+/// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
 /// let solution = report::of_goal(&world, &goal, "the pen belongs on the shelf", &longstep::Limits::default(), || 0.0);
 /// assert_eq!(solution.plan.unwrap().steps().len(), 6);
 /// ```
@@ -36,7 +36,7 @@ pub fn of_goal(world: &World, goal: &Goal, summary: &str, limits: &Limits, now: 
     let wanted = goal.wanted(domain);
     let purpose = goal.purpose(domain);
     let mut solution = of_wanted(world, &wanted, &purpose, Some(goal), summary, limits, now);
-    solution.answer.goal = goal.facts.iter().map(|fact| fact.exact(domain, world)).collect();
+    solution.answer.goal = goal.facts.iter().map(|fact| fact.exact(world)).collect();
     solution
 }
 
@@ -50,16 +50,15 @@ pub fn of_wanted(
     limits: &Limits,
     now: Stopwatch,
 ) -> Solution {
-    let domain = world.domain();
     let started = now();
-    let found = search::solve(domain, world, wanted, limits);
+    let found = search::solve(world, wanted, limits);
     let searched = now();
     let mut plan = None;
     let mut answer = match found {
         Outcome::Solved {
             plan: steps, shortest, ..
         } => {
-            let report = check(domain, world, steps, purpose);
+            let report = check(world, steps, purpose);
             let verified = now();
             let mut answer = Answer::of_report(world, &report, goal, summary);
             answer.timings_ms.verify = verified - searched;
@@ -72,7 +71,7 @@ pub fn of_wanted(
         }
         Outcome::ProvenUnsolvable { when, .. } => {
             let mut answer = Answer::without_plan(Status::Unsolvable, world, summary, "");
-            let told = when.map(|fact| Voice::Person.fact(domain, world, fact, true));
+            let told = when.map(|fact| Voice::Person.fact(world, fact, true));
             answer
                 .notes
                 .extend(told.map(|told| format!("there is no way if it turns out that {told}")));

@@ -22,11 +22,11 @@ pub struct Accepted {
 
 impl Accepted {
     /// Returns the plan in its saved form, with all possible final environments.
-    pub(super) fn file(&self, domain: &Domain) -> PlanFile {
-        let environment = |ending: &Ending| self.before.after(domain, ending).environment().clone();
-        let (environment_after, endings) = plan::endings(domain, &self.before, self.plan.endings(), environment);
+    pub(super) fn file(&self) -> PlanFile {
+        let environment = |ending: &Ending| self.before.after(ending).environment().clone();
+        let (environment_after, endings) = plan::endings(&self.before, self.plan.endings(), environment);
         PlanFile {
-            task_cohesion: TaskCohesion::new(domain, &self.before, self.plan.plan()),
+            task_cohesion: TaskCohesion::new(&self.before, self.plan.plan()),
             environment_before: Some(self.before.environment().clone()),
             environment_after,
             endings,
@@ -35,9 +35,9 @@ impl Accepted {
         }
     }
 
-    pub(super) fn goal_texts(&self, domain: &Domain) -> Vec<String> {
+    pub(super) fn goal_texts(&self) -> Vec<String> {
         let facts = self.goal.iter().flat_map(|goal| &goal.facts);
-        facts.map(|fact| fact.exact(domain, &self.before)).collect()
+        facts.map(|fact| fact.exact(&self.before)).collect()
     }
 
     /// Returns the entities that a pronoun can refer to: the subjects of the goal, or else the handled objects.

@@ -2,7 +2,6 @@
 
 use super::{Accepted, Event, OutOfTurn, Session, Stage};
 use crate::environment::{Environment, Fact, Voice, World};
-use crate::model::Domain;
 
 /// A possible ending of an accepted plan.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,10 +21,10 @@ pub(super) struct Left {
 
 impl Accepted {
     /// Returns the possible final worlds, at least one. Endings with equal worlds are merged.
-    pub(super) fn leaves(&self, domain: &Domain) -> Vec<Left> {
+    pub(super) fn leaves(&self) -> Vec<Left> {
         let mut all: Vec<Left> = Vec::new();
         for ending in self.plan.endings() {
-            let world = self.before.after(domain, ending);
+            let world = self.before.after(ending);
             let same =
                 |left: &&mut Left| left.world.environment() == world.environment() && left.world.state == world.state;
             match all.iter_mut().find(same) {
@@ -54,7 +53,7 @@ impl Session {
     /// Continues after an accepted plan. With one possible final world, the session enters it; with several, it waits
     /// for the ending.
     pub(super) fn carry_on(&mut self, accepted: Accepted) {
-        let mut left = accepted.leaves(&self.domain);
+        let mut left = accepted.leaves();
         self.accepted.push(accepted);
         self.stage = match left.len() {
             1 => {
@@ -74,7 +73,7 @@ impl Session {
             when: left
                 .when
                 .iter()
-                .map(|fact| Voice::Person.fact(&self.domain, &self.world, *fact, true))
+                .map(|fact| Voice::Person.fact(&self.world, *fact, true))
                 .collect(),
             environment: left.world.environment().clone(),
         };

@@ -65,15 +65,15 @@ impl Session {
 
     fn pronoun(&self, instruction: &str) -> Option<SpelledOut> {
         let last = self.accepted.last()?;
-        goal::spelled_out(&self.domain, &self.world, instruction, &last.subjects(&self.domain))
+        goal::spelled_out(&self.world, instruction, &last.subjects(&self.domain))
     }
 
     /// Starts the dialogue with these entities in the prompt, or with all.
     pub(super) fn goal_dialogue(&self, turn: &Turn, kept: Option<&[String]>) -> FittedDialogue {
-        let (domain, world) = (&self.domain, &self.world);
+        let world = &self.world;
         let part = kept.map(|kept| {
             let kept: Vec<_> = kept.iter().filter_map(|identifier| world.find(identifier)).collect();
-            world.narrowed(domain, &kept)
+            world.narrowed(&kept)
         });
         let shown = part.as_ref().unwrap_or(world);
         let mut dialogue = GoalDialogue::new(self.goal_input(turn, shown, &self.spelled_out(turn)));
@@ -161,7 +161,7 @@ impl Session {
     pub(super) fn goal_round(&self, turn: &Turn, words: String) -> Round {
         let facts = turn.proposal.iter().flat_map(|proposal| &proposal.goal);
         let texts = facts.flat_map(|goal| &goal.facts);
-        let texts: Vec<String> = texts.map(|fact| fact.everyday(&self.domain, &self.world)).collect();
+        let texts: Vec<String> = texts.map(|fact| fact.everyday(&self.world)).collect();
         Round {
             replied: texts.join(goal::JOINT),
             said: words,
@@ -180,9 +180,9 @@ impl Session {
         let Some(proposal) = turn.proposal.as_deref() else {
             return self.stage = Stage::Idle;
         };
-        let (domain, world) = (&self.domain, &self.world);
+        let world = &self.world;
         let started = (self.now)();
-        match amend(domain, world, proposal.plan.plan(), wishes, &proposal.purpose) {
+        match amend(world, proposal.plan.plan(), wishes, &proposal.purpose) {
             Amended::Done(amendment) => self.propose_amended(turn, *amendment, started),
             Amended::Impossible { why, .. } => {
                 let why = why.into_iter().map(Refusal::Change).collect();

@@ -129,7 +129,6 @@ fn confirm(session: &Session) {
         let goal = accepted.goal.as_ref();
         let purpose = goal.map_or_else(Purpose::default, |goal| goal.purpose(domain));
         let report = check(
-            domain,
             &accepted.before,
             Plan::sequence(accepted.plan.steps().to_vec()),
             &purpose,
@@ -137,7 +136,7 @@ fn confirm(session: &Session) {
         let plan = report
             .into_verified()
             .unwrap_or_else(|report| panic!("{:?}", report.violations));
-        let after = accepted.before.after(domain, plan.ending());
+        let after = accepted.before.after(plan.ending());
         let next = session
             .accepted()
             .get(number + 1)
@@ -146,12 +145,7 @@ fn confirm(session: &Session) {
     }
     if let Some(proposal) = session.proposal() {
         let steps = proposal.plan.steps().to_vec();
-        let report = check(
-            session.domain(),
-            session.world(),
-            Plan::sequence(steps),
-            &proposal.purpose,
-        );
+        let report = check(session.world(), Plan::sequence(steps), &proposal.purpose);
         assert!(report.into_verified().is_ok());
     }
 }

@@ -374,9 +374,9 @@ impl Session {
         self.events.push(Event::Accept {
             number: self.accepted.len(),
             instruction: accepted.instruction.clone(),
-            goal: accepted.goal_texts(&self.domain),
+            goal: accepted.goal_texts(),
             steps: accepted.steps(&self.domain),
-            plan: Box::new(accepted.file(&self.domain)),
+            plan: Box::new(accepted.file()),
         });
         self.carry_on(accepted);
         Ok(())
@@ -427,7 +427,7 @@ impl Session {
 
     /// Returns the plan with this number in its saved form.
     pub fn plan_file(&self, number: usize) -> Option<PlanFile> {
-        Some(self.accepted.get(number)?.file(&self.domain))
+        Some(self.accepted.get(number)?.file())
     }
 
     fn out_of_turn(&self, what: &'static str) -> OutOfTurn {

@@ -55,9 +55,7 @@ fn reread(name: &str, environment: &str, plan: (&str, &str), feedback: &str, cha
 fn goal_texts(session: &Session) -> Vec<String> {
     let goal = session.proposal().unwrap().goal.as_ref().unwrap();
     let texts = goal.facts.iter();
-    texts
-        .map(|fact| fact.everyday(session.domain(), session.world()))
-        .collect()
+    texts.map(|fact| fact.everyday(session.world())).collect()
 }
 
 fn sentences(session: &Session) -> Vec<&str> {

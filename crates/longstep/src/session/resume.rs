@@ -135,10 +135,7 @@ impl Session {
         let invalid = |why: String| ResumeError::Plan { number, why };
         let goal: Option<Goal> = match goal {
             [] => None,
-            parts => Some(
-                goal::parse(&self.domain, &self.world, &parts.join(" & "))
-                    .map_err(|error| invalid(error.to_string()))?,
-            ),
+            parts => Some(goal::parse(&self.world, &parts.join(" & ")).map_err(|error| invalid(error.to_string()))?),
         };
         let purpose = goal
             .as_ref()
@@ -148,13 +145,13 @@ impl Session {
         // The record has the steps with all arguments; the file has the plan tree.
         let plan = match file.task_cohesion.task_tree {
             None => Some(Plan::sequence(steps)),
-            Some(_) => Plan::tree(steps, resolve(&self.domain, &self.world, &file.task_cohesion).body),
+            Some(_) => Plan::tree(steps, resolve(&self.world, &file.task_cohesion).body),
         };
         let plan = plan.ok_or_else(|| invalid("its tree does not go with its steps".to_owned()))?;
-        let report = check(&self.domain, &self.world, plan, &purpose);
+        let report = check(&self.world, plan, &purpose);
         let plan = report.into_verified().map_err(|report| {
             let told = report.violations.iter();
-            let told = told.map(|v| v.message(&self.domain, &self.world, report.plan.steps(), goal.as_ref()));
+            let told = told.map(|v| v.message(&self.world, report.plan.steps(), goal.as_ref()));
             invalid(told.collect::<Vec<_>>().join("; "))
         })?;
         self.carry_on(Accepted {

@@ -4,7 +4,6 @@ use rustc_hash::FxHashSet;
 
 use crate::environment::{Voice, World};
 use crate::goal::Goal;
-use crate::model::Domain;
 use crate::plan::{Plan, StepId};
 use crate::verify::{Purpose, check};
 
@@ -21,26 +20,26 @@ use crate::verify::{Purpose, check};
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let environment = environment::Environment::from_json(text).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
-/// let goal = goal::parse(&household, &world, "put(pen, shelf)").unwrap();
+/// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
 /// let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0).plan.unwrap();
-/// let why = session::why(&household, &world, plan.plan(), &goal.purpose(&household), Some(&goal), StepId::new(1));
+/// let why = session::why(&world, plan.plan(), &goal.purpose(&household), Some(&goal), StepId::new(1));
 /// assert_eq!(why.brings_about, ["the hand holds the pen"]);
 /// assert_eq!(why.without_it[0], "step 3: detach_from_plane() needs that the hand holds the pen");
 /// ```
-pub fn why(domain: &Domain, world: &World, plan: &Plan, purpose: &Purpose, goal: Option<&Goal>, step: StepId) -> Why {
-    let whole = check(domain, world, plan.clone(), purpose);
+pub fn why(world: &World, plan: &Plan, purpose: &Purpose, goal: Option<&Goal>, step: StepId) -> Why {
+    let whole = check(world, plan.clone(), purpose);
     let mut brings_about: Vec<String> = Vec::new();
     for ending in &whole.endings {
         for (_, changes) in ending.trace.steps().filter(|(id, _)| *id == step) {
             let told = changes
                 .iter()
-                .map(|change| Voice::Person.fact(domain, world, change.fact, change.holds));
+                .map(|change| Voice::Person.fact(world, change.fact, change.holds));
             brings_about.extend(told);
         }
     }
     let mut seen = FxHashSet::default();
     brings_about.retain(|told| seen.insert(told.clone()));
-    if !domain.action(plan.step(step).action).senses.is_empty() && brings_about.len() > 1 {
+    if !world.domain().action(plan.step(step).action).senses.is_empty() && brings_about.len() > 1 {
         brings_about = vec![format!("it is known whether {}", brings_about.join(", or whether "))];
     }
     let Some(left) = plan.without(step) else {
@@ -50,10 +49,10 @@ pub fn why(domain: &Domain, world: &World, plan: &Plan, purpose: &Purpose, goal:
         };
     };
     let mut told: Vec<String> = Vec::new();
-    for mut violation in check(domain, world, left, purpose).violations {
+    for mut violation in check(world, left, purpose).violations {
         // Messages number the steps as in the whole plan.
         violation.renumber(|number| if number >= step.index() { number + 1 } else { number });
-        told.push(violation.message(domain, world, plan.steps(), goal));
+        told.push(violation.message(world, plan.steps(), goal));
     }
     Why {
         brings_about,

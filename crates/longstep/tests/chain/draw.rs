@@ -16,9 +16,9 @@ pub struct Drawn {
 
 impl Drawn {
     /// Whether a model that is asked for a goal has a way to say the one that is meant.
-    pub fn can_be_said(&self, domain: &Domain, world: &World) -> bool {
-        let spoken = Spoken::of(domain, world, &self.words);
-        let offers = offers(domain, world, &[], &spoken);
+    pub fn can_be_said(&self, world: &World) -> bool {
+        let spoken = Spoken::of(world, &self.words);
+        let offers = offers(world, &[], &spoken);
         let offered = |fact: &GoalFact| match fact {
             GoalFact::Word { word, arguments } => offers
                 .iter()
@@ -29,12 +29,9 @@ impl Drawn {
     }
 
     /// What is meant.
-    pub fn told(&self, domain: &Domain, world: &World) -> String {
+    pub fn told(&self, world: &World) -> String {
         let facts = self.goal.facts.iter();
-        facts
-            .map(|fact| fact.everyday(domain, world))
-            .collect::<Vec<_>>()
-            .join(" & ")
+        facts.map(|fact| fact.everyday(world)).collect::<Vec<_>>().join(" & ")
     }
 }
 
@@ -115,8 +112,9 @@ impl Draw {
     }
 
     /// An instruction for the world as it is, which some plan carries out.
-    pub fn instruction(&mut self, domain: &Domain, world: &World) -> Drawn {
-        let offers = offers(domain, world, &[], &Spoken::default());
+    pub fn instruction(&mut self, world: &World) -> Drawn {
+        let domain = world.domain();
+        let offers = offers(world, &[], &Spoken::default());
         let mut urn = Vec::new();
         for offer in &offers {
             let shown = domain.goal_word(offer.word).shown();
@@ -127,11 +125,11 @@ impl Draw {
         loop {
             let (offer, (kind, _, wordings)) = *self.one_of(&urn);
             let arguments = self.one_of(&offer.arguments).clone();
-            if arguments.get(1).is_some_and(|place| is_gadget(domain, world, *place)) {
+            if arguments.get(1).is_some_and(|place| is_gadget(world, *place)) {
                 continue;
             }
             let wording: &&str = self.one_of(wordings);
-            let words = said(domain, world, wording, &arguments);
+            let words = said(world, wording, &arguments);
             let goal = Goal {
                 facts: vec![GoalFact::Word {
                     word: offer.word,
@@ -150,21 +148,22 @@ impl Draw {
 }
 
 /// Nobody puts things on a tap, a toaster or a television.
-fn is_gadget(domain: &Domain, world: &World, place: EntityId) -> bool {
-    holds(domain, world, "has-switch", place) && !holds(domain, world, "can-open", place)
+fn is_gadget(world: &World, place: EntityId) -> bool {
+    holds(world, "has-switch", place) && !holds(world, "can-open", place)
 }
 
-fn holds(domain: &Domain, world: &World, predicate: &str, entity: EntityId) -> bool {
+fn holds(world: &World, predicate: &str, entity: EntityId) -> bool {
+    let domain = world.domain();
     let found = domain.predicates.iter().position(|p| p.name == predicate).unwrap();
     world.state.holds(Fact::new(PredicateId::new(found), [entity]))
 }
 
-fn said(domain: &Domain, world: &World, wording: &str, arguments: &[EntityId]) -> String {
+fn said(world: &World, wording: &str, arguments: &[EntityId]) -> String {
     let name = |index: usize| world.entity(arguments[index]).with_article();
     let mut text = wording.replace("{0}", &name(0));
     if arguments.len() > 1 {
         let hollow = ["drawer", "sink"].iter().any(|hollow| name(1).contains(hollow));
-        let within = hollow || holds(domain, world, "can-open", arguments[1]);
+        let within = hollow || holds(world, "can-open", arguments[1]);
         text = text.replace("{1}", &name(1));
         text = text.replace("{at}", if within { "in" } else { "on" });
     }

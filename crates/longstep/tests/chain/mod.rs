@@ -33,15 +33,16 @@ pub fn world_of(domain: &Domain, environment: &Value) -> World {
     read_anew(domain, &Environment::from_json(&environment.to_string()).unwrap())
 }
 
-fn read_anew(domain: &Domain, environment: &Environment) -> World {
+fn read_anew(domain: &longstep_core::domain::Domain, environment: &Environment) -> World {
     environment::read(domain, environment, "environment", "", &Path::default())
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Whether the world is as a recorded environment says, fact by fact.
-pub fn is_as_recorded(domain: &Domain, world: &World, recorded: &Value) -> bool {
+pub fn is_as_recorded(world: &World, recorded: &Value) -> bool {
+    let domain = world.domain();
     let recorded: Environment = serde_json::from_value(recorded.clone()).unwrap();
-    let claim = Claim::read(domain, world, &recorded);
+    let claim = Claim::read(world, &recorded);
     let facts = |environment: &Environment| read_anew(domain, environment).state;
     let same = facts(&recorded) == facts(world.environment());
     same && claim.differences(domain, &world.state).is_empty()
@@ -71,18 +72,18 @@ impl Recomputation {
             "before"
         );
         let world = read_anew(domain, &self.environment);
-        let resolved = plan::resolve(domain, &world, &file.task_cohesion);
+        let resolved = plan::resolve(&world, &file.task_cohesion);
         let claimed = file.environment_after.as_ref().unwrap();
-        let claim = Claim::read(domain, &world, claimed);
+        let claim = Claim::read(&world, claimed);
         let steps = resolved.complete().unwrap();
-        let (steps, _) = verify::bind(domain, &world, &steps, &resolved.objects, Some(&claim)).unwrap();
+        let (steps, _) = verify::bind(&world, &steps, &resolved.objects, Some(&claim)).unwrap();
         let purpose = Purpose {
             claim: Some(claim),
             ..Purpose::default()
         };
-        let verified = verify::check(domain, &world, steps, &purpose).into_verified();
+        let verified = verify::check(&world, steps, &purpose).into_verified();
         let verified = verified.unwrap_or_else(|report| panic!("{:?}", report.violations));
-        self.environment = environment::write(domain, &world, &verified.ending().after);
+        self.environment = environment::write(&world, &verified.ending().after);
         assert_eq!(json(claimed), json(&self.environment), "claimed after");
         assert_eq!(json(&carried.environment()), json(&self.environment), "carried");
     }

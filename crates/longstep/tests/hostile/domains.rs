@@ -40,7 +40,7 @@ fn planned(domain: String, problem: String) -> Work {
             &longstep::Limits::default(),
             || 0.0,
         );
-        let _ = pddl::write_problem(&domain, &problem.world, &problem.wanted, "again");
+        let _ = pddl::write_problem(&problem.world, &problem.wanted, "again");
         found.answer.status == Status::Verified
     })
 }
@@ -80,16 +80,16 @@ fn checked(parameters: &str, precondition: &str, effect: &str, objects: usize, s
     Box::new(move || {
         let domain = domain::from_pddl("domain.pddl", &domain).unwrap_or_else(|e| panic!("{e}"));
         let problem = pddl::read_problem(&domain, "problem.pddl", &problem).unwrap_or_else(|e| panic!("{e}"));
-        let steps = pddl::read_plan(&domain, &problem.world, "plan", &plan).unwrap_or_else(|e| panic!("{e}"));
+        let steps = pddl::read_plan(&problem.world, "plan", &plan).unwrap_or_else(|e| panic!("{e}"));
         let explained = |step: longstep_core::search::GroundAction| {
-            longstep_core::plan::Step::explained(&domain, &problem.world, step.action, step.arguments)
+            longstep_core::plan::Step::explained(&problem.world, step.action, step.arguments)
         };
         let purpose = Purpose {
             wanted: problem.wanted.clone(),
             ..Purpose::default()
         };
         let plan = steps.into_iter().map(explained).collect();
-        let report = longstep_core::verify::check(&domain, &problem.world, plan, &purpose);
+        let report = longstep_core::verify::check(&problem.world, plan, &purpose);
         report.into_verified().is_ok()
     })
 }
@@ -117,7 +117,7 @@ fn ruled(time: &str, parcels: usize) -> Work {
         let Ok(world) = longstep_core::environment::read(&domain, &environment, "environment", &text, &inside) else {
             return false;
         };
-        let Ok(goal) = longstep::goal::parse(&domain, &world, "bring(<o1>, <b>)") else {
+        let Ok(goal) = longstep::goal::parse(&world, "bring(<o1>, <b>)") else {
             return false;
         };
         report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0)

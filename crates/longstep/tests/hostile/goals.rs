@@ -16,7 +16,7 @@ fn solve(domain: &str, environment: &Value, text: String) -> Work {
     assert!(text.len() <= LARGEST, "a goal of {} bytes", text.len());
     let domain = shipped(domain);
     let world = world_of(&domain, environment);
-    Box::new(move || match goal::parse(&domain, &world, &text) {
+    Box::new(move || match goal::parse(&world, &text) {
         Ok(goal) => {
             report::of_goal(&world, &goal, &text, &longstep::Limits::default(), || 0.0)
                 .answer
@@ -31,9 +31,9 @@ fn instruct(domain: &str, environment: &Value, text: String) -> Work {
     let domain = shipped(domain);
     let world = world_of(&domain, environment);
     Box::new(move || {
-        let spoken = Spoken::of(&domain, &world, &text);
-        goal::unknown_thing(&domain, &world, &text);
-        goal::spelled_out(&domain, &world, &text, &spoken.entities);
+        let spoken = Spoken::of(&world, &text);
+        goal::unknown_thing(&world, &text);
+        goal::spelled_out(&world, &text, &spoken.entities);
         requests(&domain, &world, &text);
         false
     })

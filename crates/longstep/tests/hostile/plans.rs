@@ -57,7 +57,7 @@ fn composed(domain: &str, environment: &Value, text: &str, stored: &str) -> Work
         panic!("{text}")
     };
     let stored = vec![Stored::new("tidy", written(stored).file)];
-    Box::new(move || match compose::inline(&domain, &world, &script, &stored) {
+    Box::new(move || match compose::inline(&world, &script, &stored) {
         Ok(inlined) => Composed::new(&world, inlined, "").mended().status == Status::Verified,
         Err(misfits) => compose::refused(&world, "", &misfits).status == Status::Verified,
     })
@@ -132,13 +132,13 @@ fn side_by_side() -> Work {
     let domain = shipped("household-dual");
     let world = world_of(&domain, &many(5, 20));
     let goal: Vec<String> = (0..4).map(|n| format!("put(<o{n}>, <p{}>)", n % 4 + 1)).collect();
-    let goal = longstep::goal::parse(&domain, &world, &goal.join(" & ")).unwrap();
+    let goal = longstep::goal::parse(&world, &goal.join(" & ")).unwrap();
     Box::new(move || {
         let found = longstep::report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0);
         let shared = found
             .plan
             .as_ref()
-            .and_then(|plan| schedule::share(&domain, &world, plan, &goal.purpose(&domain)));
+            .and_then(|plan| schedule::share(&world, plan, &goal.purpose(&domain)));
         drop(shared);
         found.answer.status == Status::Verified
     })

@@ -1,7 +1,7 @@
 //! A draft during repair: nodes in numbered blocks.
 
 use super::super::EditKind;
-use crate::model::{Domain, EntityId, World};
+use crate::model::{EntityId, World};
 use crate::plan::{DraftStep, Node, Plan, Resolved, Step, StepId, Test, lanes};
 
 /// Maximum number of steps and of blocks after unfolding. Blocks are limited too, since empty branches also double.
@@ -56,15 +56,15 @@ pub(super) enum Part {
 }
 
 impl Draft {
-    pub(super) fn of(domain: &Domain, world: &World, resolved: &Resolved, plan: &Plan) -> Self {
+    pub(super) fn of(world: &World, resolved: &Resolved, plan: &Plan) -> Self {
         let item = |(from, step): (usize, &Step)| Item {
             // Repair may change the implicit arguments of a step, but not those of a sensing step.
             step: match &resolved.steps[from] {
-                Some(draft) if domain.action(step.action).senses.is_empty() => draft.clone(),
+                Some(draft) if world.domain().action(step.action).senses.is_empty() => draft.clone(),
                 _ => step.into(),
             },
             bound: step.arguments.clone(),
-            written: step.call(domain, world).to_string(),
+            written: step.call(world).to_string(),
             from,
             edit: None,
             settled: false,

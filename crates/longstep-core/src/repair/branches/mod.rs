@@ -17,7 +17,6 @@ use sensing::{behind_sensing, with_outcomes};
 use way::Order;
 
 use super::{Edit, EditKind, Outcome, Pins, Repaired, repair_within};
-use crate::model::Domain;
 use crate::model::{Fact, World};
 use crate::plan::{Plan, Resolved, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, bind_tree, binding_claims, check};
@@ -27,7 +26,6 @@ const WAYS: usize = 64;
 
 pub(super) fn repair_branches(
     limit: usize,
-    domain: &Domain,
     world: &World,
     resolved: &Resolved,
     purpose: &Purpose,
@@ -37,28 +35,24 @@ pub(super) fn repair_branches(
         why: why.to_owned(),
         expanded: 0,
     };
-    let plan = match bind_tree(domain, world, resolved, purpose.claim.as_ref()) {
+    let plan = match bind_tree(world, resolved, purpose.claim.as_ref()) {
         Ok((plan, _)) => plan,
         Err(issues) => {
-            let told: Vec<String> = issues
-                .iter()
-                .map(|issue| issue.message(domain, world, &[], None))
-                .collect();
+            let told: Vec<String> = issues.iter().map(|issue| issue.message(world, &[], None)).collect();
             return Outcome::Unclear { why: told.join("; ") };
         }
     };
-    let report = match check(domain, world, plan, purpose).into_verified() {
+    let report = match check(world, plan, purpose).into_verified() {
         Ok(plan) => return Outcome::Valid(plan),
         Err(report) => report,
     };
-    let mut draft = Draft::of(domain, world, resolved, &report.plan);
-    draft.sense(domain, world, &report.violations, pins);
+    let mut draft = Draft::of(world, resolved, &report.plan);
+    draft.sense(world, &report.violations, pins);
     if !draft.unfold(0) {
         return gave_up("the plan has too many branches one after the other");
     }
     let task = Task {
         limit,
-        domain,
         world,
         resolved,
         purpose,
@@ -78,7 +72,6 @@ pub(super) fn repair_branches(
 /// A branching draft and the constraints of its repair.
 struct Task<'a> {
     limit: usize,
-    domain: &'a Domain,
     world: &'a World,
     resolved: &'a Resolved,
     purpose: &'a Purpose,
@@ -88,7 +81,7 @@ struct Task<'a> {
 impl Task<'_> {
     /// Repairs one path after the other.
     fn way_by_way(&self, mut draft: Draft, order: Order) -> Outcome {
-        let (domain, world) = (self.domain, self.world);
+        let world = self.world;
         // The claim describes one ending, but each path has its own.
         let each = Purpose {
             claim: None,
@@ -97,15 +90,15 @@ impl Task<'_> {
         };
         let (mut decisions, mut expanded, mut cost) = (Vec::new(), 0, 0);
         for _ in 0..WAYS {
-            let way = draft.way(domain, world, &decisions, order);
-            let told = with_outcomes(domain, &way.told.iter().map(|(_, fact)| *fact).collect::<Vec<_>>());
+            let way = draft.way(world, &decisions, order);
+            let told = with_outcomes(world, &way.told.iter().map(|(_, fact)| *fact).collect::<Vec<_>>());
             let (linear, pins) = draft.linear(self.resolved, &way, self.pins);
-            match repair_within(self.limit, &told, world, &linear, &each, &pins) {
+            match repair_within(self.limit, &told, &linear, &each, &pins) {
                 Outcome::Valid(plan) => draft.settle(&way, plan.steps(), &[]),
                 Outcome::Repaired(repaired) => {
                     expanded += repaired.expanded;
                     cost += repaired.cost;
-                    let (steps, edits) = behind_sensing(domain, &told, world, *repaired, &each, &way.looped, &pins);
+                    let (steps, edits) = behind_sensing(world, &told, *repaired, &each, &way.looped, &pins);
                     draft.settle(&way, &steps, &edits);
                 }
                 other => return other,
@@ -130,12 +123,12 @@ impl Task<'_> {
 
     /// Returns the repaired plan if it is valid as a whole.
     fn whole(&self, draft: &Draft, cost: u32, expanded: usize) -> Outcome {
-        let (domain, world) = (self.domain, self.world);
+        let world = self.world;
         let mut order = Vec::new();
         let body = draft.nodes(0, &mut order);
         let step = |number: &usize| {
             let item = &draft.items[*number];
-            let mut step = Step::explained(domain, world, item.step.action, item.arguments());
+            let mut step = Step::explained(world, item.step.action, item.arguments());
             if !item.step.explanation.is_empty() {
                 step.explanation.clone_from(&item.step.explanation);
             }
@@ -149,7 +142,7 @@ impl Task<'_> {
             };
         };
         Outcome::Repaired(Box::new(Repaired {
-            edits: draft.edits(domain, world, self.resolved, &order, &plan),
+            edits: draft.edits(world, self.resolved, &order, &plan),
             plan,
             cost,
             cheapest: false,
@@ -160,13 +153,13 @@ impl Task<'_> {
 
     /// Returns the plan if it is valid, with the claims that the ending closest to the claim breaks.
     fn verified(&self, plan: Plan) -> Option<(VerifiedPlan, Vec<Fact>)> {
-        let (domain, world) = (self.domain, self.world);
-        let report = match check(domain, world, plan, self.purpose).into_verified() {
+        let world = self.world;
+        let report = match check(world, plan, self.purpose).into_verified() {
             Ok(plan) => return Some((plan, Vec::new())),
             Err(report) => report,
         };
         let claim = self.purpose.claim.as_ref()?;
-        let binding = binding_claims(domain, world, &report.plan, claim);
+        let binding = binding_claims(world, &report.plan, claim);
         let broken = report.endings.iter().map(|ending| {
             let broken = binding.iter().filter(|fact| !ending.after.holds(**fact));
             broken.copied().collect::<Vec<Fact>>()
@@ -176,21 +169,14 @@ impl Task<'_> {
             claim: Some(claim.clone().without(&given_up)),
             ..self.purpose.clone()
         };
-        let plan = check(domain, world, report.plan, &purpose).into_verified().ok()?;
+        let plan = check(world, report.plan, &purpose).into_verified().ok()?;
         Some((plan, given_up))
     }
 }
 
 impl Draft {
     /// Returns the edits, in plan order.
-    fn edits(
-        &self,
-        domain: &Domain,
-        world: &World,
-        resolved: &Resolved,
-        order: &[usize],
-        plan: &VerifiedPlan,
-    ) -> Vec<Edit> {
+    fn edits(&self, world: &World, resolved: &Resolved, order: &[usize], plan: &VerifiedPlan) -> Vec<Edit> {
         let mut edits: Vec<Edit> = Vec::new();
         for (at, number) in order.iter().enumerate() {
             let item = &self.items[*number];
@@ -201,8 +187,9 @@ impl Draft {
                 at,
                 step: item.from,
                 before: (*kind != EditKind::Insert).then(|| resolved.written[item.from].clone()),
-                after: Some(step.call(domain, world).to_string()),
-                about: domain
+                after: Some(step.call(world).to_string()),
+                about: world
+                    .domain()
                     .action(step.action)
                     .implicit()
                     .next()

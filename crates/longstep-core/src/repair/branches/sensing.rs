@@ -2,13 +2,14 @@
 
 use super::super::{Edit, EditKind, Pins, Repaired, Unwanted};
 use super::draft::{Draft, Item, Part};
-use crate::model::{Atom, Condition, Domain, Effect, EntityId, Fact, Term, Voice, World};
+use crate::model::{Atom, Condition, Effect, EntityId, Fact, Term, Voice, World};
 use crate::plan::{Plan, Step, StepId};
 use crate::verify::{Purpose, Violation, check};
 
-/// Returns a domain in which sensing has exactly these outcomes, so that on one path it is an ordinary action.
-pub(super) fn with_outcomes(domain: &Domain, told: &[Fact]) -> Domain {
-    domain.edited(|data| {
+/// Returns the world with a domain in which sensing has exactly these outcomes, so that on one path it is an ordinary
+/// action.
+pub(super) fn with_outcomes(world: &World, told: &[Fact]) -> World {
+    let domain = world.domain().edited(|data| {
         for action in &mut data.actions {
             for atom in std::mem::take(&mut action.senses) {
                 for fact in told.iter().filter(|fact| fact.predicate() == atom.predicate) {
@@ -26,20 +27,21 @@ pub(super) fn with_outcomes(domain: &Domain, told: &[Fact]) -> Domain {
                 }
             }
         }
-    })
+    });
+    world.in_domain(domain)
 }
 
 /// Returns the steps and edits of a repaired path. Steps that were inserted before sensing are moved after it where
 /// possible, so that they affect this path only.
 pub(super) fn behind_sensing(
-    domain: &Domain,
-    told: &Domain,
     world: &World,
+    told: &World,
     repaired: Repaired,
     purpose: &Purpose,
     looped: &[Fact],
     pins: &Pins,
 ) -> (Vec<Step>, Vec<Edit>) {
+    let domain = world.domain();
     let mut steps = repaired.plan.steps().to_vec();
     let mut edits = repaired.edits;
     // A moved step could end up where the user removed one.
@@ -66,7 +68,7 @@ pub(super) fn behind_sensing(
             };
             let mut swapped = steps.clone();
             swapped.swap(place, place + 1);
-            if !check(told, world, Plan::sequence(swapped.clone()), purpose)
+            if !check(told, Plan::sequence(swapped.clone()), purpose)
                 .violations
                 .is_empty()
             {
@@ -83,7 +85,7 @@ pub(super) fn behind_sensing(
 
 impl Draft {
     /// Inserts sensing before conditions on unsensed facts, unless the user removed it there.
-    pub(super) fn sense(&mut self, domain: &Domain, world: &World, violations: &[Violation], pins: &Pins) {
+    pub(super) fn sense(&mut self, world: &World, violations: &[Violation], pins: &Pins) {
         for violation in violations {
             let plain = match violation {
                 Violation::When { violation, .. } => violation,
@@ -93,7 +95,10 @@ impl Draft {
                 continue;
             };
             let tells = |atom: &Atom| atom.predicate == fact.predicate();
-            let sensing = domain.action_ids().find(|(_, action)| action.senses.iter().any(tells));
+            let sensing = world
+                .domain()
+                .action_ids()
+                .find(|(_, action)| action.senses.iter().any(tells));
             let Some((action, declared)) = sensing else { continue };
             let Some(atom) = declared.senses.first() else { continue };
             let mut arguments: Vec<Option<EntityId>> = vec![None; declared.parameters.len()];
@@ -104,8 +109,8 @@ impl Draft {
             }
             let complete: Option<Vec<EntityId>> = arguments.iter().copied().collect();
             let Some(complete) = complete else { continue };
-            let step = Step::explained(domain, world, action, complete);
-            let asked = Voice::Person.fact(domain, world, *fact, true);
+            let step = Step::explained(world, action, complete);
+            let asked = Voice::Person.fact(world, *fact, true);
             for block in 0..self.blocks.len() {
                 let asks = |part: &Part| matches!(part, Part::If(test, ..) | Part::While(test, _) if test.facts().any(|other| other == fact));
                 let Some(place) = self.blocks[block].iter().position(asks) else {
@@ -122,7 +127,7 @@ impl Draft {
                 self.items.push(Item {
                     step: (&step).into(),
                     bound: step.arguments.clone(),
-                    written: step.call(domain, world).to_string(),
+                    written: step.call(world).to_string(),
                     from,
                     edit: Some((
                         EditKind::Insert,

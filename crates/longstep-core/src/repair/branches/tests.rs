@@ -25,16 +25,16 @@ fn larder() -> (Domain, World) {
 /// Checks the repaired script and the edits in brief.
 #[track_caller]
 fn check(text: &str, expected: &str, edits: &[&str]) {
-    let (domain, world) = larder();
+    let (_, world) = larder();
     let written = script::read(text).unwrap();
     let length = written.steps.len();
-    let draft = resolve(&domain, &world, &TaskCohesion::from_written(written));
+    let draft = resolve(&world, &TaskCohesion::from_written(written));
     assert_eq!(draft.issues, vec![]);
-    let outcome = repair(&domain, &world, &draft, &Purpose::default());
+    let outcome = repair(&world, &draft, &Purpose::default());
     let Outcome::Repaired(repaired) = outcome else {
         panic!("{outcome:?}")
     };
-    let cohesion = TaskCohesion::new(&domain, &world, repaired.plan.plan());
+    let cohesion = TaskCohesion::new(&world, repaired.plan.plan());
     let mut calls: Vec<String> = Vec::new();
     for line in script::write(&cohesion.written().unwrap()).lines() {
         let call = line.split("  #").next().unwrap_or_default();
@@ -152,15 +152,11 @@ release_object()
 
 #[test]
 fn branches_that_double_are_given_up() {
-    let (domain, world) = larder();
+    let (_, world) = larder();
     // The date is never sensed, so the plan is invalid. Each branch doubles the following ones, and none has a step.
     let text = "if expired('<cheese>'):\n    pass\n".repeat(40);
-    let draft = resolve(
-        &domain,
-        &world,
-        &TaskCohesion::from_written(script::read(&text).unwrap()),
-    );
-    let outcome = repair(&domain, &world, &draft, &Purpose::default());
+    let draft = resolve(&world, &TaskCohesion::from_written(script::read(&text).unwrap()));
+    let outcome = repair(&world, &draft, &Purpose::default());
     assert!(
         matches!(&outcome, Outcome::GaveUp { why, .. } if why.contains("too many branches")),
         "{outcome:?}"
@@ -171,12 +167,8 @@ fn branches_that_double_are_given_up() {
 fn a_step_that_no_way_goes_through_keeps_its_arguments() {
     let (domain, world) = larder();
     let text = "# objects: [\"<cheese>\"]\nif check_best_by_date():\n    move_object()\nif check_best_by_date():\n    move_object()\n";
-    let draft = resolve(
-        &domain,
-        &world,
-        &TaskCohesion::from_written(script::read(text).unwrap()),
-    );
-    match repair(&domain, &world, &draft, &Purpose::default()) {
+    let draft = resolve(&world, &TaskCohesion::from_written(script::read(text).unwrap()));
+    match repair(&world, &draft, &Purpose::default()) {
         Outcome::Repaired(repaired) => {
             for step in repaired.plan.steps() {
                 let parameters = &domain.action(step.action).parameters;
@@ -189,7 +181,7 @@ fn a_step_that_no_way_goes_through_keeps_its_arguments() {
 
 #[test]
 fn pins_hold_on_every_way() {
-    let (domain, world) = larder();
+    let (_, world) = larder();
     let text = "
 move_hand()  # move the hand to the <cheese>
 grasp_object()  # grasp the <cheese>
@@ -200,12 +192,8 @@ if check_best_by_date():  # look at the date of the <cheese>
 else:
     move_hand()  # move over the <compost_bin>
 ";
-    let draft = resolve(
-        &domain,
-        &world,
-        &TaskCohesion::from_written(script::read(text).unwrap()),
-    );
-    let free = repair(&domain, &world, &draft, &Purpose::default());
+    let draft = resolve(&world, &TaskCohesion::from_written(script::read(text).unwrap()));
+    let free = repair(&world, &draft, &Purpose::default());
     let Outcome::Repaired(free) = free else {
         panic!("{free:?}")
     };
@@ -226,9 +214,7 @@ else:
         ..Pins::default()
     };
     for reach in [Reach::Here, Reach::ThisStep, Reach::ThisAction] {
-        if let Outcome::Repaired(repaired) =
-            repair_pinned(&domain, &world, &draft, &Purpose::default(), &unwanted(reach))
-        {
+        if let Outcome::Repaired(repaired) = repair_pinned(&world, &draft, &Purpose::default(), &unwanted(reach)) {
             let same = |edit: &&super::super::Edit| {
                 let step = repaired.plan.plan().steps().get(edit.at);
                 edit.kind == EditKind::Insert && edit.step == 4 && step == Some(&added)
@@ -243,7 +229,7 @@ else:
             kept: vec![step],
             ..Pins::default()
         };
-        if let Outcome::Repaired(repaired) = repair_pinned(&domain, &world, &draft, &Purpose::default(), &pins) {
+        if let Outcome::Repaired(repaired) = repair_pinned(&world, &draft, &Purpose::default(), &pins) {
             let changed = |edit: &&super::super::Edit| edit.kind != EditKind::Insert && edit.step == step;
             assert_eq!(repaired.edits.iter().find(changed), None, "step {step}");
         }
@@ -252,21 +238,17 @@ else:
 
 #[test]
 fn a_claim_that_no_ending_keeps_is_given_up_and_listed() {
-    let (domain, world) = larder();
+    let (_, world) = larder();
     let text =
         "# objects: [\"<cheese>\"]\nif check_best_by_date():\n    move_hand()  # move the hand to the <cheese>\n";
-    let draft = resolve(
-        &domain,
-        &world,
-        &TaskCohesion::from_written(script::read(text).unwrap()),
-    );
+    let draft = resolve(&world, &TaskCohesion::from_written(script::read(text).unwrap()));
     let after = r#"{"assets": [], "objects": ["<cheese>"], "object_states": {"<cheese>": "on_something(<shelf>)"}}"#;
-    let claim = Claim::read(&domain, &world, &Environment::from_json(after).unwrap());
+    let claim = Claim::read(&world, &Environment::from_json(after).unwrap());
     let purpose = Purpose {
         claim: Some(claim),
         ..Purpose::default()
     };
-    let outcome = repair(&domain, &world, &draft, &purpose);
+    let outcome = repair(&world, &draft, &purpose);
     let Outcome::Repaired(repaired) = outcome else {
         panic!("{outcome:?}")
     };
@@ -319,7 +301,7 @@ proptest! {
     #[test]
     fn hidden_arguments_stay_in_their_places(text in scripts()) {
         let (domain, world) = larder();
-        let draft = resolve(&domain, &world, &TaskCohesion::from_written(script::read(&text).unwrap()));
+        let draft = resolve(&world, &TaskCohesion::from_written(script::read(&text).unwrap()));
         let whole = |steps: &[Step]| -> Result<(), TestCaseError> {
             for step in steps {
                 let parameters = &domain.action(step.action).parameters;
@@ -330,7 +312,7 @@ proptest! {
             }
             Ok(())
         };
-        match bind_tree(&domain, &world, &draft, None) {
+        match bind_tree(&world, &draft, None) {
             Ok((plan, _)) => {
                 whole(plan.steps())?;
                 for (step, drafted) in plan.steps().iter().zip(draft.steps.iter().flatten()) {
@@ -341,7 +323,7 @@ proptest! {
             }
             Err(violations) => prop_assert!(!violations.is_empty()),
         }
-        if let Outcome::Repaired(repaired) = repair(&domain, &world, &draft, &Purpose::default()) {
+        if let Outcome::Repaired(repaired) = repair(&world, &draft, &Purpose::default()) {
             whole(repaired.plan.steps())?;
         }
     }

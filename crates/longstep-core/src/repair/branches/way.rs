@@ -30,7 +30,8 @@ pub(super) struct Way {
 
 impl Draft {
     /// Follows the given decisions, then the first outcome of each further one, as if every step were applicable.
-    pub(super) fn way(&self, domain: &Domain, world: &World, decisions: &[(usize, usize)], order: Order) -> Way {
+    pub(super) fn way(&self, world: &World, decisions: &[(usize, usize)], order: Order) -> Way {
+        let domain = world.domain();
         let mut follower = Follower {
             draft: self,
             domain,

@@ -23,12 +23,8 @@ struct Space {
 }
 
 /// Returns all reachable states, with the actions that `matters` allows.
-fn space(
-    domain: &Domain,
-    world: &World,
-    wanted: &[Wanted],
-    matters: &dyn Fn(ActionId, &[EntityId]) -> bool,
-) -> Option<Space> {
+fn space(world: &World, wanted: &[Wanted], matters: &dyn Fn(ActionId, &[EntityId]) -> bool) -> Option<Space> {
+    let domain = world.domain();
     let mut actions: Vec<(ActionId, Vec<EntityId>)> = Vec::new();
     for (id, action) in domain.action_ids() {
         let mut all: Vec<Vec<EntityId>> = vec![Vec::new()];
@@ -184,29 +180,29 @@ proptest! {
         let domain = domain::shipped("household-checks").unwrap().unwrap();
         let environment = Environment::from_json(&text).unwrap();
         let world = environment::read(&domain, &environment, "", &text, &Path::default()).unwrap();
-        let goal: Goal = goal::parse(&domain, &world, &parts.join(" & ")).unwrap();
+        let goal: Goal = goal::parse(&world, &parts.join(" & ")).unwrap();
         let wanted = goal.wanted(&domain);
         // Sensing that the goal does not mention is skipped, since every outcome doubles the number of states.
-        let spoken_of: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&domain, &world)).collect();
+        let spoken_of: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&world)).collect();
         let spoken_of = spoken_of.join(" & ");
         let matters = |id: ActionId, bound: &[EntityId]| {
             let action = domain.action(id);
             let names = |atom: &crate::model::Atom| {
                 let fact = ground(atom, bound);
-                let text = goal::GoalFact::Plain(fact).exact(&domain, &world);
+                let text = goal::GoalFact::Plain(fact).exact(&world);
                 spoken_of.contains(&text)
             };
             let wiping = action.call != "wipe_on_plane" || spoken_of.contains("wiped") || spoken_of.contains("clean") || spoken_of.contains("dirty");
             (action.senses.is_empty() || action.senses.iter().any(names)) && wiping && !action.call.contains("_by_rotate") && !action.call.contains("_by_slide")
         };
-        let Some(space) = space(&domain, &world, &wanted, &matters) else {
+        let Some(space) = space(&world, &wanted, &matters) else {
             return Ok(());
         };
         let expected = worst_case(&space);
         let limits = Limits { direct: 20_000, proof: 20_000, shortest: 20_000, any: 20_000 };
-        match solve(&domain, &world, &wanted, &limits) {
+        match solve(&world, &wanted, &limits) {
             Outcome::Solved { plan, worst, shortest, .. } => {
-                let report = verify(&domain, &world, plan.clone(), &goal.purpose(&domain));
+                let report = verify(&world, plan.clone(), &goal.purpose(&domain));
                 prop_assert_eq!(&report.violations, &[]);
                 prop_assert_eq!(longest(plan.body()), worst);
                 match expected {

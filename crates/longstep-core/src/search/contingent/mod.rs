@@ -18,7 +18,6 @@ use self::policy::Course;
 use super::task::Task;
 use super::{Asked, Found, Limits, Outcome, Scope, Wanted, cheapest, forward, relevance, task};
 use crate::effort;
-use crate::model::Domain;
 use crate::model::{EntityId, Fact, World};
 
 /// States for fewer total steps once the worst case is known.
@@ -37,8 +36,8 @@ const EFFORT: u64 = 12_000_000;
 /// Among plans with equal worst case, prefers fewer total steps, then earlier sensing. Each branch minimizes its own
 /// worst case first, so with nested branches a plan with fewer total steps may exist. The result is a deterministic
 /// function of the arguments: limits count states.
-pub(super) fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
-    let spent = effort::within(super::EFFORT, || solve_within(domain, world, wanted, limits));
+pub(super) fn solve(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+    let spent = effort::within(super::EFFORT, || solve_within(world, wanted, limits));
     match (spent.exhausted, spent.result) {
         (false, outcome) => outcome,
         (true, outcome) => Outcome::GaveUp {
@@ -48,19 +47,20 @@ pub(super) fn solve(domain: &Domain, world: &World, wanted: &[Wanted], limits: &
     }
 }
 
-fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+fn solve_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+    let domain = world.domain();
     let asked = Asked::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
         .collect();
-    let whole = Scope::whole(domain, world, &asked);
+    let whole = Scope::whole(world, &asked);
     let scope = match whole.is_bearable(domain) {
         true => Some(whole),
         // In a large world, only entities related to the goal; verification then checks the plan in the whole world.
         false => [false, true]
             .iter()
-            .map(|far| whole.around(domain, world, &asked, &about, *far))
+            .map(|far| whole.around(world, &asked, &about, *far))
             .rfind(|scope| scope.is_bearable(domain)),
     };
     let too_large = || Outcome::GaveUp {
@@ -68,10 +68,10 @@ fn solve_within(domain: &Domain, world: &World, wanted: &[Wanted], limits: &Limi
         expanded: 0,
     };
     let Some(scope) = scope else { return too_large() };
-    let task = relevance::reduce(task::ground_sensing(domain, world, &scope, wanted));
+    let task = relevance::reduce(task::ground_sensing(world, &scope, wanted));
     let outcome = match task.operators.iter().any(|operator| operator.told.is_some()) {
-        true => of_task(domain, world, &task, limits),
-        false => forward::search(&task, limits).explained(domain, world),
+        true => of_task(world, &task, limits),
+        false => forward::search(&task, limits).explained(world),
     };
     match outcome {
         Outcome::Solved {
@@ -111,7 +111,7 @@ fn run(task: &Task, manner: Manner, below: u32, tally: &mut Tally) -> Result<Opt
     found.map(|course| course.map(|course| (*course).clone()))
 }
 
-fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outcome {
+fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
     let manner = |limit: usize| Manner {
         limit,
         ties: TIES,
@@ -120,7 +120,7 @@ fn of_task(domain: &Domain, world: &World, task: &Task, limits: &Limits) -> Outc
     };
     let mut tally = Tally::default();
     let solved = |task: &Task, course: &Course, shortest: bool, expanded: usize| {
-        let plan = policy::plan(domain, world, task, course);
+        let plan = policy::plan(world, task, course);
         plan.map_or_else(
             || Outcome::GaveUp {
                 why: "the plan that was found branches too deep".to_owned(),

@@ -60,7 +60,8 @@ type Way = (Fact, Vec<Piece>);
 ///
 /// Steps at the end of all branches are moved after the branch, and outcomes with equal branches share one. Returns
 /// none if the branches are nested too deeply.
-pub(super) fn plan(domain: &Domain, world: &World, task: &Task, course: &Course) -> Option<Plan> {
+pub(super) fn plan(world: &World, task: &Task, course: &Course) -> Option<Plan> {
+    let domain = world.domain();
     let mut writer = Writer {
         domain,
         world,
@@ -125,7 +126,7 @@ struct Writer<'a> {
 
 impl Writer<'_> {
     fn step(&mut self, step: GroundAction) -> StepId {
-        let step = Step::explained(self.domain, self.world, step.action, step.arguments);
+        let step = Step::explained(self.world, step.action, step.arguments);
         self.steps.push(step);
         StepId::new(self.steps.len() - 1)
     }

@@ -50,7 +50,7 @@ fn shown(domain: &crate::model::Domain, world: &World, plan: &Plan, nodes: &[Nod
     ) -> String {
         match t {
             Test::Sense(id) => step(id),
-            Test::Holds(fact) => crate::environment::Voice::Person.fact(domain, world, *fact, true),
+            Test::Holds(fact) => crate::environment::Voice::Person.fact(world, *fact, true),
             Test::Not(inner) => format!("not {}", test(domain, world, inner, step)),
             Test::All(parts) | Test::Any(parts) => {
                 let parts: Vec<String> = parts.iter().map(|part| test(domain, world, part, step)).collect();
@@ -86,17 +86,17 @@ fn shown(domain: &crate::model::Domain, world: &World, plan: &Plan, nodes: &[Nod
 #[track_caller]
 fn check(states: &str, text: &str, expected: &str) {
     let (domain, world) = scene(states);
-    let goal = goal::parse(&domain, &world, text).unwrap();
-    let outcome = solve(&domain, &world, &goal.wanted(&domain), &Limits::default());
+    let goal = goal::parse(&world, text).unwrap();
+    let outcome = solve(&world, &goal.wanted(&domain), &Limits::default());
     let told = match &outcome {
         Outcome::Solved { plan, shortest, .. } => {
-            let report = verify(&domain, &world, plan.clone(), &goal.purpose(&domain));
+            let report = verify(&world, plan.clone(), &goal.purpose(&domain));
             assert_eq!(report.violations, [], "{text}");
             let more = if *shortest { "" } else { "~ " };
             format!("{more}{}", shown(&domain, &world, plan, plan.body()))
         }
         Outcome::ProvenUnsolvable { when, .. } => {
-            let when = when.map(|fact| crate::environment::Voice::Person.fact(&domain, &world, fact, true));
+            let when = when.map(|fact| crate::environment::Voice::Person.fact(&world, fact, true));
             format!("unsolvable: {when:?}")
         }
         Outcome::GaveUp { why, .. } => format!("gave up: {why}"),

@@ -163,7 +163,8 @@ pub(crate) fn lamp(world: &World, number: usize) -> EntityId {
     world.find(&format!("<lamp_{number}>")).unwrap()
 }
 
-pub(crate) fn fact(domain: &Domain, world: &World, predicate: &str, number: usize) -> Fact {
+pub(crate) fn fact(world: &World, predicate: &str, number: usize) -> Fact {
+    let domain = world.domain();
     let index = domain.predicates.iter().position(|p| p.name == predicate).unwrap();
     Fact::new(domain::PredicateId::new(index), [lamp(world, number)])
 }
@@ -184,15 +185,14 @@ impl Builder<'_> {
             Err(_) => self.world.find(word).unwrap(),
         };
         let arguments = words.map(argument).collect();
-        self.steps
-            .push(Step::explained(self.domain, self.world, action, arguments));
+        self.steps.push(Step::explained(self.world, action, arguments));
         StepId::new(self.steps.len() - 1)
     }
 
     fn test(&mut self, ask: &Ask) -> Test {
         match ask {
             Ask::Feel(number) => Test::Sense(self.step(&format!("feel {number}"))),
-            Ask::Is(predicate, number) => Test::Holds(fact(self.domain, self.world, predicate, *number)),
+            Ask::Is(predicate, number) => Test::Holds(fact(self.world, predicate, *number)),
             Ask::Not(inner) => Test::Not(Box::new(self.test(inner))),
             Ask::All(parts) => Test::All(parts.iter().map(|part| self.test(part)).collect()),
             Ask::Any(parts) => Test::Any(parts.iter().map(|part| self.test(part)).collect()),
@@ -238,7 +238,8 @@ impl Builder<'_> {
     }
 }
 
-pub(crate) fn plan(domain: &Domain, world: &World, parts: &[Part]) -> Plan {
+pub(crate) fn plan(world: &World, parts: &[Part]) -> Plan {
+    let domain = world.domain();
     let mut builder = Builder {
         domain,
         world,
@@ -248,13 +249,13 @@ pub(crate) fn plan(domain: &Domain, world: &World, parts: &[Part]) -> Plan {
     Plan::tree(builder.steps, body).unwrap()
 }
 
-pub(crate) fn report(domain: &Domain, world: &World, parts: &[Part]) -> Report {
-    check(domain, world, plan(domain, world, parts), &Purpose::default())
+pub(crate) fn report(world: &World, parts: &[Part]) -> Report {
+    check(world, plan(world, parts), &Purpose::default())
 }
 
 /// Returns all violations and warnings as sentences.
-pub(crate) fn messages(domain: &Domain, world: &World, report: &Report) -> Vec<String> {
+pub(crate) fn messages(world: &World, report: &Report) -> Vec<String> {
     let all = report.violations.iter().chain(&report.warnings);
-    all.map(|found| found.message(domain, world, report.plan.steps(), None))
+    all.map(|found| found.message(world, report.plan.steps(), None))
         .collect()
 }

@@ -38,7 +38,8 @@ struct Enumeration<'a> {
 
 impl<'a> Enumeration<'a> {
     /// Enumerates all paths; none if there are too many, since some random plans have millions.
-    fn of(domain: &'a Domain, world: &'a World, plan: &'a Plan) -> Option<Findings> {
+    fn of(world: &'a World, plan: &'a Plan) -> Option<Findings> {
+        let domain = world.domain();
         let mut all = Self {
             domain,
             world,
@@ -269,7 +270,7 @@ impl<'a> Enumeration<'a> {
 }
 
 /// Returns the claim that exactly these lamps are lit in the final state.
-fn lit_claim(domain: &Domain, world: &World, lamps: &BTreeSet<usize>) -> Claim {
+fn lit_claim(world: &World, lamps: &BTreeSet<usize>) -> Claim {
     let states: Vec<String> = lamps
         .iter()
         .map(|lamp| format!(r#""<lamp_{lamp}>": "LIT()""#))
@@ -278,12 +279,12 @@ fn lit_claim(domain: &Domain, world: &World, lamps: &BTreeSet<usize>) -> Claim {
         r#"{{"assets": [], "objects": [], "object_states": {{{}}}}}"#,
         states.join(", ")
     );
-    Claim::read(domain, world, &Environment::from_json(&text).unwrap())
+    Claim::read(world, &Environment::from_json(&text).unwrap())
 }
 
 /// Converts the verifier's report to [`Findings`].
-fn findings(domain: &Domain, world: &World, plan: &Plan) -> (Findings, bool) {
-    let report = check(domain, world, plan.clone(), &Purpose::default());
+fn findings(world: &World, plan: &Plan) -> (Findings, bool) {
+    let report = check(world, plan.clone(), &Purpose::default());
     let mut found = Findings::default();
     let mut too_many = false;
     for violation in &report.violations {
@@ -416,11 +417,11 @@ proptest! {
     fn every_outcome_is_followed(parts in parts(), lit in prop::collection::vec(1..=LAMPS, 0..=2)) {
         let domain = domain();
         let world = world(&domain, LAMPS, &lit);
-        let plan = plan(&domain, &world, &parts);
-        let expected = Enumeration::of(&domain, &world, &plan);
+        let plan = plan(&world, &parts);
+        let expected = Enumeration::of(&world, &plan);
         prop_assume!(expected.is_some());
         let expected = expected.unwrap();
-        let (found, too_many) = findings(&domain, &world, &plan);
+        let (found, too_many) = findings(&world, &plan);
         prop_assert!(!too_many);
         prop_assert_eq!(&found.impossible, &expected.impossible);
         prop_assert_eq!(&found.unsensed, &expected.unsensed);
@@ -438,14 +439,14 @@ proptest! {
     ) {
         let domain = domain();
         let world = world(&domain, LAMPS, &lit);
-        let plan = plan(&domain, &world, &parts);
-        let purpose = Purpose { claim: Some(lit_claim(&domain, &world, &claimed)), ..Purpose::default() };
-        let expected = Enumeration::of(&domain, &world, &plan);
+        let plan = plan(&world, &parts);
+        let purpose = Purpose { claim: Some(lit_claim(&world, &claimed)), ..Purpose::default() };
+        let expected = Enumeration::of(&world, &plan);
         prop_assume!(expected.is_some());
         let ends = expected.unwrap().ends;
-        let promised: Vec<Fact> = claimed.iter().map(|lamp| fact(&domain, &world, "lit", *lamp)).collect();
+        let promised: Vec<Fact> = claimed.iter().map(|lamp| fact(&world, "lit", *lamp)).collect();
         let promised: Vec<Fact> = promised.into_iter().filter(|fact| !world.state.holds(*fact)).collect();
-        let report = check(&domain, &world, plan, &purpose);
+        let report = check(&world, plan, &purpose);
         // A plan without an end has no ending that could fulfill the claim and is rejected for that.
         if !ends.is_empty() {
             let kept = ends.iter().any(|end| promised.iter().all(|fact| end.contains(fact)));
@@ -461,10 +462,10 @@ proptest! {
     fn every_order_is_followed(left in lane("left"), right in lane("right"), lit in prop::collection::vec(1..=4usize, 0..=3)) {
         let domain = domain();
         let world = world(&domain, LAMPS + 2, &lit);
-        let plan = plan(&domain, &world, &[Part::Lanes(vec![("left", left), ("right", right)])]);
+        let plan = plan(&world, &[Part::Lanes(vec![("left", left), ("right", right)])]);
         let [Node::Parallel { lanes }] = plan.body() else { unreachable!() };
         let lanes: Vec<Vec<LaneItem>> = lanes.iter().map(|lane| lane.items.clone()).collect();
-        let report = check(&domain, &world, plan.clone(), &Purpose::default());
+        let report = check(&world, plan.clone(), &Purpose::default());
         let (mut possible, mut ends, mut waits) = (true, BTreeSet::new(), false);
         for order in orders(&lanes, &[0, 0]) {
             let Some(order) = order else { waits = true; continue };

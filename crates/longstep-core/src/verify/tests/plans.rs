@@ -13,15 +13,15 @@ const KITCHEN: &str = r#"{
     "object_states": {"<pie_4>": ["ON(<desk_1>)"], "<mug_5>": ["INSIDE(<oven_2>)"]},
     "asset_properties": {"<oven_2>": ["IS_OPENABLE"], "<desk_1>": ["NOT_OPENABLE"], "<shelf_3>": ["NOT_OPENABLE"]}}"#;
 
-fn report(domain: &Domain, world: &World, calls: &[&str], object: Option<&str>) -> Report {
+fn report(world: &World, calls: &[&str], object: Option<&str>) -> Report {
     let written = TaskCohesion {
         task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
         object_name: object.map(str::to_owned),
         ..TaskCohesion::default()
     };
-    let resolved = resolve(domain, world, &written);
-    let (plan, _) = bind(domain, world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap();
-    check(domain, world, plan, &Purpose::default())
+    let resolved = resolve(world, &written);
+    let (plan, _) = bind(world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap();
+    check(world, plan, &Purpose::default())
 }
 
 #[track_caller]
@@ -29,11 +29,11 @@ fn check_messages(calls: &[&str], expected: &[&str]) {
     let domain = domain::shipped("virtualhome").unwrap().unwrap();
     let environment = Environment::from_json(KITCHEN).unwrap();
     let world = environment::read(&domain, &environment, "env.json", KITCHEN, &Path::default()).unwrap();
-    let report = report(&domain, &world, calls, None);
+    let report = report(&world, calls, None);
     let messages: Vec<_> = report
         .violations
         .iter()
-        .map(|v| v.message(&domain, &world, report.plan.steps(), None))
+        .map(|v| v.message(&world, report.plan.steps(), None))
         .collect();
     assert_eq!(messages, expected);
     assert_eq!(report.into_verified().is_ok(), expected.is_empty());
@@ -100,9 +100,9 @@ fn what_a_verdict_rests_on_is_listed() {
     let environment = Environment::from_json(text).unwrap();
     let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
     let calls = ["move_hand()", "grasp_object()", "open_by_slide()", "release_object()"];
-    let report = report(&domain, &world, &calls, Some("<box_lever>"));
+    let report = report(&world, &calls, Some("<box_lever>"));
     assert_eq!(report.violations, vec![]);
-    let assumed: Vec<_> = report.assumptions.iter().map(|a| a.message(&domain, &world)).collect();
+    let assumed: Vec<_> = report.assumptions.iter().map(|a| a.message(&world)).collect();
     assert_eq!(assumed, ["the box lever slides (the environment does not say)"]);
 }
 
@@ -118,23 +118,22 @@ fn where_calls_do_not_say_where_the_claim_does() {
             object_name: Some("<cup>".to_owned()),
             ..TaskCohesion::default()
         };
-        let resolved = resolve(&domain, &world, &written);
+        let resolved = resolve(&world, &written);
         let purpose = Purpose {
-            claim: Some(environment::Claim::read(&domain, &world, &environment)),
+            claim: Some(environment::Claim::read(&world, &environment)),
             ..Purpose::default()
         };
         let (plan, _) = bind(
-            &domain,
             &world,
             &resolved.complete().unwrap(),
             &resolved.objects,
             purpose.claim.as_ref(),
         )
         .unwrap();
-        let report = check(&domain, &world, plan, &purpose);
+        let report = check(&world, plan, &purpose);
         let violations = report.violations.iter();
         violations
-            .map(|v| v.message(&domain, &world, report.plan.steps(), None))
+            .map(|v| v.message(&world, report.plan.steps(), None))
             .collect()
     };
     let lifted = ["move_hand()", "grasp_object()", "detach_from_plane()", "move_object()"];
@@ -162,12 +161,12 @@ fn a_hand_is_no_place() {
         ..TaskCohesion::default()
     };
     let purpose = Purpose {
-        claim: Some(Claim::read(&domain, &world, &environment)),
+        claim: Some(Claim::read(&world, &environment)),
         ..Purpose::default()
     };
-    let resolved = resolve(&domain, &world, &written);
-    let (plan, _) = bind_tree(&domain, &world, &resolved, purpose.claim.as_ref()).unwrap();
-    assert_eq!(check(&domain, &world, plan, &purpose).violations, vec![]);
+    let resolved = resolve(&world, &written);
+    let (plan, _) = bind_tree(&world, &resolved, purpose.claim.as_ref()).unwrap();
+    assert_eq!(check(&world, plan, &purpose).violations, vec![]);
 }
 
 #[test]
@@ -178,8 +177,8 @@ fn a_claim_promises_nothing_of_what_it_is_silent_about() {
     let environment = Environment::from_json(text).unwrap();
     let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
     let claimed = Environment::from_json(r#"{"assets": ["<desk_2>"], "objects": []}"#).unwrap();
-    let claim = Claim::read(&domain, &world, &claimed);
-    assert_eq!(claim.promises(&domain, &world), vec![]);
+    let claim = Claim::read(&world, &claimed);
+    assert_eq!(claim.promises(&world), vec![]);
 }
 
 #[test]
@@ -192,11 +191,11 @@ fn what_an_effect_depends_on_decides_what_can_come_about() {
     let inside = |place: &str| {
         let claimed =
             format!(r#"{{"objects": ["<milk>"], "object_states": {{"<milk>": "inside_something({place})"}}}}"#);
-        let claim = Claim::read(&domain, &world, &Environment::from_json(&claimed).unwrap());
-        let [promised] = claim.promises(&domain, &world)[..] else {
+        let claim = Claim::read(&world, &Environment::from_json(&claimed).unwrap());
+        let [promised] = claim.promises(&world)[..] else {
             panic!("{claim:?}")
         };
-        can_be_brought_about(&domain, &world, promised)
+        can_be_brought_about(&world, promised)
     };
     assert!(inside("<fridge>"));
     assert!(!inside("<counter>"));
@@ -212,9 +211,9 @@ fn a_hidden_argument_of_sensing_is_what_a_later_condition_asks() {
     for place in ["<table>", "<shelf>"] {
         let script = format!("move_hand()\ncheck_cleanness()\nif clean(\"{place}\"):\n    pass\n");
         let written = TaskCohesion::from_written(crate::plan::script::read(&script).unwrap());
-        let resolved = resolve(&domain, &world, &written);
-        let (plan, _) = bind_tree(&domain, &world, &resolved, None).unwrap();
-        let report = check(&domain, &world, plan, &Purpose::default());
+        let resolved = resolve(&world, &written);
+        let (plan, _) = bind_tree(&world, &resolved, None).unwrap();
+        let report = check(&world, plan, &Purpose::default());
         assert_eq!(report.violations, vec![], "{place}");
     }
 }

@@ -8,8 +8,8 @@ use crate::verify::{Purpose, STATES, Violation, check as check_plan};
 fn check(parts: &[Part], expected: &[&str]) {
     let domain = domain();
     let world = world(&domain, 3, &[1]);
-    let report = report(&domain, &world, parts);
-    assert_eq!(messages(&domain, &world, &report), expected, "{parts:?}");
+    let report = report(&world, parts);
+    assert_eq!(messages(&world, &report), expected, "{parts:?}");
 }
 
 fn all(texts: &[&str]) -> Vec<Part> {
@@ -235,10 +235,10 @@ fn branches(count: usize, apart: bool) -> Vec<Part> {
 fn a_thousand_branches_that_come_together_are_followed() {
     let domain = domain();
     let world = world(&domain, 1_000, &[1]);
-    let merging = report(&domain, &world, &branches(1_000, false));
+    let merging = report(&world, &branches(1_000, false));
     assert_eq!((merging.violations.len(), merging.endings.len()), (0, 1));
 
-    let apart = report(&domain, &world, &branches(1_000, true));
+    let apart = report(&world, &branches(1_000, true));
     let [Violation::TooManyStates { step, states }] = apart.violations.as_slice() else {
         panic!("{:?}", apart.violations);
     };
@@ -263,8 +263,8 @@ fn what_two_orders_find_on_one_way_is_not_so_on_all() {
 fn effort_of(parts: &[Part]) -> (u64, Vec<&'static str>) {
     let domain = domain();
     let world = world(&domain, 4, &[1]);
-    let plan = plan(&domain, &world, parts);
-    let spent = effort::within(u64::MAX, || check_plan(&domain, &world, plan, &Purpose::default()));
+    let plan = plan(&world, parts);
+    let spent = effort::within(u64::MAX, || check_plan(&world, plan, &Purpose::default()));
     let kinds = spent.result.violations.iter().map(Violation::kind).collect();
     (spent.units, kinds)
 }
@@ -297,8 +297,8 @@ fn a_counted_loop_follows_one_period_of_its_states() {
     let domain = domain();
     let world = world(&domain, 4, &[1]);
     for (times, lit) in [(1, false), (2, true), (999_999_999, false), (1_000_000_000, true)] {
-        let report = report(&domain, &world, &swing(times));
-        let fact = bench::fact(&domain, &world, "lit", 1);
+        let report = report(&world, &swing(times));
+        let fact = bench::fact(&world, "lit", 1);
         assert_eq!(report.ending().after.holds(fact), lit, "{times}");
     }
 }
@@ -330,8 +330,8 @@ fn a_rule_that_is_broken_at_the_start_binds_from_where_it_is_kept() {
     let domain = bench::domain_with(rule);
     let world = world(&domain, 3, &[1]);
     let check = |texts: &[&str], expected: &[&str]| {
-        let report = report(&domain, &world, &all(texts));
-        assert_eq!(messages(&domain, &world, &report), expected, "{texts:?}");
+        let report = report(&world, &all(texts));
+        assert_eq!(messages(&world, &report), expected, "{texts:?}");
     };
     check(&["unpress left 1"], &[]);
     check(&["feel 2", "unpress left 1"], &[]);

@@ -84,12 +84,12 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
         panic!("{understood:?}");
     };
     assert_eq!(left_out, []);
-    assert_eq!(found, goal::parse(domain, depot, answer).unwrap());
-    let outcome = solve(domain, depot, &found.wanted(domain), &Limits::default());
+    assert_eq!(found, goal::parse(depot, answer).unwrap());
+    let outcome = solve(depot, &found.wanted(domain), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}");
     };
-    let report = verify(domain, depot, plan, &found.purpose(domain));
+    let report = verify(depot, plan, &found.purpose(domain));
     assert!(report.violations.is_empty());
 }
 
@@ -167,24 +167,17 @@ fn a_reply_about_a_part_leaves_the_rest_of_the_world_as_it_was() {
         "instruction_summary": "", "question": "",
     });
     let draft = read(&reply.to_string()).unwrap();
-    let resolved = resolve(&domain, &depot, &draft.file.task_cohesion);
-    let claim = Claim::read(&domain, &depot, &draft.file.environment_after.unwrap());
+    let resolved = resolve(&depot, &draft.file.task_cohesion);
+    let claim = Claim::read(&depot, &draft.file.environment_after.unwrap());
     assert_eq!(claim.ignored, Vec::<String>::new());
-    let (plan, _) = bind(
-        &domain,
-        &depot,
-        &resolved.complete().unwrap(),
-        &resolved.objects,
-        Some(&claim),
-    )
-    .unwrap();
+    let (plan, _) = bind(&depot, &resolved.complete().unwrap(), &resolved.objects, Some(&claim)).unwrap();
     let purpose = Purpose {
         claim: Some(claim),
         ..Purpose::default()
     };
-    let report = verify(&domain, &depot, plan, &purpose);
+    let report = verify(&depot, plan, &purpose);
     assert!(report.violations.is_empty());
-    let carried = environment::write(&domain, &depot, &report.ending().after);
+    let carried = environment::write(&depot, &report.ending().after);
     let mut expected = depot.environment().clone();
     expected.object_states["<teapot_9999>"] = Words::Many(vec![format!("ON({bench})")]);
     assert_eq!(carried, expected);
@@ -195,12 +188,12 @@ fn the_ranking_is_complete_and_always_the_same() {
     let domain = shipped("virtualhome").unwrap().unwrap();
     let depot = depot(&domain);
     for (instruction, needed) in [("Put the teapot on bench 12", 4), ("", 0), ("Do something", 0)] {
-        let found = focus(&domain, &depot, instruction);
+        let found = focus(&depot, instruction);
         let mut sorted = found.ranked.clone();
         sorted.sort_unstable();
         sorted.dedup();
         assert_eq!(sorted.len(), 5_000);
-        assert_eq!(found, focus(&domain, &depot, instruction));
+        assert_eq!(found, focus(&depot, instruction));
         assert!(
             (needed..=needed + 2).contains(&found.needed),
             "{instruction}: {}",

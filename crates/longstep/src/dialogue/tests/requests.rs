@@ -143,7 +143,7 @@ pub(super) fn check_strict(schema: &Value) {
 fn the_schema_is_strict_and_lists_what_there_is() {
     let domain = shipped("household").unwrap().unwrap();
     let world = attic(&domain, 3);
-    let schema = direct_schema(&domain, &world);
+    let schema = direct_schema(&world);
     check_strict(&schema);
     let keys: Vec<&String> = schema["properties"].as_object().unwrap().keys().collect();
     let expected = [
@@ -174,7 +174,7 @@ fn calls_with_arguments_are_listed_while_they_are_few() {
         &Path::default(),
     )
     .unwrap();
-    let schema = direct_schema(&domain, &few);
+    let schema = direct_schema(&few);
     let calls = &schema["properties"]["task_cohesion"]["properties"]["task_sequence"]["items"]["enum"];
     assert!(
         calls
@@ -188,7 +188,7 @@ fn calls_with_arguments_are_listed_while_they_are_few() {
 #[test]
 fn a_schema_that_would_be_too_large_is_looser() {
     let domain = shipped("household").unwrap().unwrap();
-    let schema = direct_schema(&domain, &attic(&domain, 100));
+    let schema = direct_schema(&attic(&domain, 100));
     assert!(schema.to_string().len() < 4000);
     let states = &schema["properties"]["environment_after"]["properties"]["object_states"];
     assert_eq!(states["additionalProperties"]["type"], "array");

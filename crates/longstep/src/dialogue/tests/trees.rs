@@ -21,7 +21,7 @@ fn all_told(domain: &Domain) -> String {
     let request = direct_request(domain, &larder(domain), "Bin it", &[], &[], None, &mut counter);
     let request = request.unwrap().request;
     let texts: Vec<&str> = request.messages.iter().map(|message| message.text.as_str()).collect();
-    texts.join("\n") + &direct_schema(domain, &larder(domain)).to_string()
+    texts.join("\n") + &direct_schema(&larder(domain)).to_string()
 }
 
 /// Returns which of the tree keywords occur in a domain's prompt and schema.
@@ -53,7 +53,7 @@ fn a_domain_is_told_of_the_forms_that_its_plans_can_have() {
 fn the_schema_of_a_tree_is_strict_and_refers_to_nothing_above_it() {
     for name in ["household-checks", "household-dual"] {
         let domain = shipped(name).unwrap().unwrap();
-        let schema = direct_schema(&domain, &larder(&domain));
+        let schema = direct_schema(&larder(&domain));
         check_strict(&schema);
         let definitions = schema["$defs"].as_object().unwrap();
         for level in 0..=2 {
@@ -65,7 +65,7 @@ fn the_schema_of_a_tree_is_strict_and_refers_to_nothing_above_it() {
         assert_eq!(branches, if name == "household-checks" { 3 } else { 2 });
     }
     let domain = shipped("household-checks").unwrap().unwrap();
-    let schema = direct_schema(&domain, &larder(&domain));
+    let schema = direct_schema(&larder(&domain));
     let asked = &schema["$defs"]["asked"]["properties"]["call"]["enum"];
     for expected in ["check_best_by_date()", "expired(<cream>)", "dirty(<bench>)"] {
         assert!(
