@@ -6,8 +6,7 @@ use super::grammar::{grammar, schema};
 use super::menu::Menu;
 use super::read::{CompositionAnswer, in_json, read};
 use crate::dialogue::{
-    ChatRequest, Constraint, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Round, Transcript,
-    plain_line,
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Round, Transcript, plain_line,
 };
 use crate::environment::World;
 
@@ -61,14 +60,8 @@ impl Dialogue for CompositionDialogue {
 
     fn request(&self) -> ChatRequest {
         match self.transcript.kind {
-            ConstraintKind::Grammar => {
-                let constraint = Constraint::Lark(grammar(&self.menu));
-                self.transcript.request(constraint, SCRIPT_TOKENS)
-            }
-            ConstraintKind::JsonSchema => {
-                let constraint = Constraint::JsonSchema(schema(&self.menu));
-                self.transcript.request(constraint, TREE_TOKENS)
-            }
+            ConstraintKind::Grammar => self.transcript.under_grammar(grammar(&self.menu), SCRIPT_TOKENS),
+            ConstraintKind::JsonSchema => self.transcript.under_schema(schema(&self.menu), TREE_TOKENS),
         }
     }
 

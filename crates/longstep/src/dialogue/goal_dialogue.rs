@@ -7,8 +7,8 @@ use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
 use super::query::plain_line;
 use super::{
-    ChatRequest, Constraint, ConstraintKind, Dialogue, DialogueError, PartCost, Reply, Role, Round, TokenCounter,
-    Transcript, object, scene,
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, PartCost, Reply, Role, Round, TokenCounter, Transcript,
+    object, scene,
 };
 use crate::effort;
 use crate::environment::{EntityId, World};
@@ -372,14 +372,11 @@ impl Dialogue for GoalDialogue {
 
     fn request(&self) -> ChatRequest {
         match self.transcript.kind {
-            ConstraintKind::Grammar => {
-                let constraint = Constraint::Lark(self.grammar());
-                self.transcript.request(constraint, STEP_TOKENS)
-            }
+            ConstraintKind::Grammar => self.transcript.under_grammar(self.grammar(), STEP_TOKENS),
             ConstraintKind::JsonSchema => {
                 let depends = !goal::conditions(&self.world, &self.heard.spoken).is_empty();
-                let constraint = Constraint::JsonSchema(goal_schema(&self.world, &self.open, depends));
-                self.transcript.request(constraint, ANSWER_TOKENS)
+                self.transcript
+                    .under_schema(goal_schema(&self.world, &self.open, depends), ANSWER_TOKENS)
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Dialogues that a caller carries out with a model, and their transcripts.
 
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage};
 use crate::goal::GoalError;
@@ -53,7 +54,17 @@ impl Transcript {
         self.messages.push(Message::new(role, text));
     }
 
-    pub(crate) fn request(&self, constraint: Constraint, max_tokens: u32) -> ChatRequest {
+    /// Returns the request for an answer under a grammar.
+    pub(crate) fn under_grammar(&self, grammar: String, max_tokens: u32) -> ChatRequest {
+        self.request(Constraint::Lark(grammar), max_tokens)
+    }
+
+    /// Returns the request for an answer under a JSON schema.
+    pub(crate) fn under_schema(&self, schema: Value, max_tokens: u32) -> ChatRequest {
+        self.request(Constraint::JsonSchema(schema), max_tokens)
+    }
+
+    fn request(&self, constraint: Constraint, max_tokens: u32) -> ChatRequest {
         ChatRequest {
             messages: self.messages.clone(),
             fixed: self.fixed,

@@ -10,7 +10,7 @@ use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
 use crate::dialogue::answer_grammar::question_in;
 use crate::dialogue::{
-    ChatRequest, Constraint, ConstraintKind, Dialogue, DialogueError, Reply, Role, Transcript, object, one_line,
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, Reply, Role, Transcript, object, one_line,
 };
 use crate::environment::World;
 use crate::goal::QUESTION;
@@ -125,14 +125,12 @@ impl Dialogue for FeedbackDialogue {
     fn request(&self) -> ChatRequest {
         let world = &self.world;
         match self.transcript.kind {
-            ConstraintKind::Grammar => {
-                let constraint = Constraint::Lark(grammar(world, &self.offers, self.length));
-                self.transcript.request(constraint, GRAMMAR_TOKENS)
-            }
-            ConstraintKind::JsonSchema => {
-                let constraint = Constraint::JsonSchema(schema(world, &self.offers, self.length));
-                self.transcript.request(constraint, ANSWER_TOKENS)
-            }
+            ConstraintKind::Grammar => self
+                .transcript
+                .under_grammar(grammar(world, &self.offers, self.length), GRAMMAR_TOKENS),
+            ConstraintKind::JsonSchema => self
+                .transcript
+                .under_schema(schema(world, &self.offers, self.length), ANSWER_TOKENS),
         }
     }
 
