@@ -22,11 +22,10 @@ use crate::verify::VerifiedPlan;
 /// the same completions.
 ///
 /// ```
-/// use longstep_core::{cursor::Cursor, domain, environment, goal, json, search, verify};
+/// use longstep_core::{cursor::Cursor, domain, environment, goal, search, verify};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&household, "env.json", text).unwrap();
 /// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
 /// let outcome = search::solve(&world, &goal.wanted(&household), &search::Limits::default());
 /// let search::Outcome::Solved { plan, .. } = outcome else { panic!() };

@@ -16,12 +16,11 @@ impl World {
     /// restricted world are mapped back by identifier ([`World::find`], [`crate::goal::Goal::carried`]).
     ///
     /// ```
-    /// use longstep_core::{domain, json, environment};
+    /// use longstep_core::{domain, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup_1>", "<cup_2>"],
     ///     "object_states": {"<cup_1>": "on_something(<shelf>)", "<cup_2>": "on_something(<table>)"}}"#;
-    /// let environment = environment::Environment::from_json(text).unwrap();
-    /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let world = environment::parse(&household, "env.json", text).unwrap();
     /// let keep = ["<cup_2>", "<table>"].map(|identifier| world.find(identifier).unwrap());
     /// let part = world.narrowed(&household, &keep);
     /// assert_eq!(part.environment().objects, ["<cup_2>"]);

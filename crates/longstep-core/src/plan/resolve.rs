@@ -82,11 +82,10 @@ impl Resolved {
 ///
 /// ```
 /// use longstep_core::plan::{TaskCohesion, resolve};
-/// use longstep_core::{domain, json, environment};
+/// use longstep_core::{domain, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&domain, "env.json", text).unwrap();
 /// let written = TaskCohesion {
 ///     task_sequence: vec!["Walk(<desk_1>)".to_owned(), "grab(<mug>)".to_owned(), "Fly(<mug_2>)".to_owned()],
 ///     ..TaskCohesion::default()

@@ -98,12 +98,11 @@ pub struct Repaired {
 /// ```
 /// use longstep_core::plan::{TaskCohesion, resolve};
 /// use longstep_core::repair::{Outcome, repair};
-/// use longstep_core::{domain, json, verify, environment};
+/// use longstep_core::{domain, verify, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>", "<fridge_2>"], "objects": ["<milk_3>"],
 ///     "object_states": {"<milk_3>": "ON(<desk_1>)"}, "asset_properties": {"<fridge_2>": ["IS_OPENABLE"]}}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&domain, "env.json", text).unwrap();
 /// let calls = ["Walktowards(<desk_1>)", "Grab(<milk_3>)", "Walktowards(<fridge_2>)", "PutIn(<milk_3>, <fridge_2>)"];
 /// let draft = TaskCohesion {
 ///     task_sequence: calls.map(str::to_owned).to_vec(),

@@ -141,11 +141,10 @@ impl Footprint {
 /// a fact.
 ///
 /// ```
-/// use longstep_core::{schedule, domain, json, plan::Step, environment};
+/// use longstep_core::{schedule, domain, plan::Step, environment};
 /// let domain = domain::shipped("household-dual").unwrap().unwrap();
 /// let text = r#"{"assets": ["<bench>", "<rack>"], "objects": ["<jar>"], "object_states": {"<jar>": "on_something(<bench>)"}}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&domain, "env.json", text).unwrap();
 /// let (move_hand, _) = domain.action_ids().find(|(_, action)| action.name == "move-hand").unwrap();
 /// let to = |hand: &str, place: &str| {
 ///     let arguments = [hand, place].map(|name| world.find(name).unwrap()).to_vec();

@@ -43,12 +43,11 @@ pub struct Focus {
 ///
 /// ```
 /// use longstep::{domain, dialogue};
-/// use longstep_core::{json, environment};
+/// use longstep_core::environment;
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<jar>", "<cup>"],
 ///     "object_states": {"<cup>": "on_something(<shelf>)", "<jar>": "on_something(<table>)"}}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&household, "env.json", text).unwrap();
 /// let focus = dialogue::focus(&world, "Bring me the cup");
 /// let names: Vec<&str> = focus.ranked.iter().map(|id| world.entity(*id).name.as_str()).collect();
 /// assert_eq!(names, ["cup", "shelf", "table", "jar"]);

@@ -45,12 +45,11 @@ pub struct Amendment {
 /// use longstep::feedback::{Amended, StepWish, amend};
 /// use longstep_core::search::{Limits, Outcome, solve};
 /// use longstep::{domain, goal};
-/// use longstep_core::{json, plan, environment};
+/// use longstep_core::{plan, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>", "<shelf_2>"], "objects": ["<mug_3>"],
 ///     "object_states": {"<mug_3>": "ON(<desk_1>)"}, "asset_properties": {"<shelf_2>": ["NOT_OPENABLE"]}}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&domain, "env.json", text).unwrap();
 /// let goal = goal::parse(&world, "put(mug, shelf)").unwrap();
 /// let outcome = solve(&world, &goal.wanted(&domain), &Limits::default());
 /// let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };

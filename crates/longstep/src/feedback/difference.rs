@@ -8,11 +8,10 @@ use crate::repair::{Pins, Reach, Unwanted};
 /// ```
 /// use longstep_core::plan::{TaskCohesion, resolve};
 /// use longstep::{domain, feedback};
-/// use longstep_core::{json, verify, environment};
+/// use longstep_core::{verify, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&domain, "env.json", text).unwrap();
 /// let read = |calls: &[&str]| {
 ///     let task_sequence = calls.iter().map(|call| (*call).to_owned()).collect();
 ///     resolve(&world, &TaskCohesion { task_sequence, ..TaskCohesion::default() })

@@ -111,11 +111,10 @@ pub(super) fn form(text: &str, length: usize) -> Result<Form<'_>, WishError> {
 /// ```
 /// use longstep::feedback::{StepWish, parse};
 /// use longstep::domain;
-/// use longstep_core::{json, environment};
+/// use longstep_core::environment;
 /// let domain = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<shelf>"], "objects": ["<tea>"]}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&domain, "env.json", text).unwrap();
 /// let wishes = parse(&world, "drop 3 & insert move_object() after 4", 7).unwrap();
 /// assert_eq!(wishes[0], StepWish::Drop { step: 2 });
 /// assert_eq!(wishes[1].before(), Some(4));

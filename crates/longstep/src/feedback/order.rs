@@ -67,7 +67,7 @@ fn blocks(domain: &Domain, steps: &[Step], at: usize) -> Vec<(usize, usize)> {
     blocks
 }
 
-/// What words say about the order of steps.
+/// The order of steps that words ask for.
 struct Order {
     /// Places that they name.
     places: Vec<usize>,

@@ -43,11 +43,10 @@ impl<'a> Assessment<'a> {
     ///
     /// ```
     /// use longstep::{domain, report::Assessment};
-    /// use longstep_core::{json, plan, environment};
+    /// use longstep_core::{plan, environment};
     /// let household = domain::shipped("household").unwrap().unwrap();
     /// let text = r#"{"objects": ["<pen>"], "assets": ["<desk>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-    /// let environment = environment::Environment::from_json(text).unwrap();
-    /// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let world = environment::parse(&household, "env.json", text).unwrap();
     /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#);
     /// let assessment = Assessment::new(&world, draft.unwrap(), None);
     /// let answer = assessment.verdict();
@@ -240,11 +239,10 @@ impl<'a> Assessment<'a> {
     ///
     /// ```
     /// use longstep::{domain, report::Assessment};
-    /// use longstep_core::{json, plan, environment};
+    /// use longstep_core::{plan, environment};
     /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
     /// let text = r#"{"assets": ["<desk_1>"], "objects": ["<mug_2>"], "object_states": {"<mug_2>": "ON(<desk_1>)"}}"#;
-    /// let environment = environment::Environment::from_json(text).unwrap();
-    /// let world = environment::read(&domain, &environment, "env.json", text, &json::Path::default()).unwrap();
+    /// let world = environment::parse(&domain, "env.json", text).unwrap();
     /// let draft = plan::read(r#"{"task_cohesion": {"task_sequence": ["Grab(<mug_2>)"]}}"#).unwrap();
     /// let feedback = Assessment::new(&world, draft, None).feedback();
     /// assert!(feedback.contains("step 1: Grab(<mug_2>) needs that <mug_2> is within reach"));

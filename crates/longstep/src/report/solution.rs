@@ -22,11 +22,10 @@ pub struct Solution {
 ///
 /// ```
 /// use longstep::{domain, goal, report};
-/// use longstep_core::{json, environment};
+/// use longstep_core::environment;
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-/// let environment = environment::Environment::from_json(text).unwrap();
-/// let world = environment::read(&household, &environment, "env.json", text, &json::Path::default()).unwrap();
+/// let world = environment::parse(&household, "env.json", text).unwrap();
 /// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
 /// let solution = report::of_goal(&world, &goal, "the pen belongs on the shelf", &longstep::Limits::default(), || 0.0);
 /// assert_eq!(solution.plan.unwrap().steps().len(), 6);

@@ -1,28 +1,26 @@
 //! Sessions: a sequence of instructions in one world, as a state machine.
 //!
-//! A [`Session`] performs no I/O and never waits. [`Session::need`] returns its next input: a model's reply
-//! ([`Session::supply`]), or input from the person ([`Session::instruct`], [`Session::answer`], [`Session::feedback`],
-//! [`Session::accept`]). The program, a server, a notebook and an evaluation can therefore share one loop. Each
+//! A [`Session`] performs no I/O and never waits. [`Session::next_request`] returns the request for the model, whose
+//! reply is its input ([`Session::supply`]). When there is none, [`Session::response`] shows the state to the person, whose
+//! inputs are [`Session::instruct`], [`Session::answer`], [`Session::feedback`] and [`Session::accept`]. The program, a server, a notebook and an evaluation can therefore share one loop. Each
 //! instruction starts in the simulated final world of the last accepted plan.
 //!
 //! Every change is recorded as an [`Event`] ([`Session::take_events`]). A session is a function of its inputs, so
 //! [`Session::resume`] can restore it from its events.
 //!
 //! ```
+//! use longstep::Planner;
 //! use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
-//! use longstep::session::{ModelFacts, Need, Session, Settings};
-//! use longstep::domain;
-//! use longstep_core::{json, environment};
+//! use longstep::session::{ModelFacts, Settings};
 //!
-//! let household = domain::shipped("household").unwrap().unwrap();
-//! let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
-//! let environment = environment::Environment::from_json(text)?;
-//! let world = environment::read(&household, &environment, "env.json", text, &json::Path::default())?;
+//! let planner = Planner::shipped("household")?;
+//! let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+//!     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
 //! let model = ModelFacts { name: "mine".to_owned(), kind: ConstraintKind::JsonSchema, context: None };
-//! let mut session = Session::new("household", household, world, Settings::default(), model, || 0.0);
+//! let mut session = planner.session(world, Settings::default(), model)?;
 //!
 //! session.instruct("The pen belongs on the shelf")?;
-//! let Need::Model(prepared) = session.need(&mut EstimatedTokens::default())? else { panic!() };
+//! let prepared = session.next_request(&mut EstimatedTokens::default())?.unwrap();
 //! assert!(prepared.request.messages.last().unwrap().text.contains("The pen belongs on the shelf"));
 //! // The owner of the model sends the request; this is its reply.
 //! let text = r#"{"question": "", "goals": ["put(pen, shelf)"]}"#.to_owned();
@@ -174,7 +172,7 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// As for [`Session::need`].
+    /// As for [`Session::next_request`].
     pub fn explain(&mut self, counter: &mut dyn TokenCounter) -> Result<Option<Prepared>, PromptError> {
         match std::mem::replace(&mut self.stage, Stage::Idle) {
             Stage::Asking(turn, asking) => self.request(turn, asking, counter).map(|prepared| Some(*prepared)),
