@@ -9,6 +9,7 @@ use crate::{ChatModel, FolderError, ModelError, Progress, SessionFolder, Watch};
 
 /// Reason why a session stopped before it needed a person.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum AdvanceError {
     /// The model failed or was stopped.
     #[error(transparent)]

@@ -6,6 +6,7 @@ use crate::{ChatModel, ModelError, Watch};
 
 /// Error of a dialogue with a model.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ConverseError {
     /// The model failed.
     #[error(transparent)]

@@ -37,6 +37,7 @@ pub struct SessionFolder {
 
 /// An error of a session's folder. `Display` is one line; [`FolderError::hint`] is the next step for the user.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FolderError {
     /// A file or folder cannot be read or written.
     #[error("{action} {}: {reason}", path.display())]

@@ -14,6 +14,7 @@ pub const JOINT: &str = " &";
 
 /// The reason why a text is not a goal.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GoalError {
     /// An empty part between two `&`.
     #[error("the goal has an empty part")]

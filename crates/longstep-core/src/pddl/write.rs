@@ -12,6 +12,7 @@ use crate::search::{Formula, GroundCondition, Literal, Wanted, ground_condition}
 
 /// The reason why a task cannot be written as a PDDL problem.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WriteError {
     /// A rule must hold in every state, but a PDDL problem constrains only the first and the last one.
     #[error("the rule `{rule}` must hold in every state on the way, which a PDDL problem cannot say")]

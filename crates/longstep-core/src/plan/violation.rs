@@ -4,6 +4,7 @@ use crate::model::{AssumptionSource, EntityId, Fact, Missing};
 
 /// A violation in a plan. Steps count from 0.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Violation {
     /// A step calls an unknown action.
     UnknownAction {

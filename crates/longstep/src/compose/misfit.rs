@@ -5,6 +5,7 @@ use crate::report::{Answer, Status, ViolationAnswer};
 
 /// A part of a composition that cannot be inlined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Misfit {
     /// A call of neither a stored plan nor an action.
     #[error("there is no stored plan `{name}`{}", .near.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?")))]

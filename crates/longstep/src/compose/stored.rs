@@ -16,6 +16,7 @@ pub struct Stored {
 
 /// A name conflict between stored plans, or with an action.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NameClash {
     /// Two plans have one name.
     #[error("two stored plans are called `{0}`")]

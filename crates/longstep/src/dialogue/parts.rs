@@ -73,6 +73,7 @@ pub struct Part {
 
 /// Reason why no prompt can be built.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PromptError {
     /// A file of the domain's `prompt/` is invalid; each finding has a file and a line.
     #[error(transparent)]

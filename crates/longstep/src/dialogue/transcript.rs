@@ -98,6 +98,7 @@ impl Transcript {
 
 /// Reason why a reply is unusable. Replies are never completed by guesses.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DialogueError {
     /// The reply was cut off.
     #[error("the model's answer was cut off: `{0}`")]

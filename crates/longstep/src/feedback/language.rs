@@ -9,6 +9,7 @@ use longstep_core::model::Domain;
 
 /// Reason why a text is not a wish about the steps of a plan.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WishError {
     /// The text matches no form.
     #[error(

@@ -17,6 +17,7 @@ pub const VERSION: u32 = 1;
 /// An event of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Event {
     /// The session starts.
     Begin {

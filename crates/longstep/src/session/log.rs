@@ -37,6 +37,7 @@ pub struct Log {
 
 /// Reason why a text is not a valid log.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LogError {
     /// The text has no complete line.
     #[error("the session has not begun: its log has no whole line")]

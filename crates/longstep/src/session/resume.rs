@@ -18,6 +18,7 @@ use crate::verify::{Purpose, check};
 
 /// Reason why a session cannot be resumed.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ResumeError {
     /// The domain has changed and does not accept the initial environment.
     #[error("the first environment of the session cannot be read any more: {0}")]

@@ -18,6 +18,7 @@ pub struct Leniency {
 
 /// The kinds of accepted deviations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum LeniencyKind {
     /// A byte order mark, or whitespace that JSON does not allow.
     OddSpace,

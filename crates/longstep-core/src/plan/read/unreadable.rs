@@ -12,6 +12,7 @@ pub(super) const DEEPEST: usize = 120;
 
 /// Reasons why a reply contains no readable plan. The reader never completes a plan and never chooses between plans.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Unreadable {
     /// The reply is empty.
     #[error("the reply is empty")]
