@@ -3,7 +3,6 @@
 use super::{GoalFact, QUESTION, Spoken, parse, unknown_thing};
 use crate::environment::{EntityId, World};
 use crate::model::{head, plain_words, singular};
-use longstep_core::model::Domain;
 
 /// An instruction combined with later utterances, which take precedence.
 #[derive(Debug, Clone, Default)]
@@ -54,7 +53,7 @@ impl Correction {
             true => Vec::new(),
             false => parse(world, answer).map_or_else(|_| Vec::new(), |goal| goal.facts),
         };
-        let handled: Vec<EntityId> = facts.iter().flat_map(|fact| entities_of(domain, fact)).collect();
+        let handled: Vec<EntityId> = facts.iter().flat_map(|fact| fact.about(domain)).collect();
         // "Yes" refers to the content of the question.
         let agrees =
             answer.starts_with(QUESTION) && plain_words(said).first().is_some_and(|word| among(AGREEING, word));
@@ -104,25 +103,10 @@ impl Correction {
         self.begun = if adds && !takes_back { facts.clone() } else { Vec::new() };
         if takes_back && !adds {
             let all = facts.len() == 1;
-            let wrong = |fact: &GoalFact| {
-                all || entities_of(domain, fact)
-                    .iter()
-                    .any(|entity| not_meant.contains(entity))
-            };
+            let wrong = |fact: &GoalFact| all || fact.about(domain).iter().any(|entity| not_meant.contains(entity));
             self.rejected.extend(facts.into_iter().filter(wrong));
         }
         self.excluded.extend(not_meant);
-    }
-}
-
-fn entities_of(domain: &Domain, fact: &GoalFact) -> Vec<EntityId> {
-    match fact {
-        GoalFact::Word { arguments, .. } => arguments.clone(),
-        GoalFact::Plain(fact) => domain.arguments(*fact).collect(),
-        GoalFact::If(conditional) => {
-            let parts = fact.parts().into_iter().flat_map(|part| entities_of(domain, part));
-            domain.arguments(conditional.condition).chain(parts).collect()
-        }
     }
 }
 
