@@ -69,7 +69,7 @@ enum Cause {
     #[error(transparent)]
     Plan(Unreadable),
     #[error("{}", .0.sentence())]
-    NoPlan(Answer),
+    NoPlan(Box<Answer>),
     #[error(transparent)]
     Prompt(PromptError),
     #[error(transparent)]
@@ -104,7 +104,7 @@ impl Error {
     }
 
     pub(crate) fn no_plan(answer: Answer) -> Self {
-        Self::new(Cause::NoPlan(answer))
+        Self::new(Cause::NoPlan(Box::new(answer)))
     }
 
     /// The kind.

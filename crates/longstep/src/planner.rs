@@ -130,7 +130,7 @@ impl Planner {
     /// let reply = r#"{"task_cohesion": {"task_sequence": ["grasp_object()"], "object_name": "<pen>"}}"#;
     /// let assessment = planner.assess(&world, reply)?;
     /// assert!(assessment.verified().is_none());
-    /// assert_eq!(assessment.repaired().edits.len(), 1);
+    /// assert_eq!(assessment.repaired().edits.len(), 2);
     /// # Ok::<(), longstep::Error>(())
     /// ```
     ///

@@ -170,7 +170,7 @@ fn chain_of_instructions(strategy: Strategy) -> Vec<f64> {
     let kitchen = read("virtualhome14/kitchen.json");
     let mut draw = chain::draw();
     let first = world_of(&domain("virtualhome"), &kitchen);
-    let mut recomputed = Recomputation::new(&first.environment());
+    let mut recomputed = Recomputation::new(first.environment());
     let mut session = session("virtualhome", domain("virtualhome"), first);
     session.set_settings(Settings {
         strategy,

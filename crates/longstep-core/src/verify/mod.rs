@@ -73,7 +73,7 @@ pub struct Report {
 /// Only [`Report::into_verified`] creates one. Exporters and executors accept nothing else.
 #[derive(Debug, Clone)]
 pub struct VerifiedPlan {
-    report: Report,
+    report: Box<Report>,
 }
 
 impl VerifiedPlan {
@@ -126,7 +126,7 @@ impl Report {
     /// The report itself, if it has violations.
     pub fn into_verified(self) -> Result<VerifiedPlan, Box<Report>> {
         if self.violations.is_empty() {
-            Ok(VerifiedPlan { report: self })
+            Ok(VerifiedPlan { report: Box::new(self) })
         } else {
             Err(Box::new(self))
         }

@@ -127,7 +127,6 @@ pub(super) fn completed(world: &World, plan: &Plan, wishes: &[StepWish]) -> Vec<
     wishes
 }
 
-#[expect(clippy::too_many_arguments, reason = "the parts of one wish and where it stands")]
 fn complete(
     world: &World,
     steps: &[Step],

@@ -85,7 +85,7 @@ impl Recomputation {
         let verified = verified.unwrap_or_else(|report| panic!("{:?}", report.violations));
         self.environment = environment::write(&world, &verified.ending().after);
         assert_eq!(json(claimed), json(&self.environment), "claimed after");
-        assert_eq!(json(&carried.environment()), json(&self.environment), "carried");
+        assert_eq!(json(carried.environment()), json(&self.environment), "carried");
     }
 }
 

@@ -42,18 +42,13 @@ fn shown(domain: &crate::model::Domain, world: &World, plan: &Plan, nodes: &[Nod
         let names: Vec<&str> = step.arguments.iter().map(|e| world.entity(*e).name.as_str()).collect();
         format!("{} {}", domain.action(step.action).name, names.join(" "))
     };
-    fn test(
-        domain: &crate::model::Domain,
-        world: &World,
-        t: &Test,
-        step: &dyn Fn(&crate::plan::StepId) -> String,
-    ) -> String {
+    fn test(world: &World, t: &Test, step: &dyn Fn(&crate::plan::StepId) -> String) -> String {
         match t {
             Test::Sense(id) => step(id),
             Test::Holds(fact) => crate::environment::Voice::Person.fact(world, *fact, true),
-            Test::Not(inner) => format!("not {}", test(domain, world, inner, step)),
+            Test::Not(inner) => format!("not {}", test(world, inner, step)),
             Test::All(parts) | Test::Any(parts) => {
-                let parts: Vec<String> = parts.iter().map(|part| test(domain, world, part, step)).collect();
+                let parts: Vec<String> = parts.iter().map(|part| test(world, part, step)).collect();
                 parts.join(if matches!(t, Test::All(_)) { " and " } else { " or " })
             }
         }
@@ -68,13 +63,13 @@ fn shown(domain: &crate::model::Domain, world: &World, plan: &Plan, nodes: &[Nod
                 otherwise,
             } => format!(
                 "[{} ? {} : {}]",
-                test(domain, world, condition, &step),
+                test(world, condition, &step),
                 shown(domain, world, plan, then),
                 shown(domain, world, plan, otherwise)
             ),
             Node::While { condition, body } => format!(
                 "(while {}: {})",
-                test(domain, world, condition, &step),
+                test(world, condition, &step),
                 shown(domain, world, plan, body)
             ),
             other => format!("{other:?}"),
