@@ -22,7 +22,7 @@ impl World {
     ///     "object_states": {"<cup_1>": "on_something(<shelf>)", "<cup_2>": "on_something(<table>)"}}"#;
     /// let world = environment::parse(&household, "env.json", text).unwrap();
     /// let keep = ["<cup_2>", "<table>"].map(|identifier| world.find(identifier).unwrap());
-    /// let part = world.narrowed(&household, &keep);
+    /// let part = world.narrowed(&keep);
     /// assert_eq!(part.environment().objects, ["<cup_2>"]);
     /// assert_eq!(part.entity(part.find("<cup_2>").unwrap()).name, "cup 2");
     /// ```
