@@ -35,7 +35,7 @@ pub fn check_plan(scene: &Scene, file: PlanFile, with_repair: bool) {
         return;
     }
     match repair.result {
-        Outcome::Valid(plan) => check_again(domain, world, plan.plan(), &assessment.purpose),
+        Outcome::Valid(plan) => check_again(world, plan.plan(), &assessment.purpose),
         Outcome::Repaired(repaired) => {
             // What was given up is no longer claimed, and claims of steps go with the steps of the draft.
             let purpose = Purpose {
@@ -43,7 +43,7 @@ pub fn check_plan(scene: &Scene, file: PlanFile, with_repair: bool) {
                 step_claims: Vec::new(),
                 ..assessment.purpose.clone()
             };
-            check_again(domain, world, repaired.plan.plan(), &purpose);
+            check_again(world, repaired.plan.plan(), &purpose);
         }
         Outcome::Unclear { why } | Outcome::GaveUp { why, .. } => assert!(!why.is_empty()),
         Outcome::ProvenUnsolvable { .. } => {}
@@ -78,7 +78,7 @@ fn check_as_written(domain: &Domain, world: &World, assessment: &Assessment<'_>)
                 assert_eq!(answer.status.exit_code() == 0, is_valid, "{:?}", report.violations);
             }
             if is_valid {
-                check_again(domain, world, &plan, &assessment.purpose);
+                check_again(world, &plan, &assessment.purpose);
             }
         }
     }
@@ -104,7 +104,7 @@ fn check_bound(domain: &Domain, world: &World, resolved: &Resolved, plan: &Plan)
 }
 
 /// A plan that was called valid is valid once more, and also after it was written as a script and read again.
-fn check_again(domain: &Domain, world: &World, plan: &Plan, purpose: &Purpose) {
+fn check_again(world: &World, plan: &Plan, purpose: &Purpose) {
     let spent = effort::within(u64::MAX, || check(world, plan.clone(), purpose));
     if spent.result.violations.contains(&Violation::TooMuchWork) {
         return;
