@@ -3,6 +3,7 @@
 mod commands;
 mod input;
 mod screen;
+mod typed_ahead;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,21 @@ use input::{Input, Lines};
 
 /// The exit code after Ctrl-C on a pipe: 128 plus the signal's number, as in shells.
 const INTERRUPTED: u8 = 130;
+
+/// Lines that accept a plan, and lines that reject it.
+const ACCEPTING: [&str; 6] = ["", "y", "yes", "ok", "okay", "accept"];
+const REJECTING: [&str; 2] = ["n", "no"];
+
+/// Returns the line in lower case and without its full stop.
+fn plain(line: &str) -> String {
+    line.trim_end_matches(['.', '!']).to_lowercase()
+}
+
+/// Returns true if the line accepts or rejects a plan, and says no more.
+fn is_decision(line: &str) -> bool {
+    let plain = plain(line);
+    ACCEPTING.contains(&plain.as_str()) || REJECTING.contains(&plain.as_str())
+}
 
 /// A conversation with a person.
 struct Chat<'a> {
@@ -158,7 +174,8 @@ impl Chat<'_> {
                 None if !self.session.endings().is_empty() => "Which? [number] ",
                 None => "> ",
             };
-            let line = match lines.next(asks)? {
+            let decides = self.session.proposal().is_some() || !self.session.endings().is_empty();
+            let line = match lines.next(asks, decides)? {
                 Input::Line(line) => line,
                 Input::End => return Ok(0),
                 Input::Interrupted => return Ok(INTERRUPTED),
@@ -189,11 +206,11 @@ impl Chat<'_> {
         if let Some(command) = line.strip_prefix('/') {
             return self.command(command);
         }
-        let plain = line.trim_end_matches(['.', '!']).to_lowercase();
+        let plain = plain(line);
         if self.session.proposal().is_some() {
             match plain.as_str() {
-                "" | "y" | "yes" | "ok" | "okay" | "accept" => self.session.accept()?,
-                "n" | "no" => {
+                word if ACCEPTING.contains(&word) => self.session.accept()?,
+                word if REJECTING.contains(&word) => {
                     self.session.cancel()?;
                     screen::notice("Cancelled; nothing has changed");
                 }

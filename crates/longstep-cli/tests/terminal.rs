@@ -152,3 +152,44 @@ fn ctrl_c_calls_off_the_call_and_not_the_conversation() {
     assert!(shown.contains("\x1b[1m"), "{shown:?}");
     assert_eq!(server.bodies().len(), 3);
 }
+
+#[test]
+fn lines_that_are_typed_while_the_model_works_answer_nothing_by_themselves() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::answering(|number, _| {
+        // Long enough to type in, also on a machine that is busy.
+        thread::sleep(Duration::from_secs(2));
+        goals(&[if number == 0 {
+            "put(cereal, counter)"
+        } else {
+            "put(cereal, floor)"
+        }])
+    });
+    let mut terminal = Terminal::chat(&server, home.path());
+    terminal.expect("> ");
+    terminal.press("Put the cereal on the counter\r");
+    asked(&server, 1);
+    terminal.expect("waiting for the server");
+    // An empty line would accept the plan, and the other one would be words about it.
+    terminal.press("\rNow put it on the floor\r");
+    terminal.expect("Enter sends it");
+    terminal.expect("accept?");
+    terminal.expect("Now put it on the floor");
+    thread::sleep(Duration::from_millis(300));
+    assert_eq!(server.bodies().len(), 1);
+    // Cleared, it waits for the next prompt.
+    terminal.press("\x15\r");
+    terminal.expect("as plan 0");
+    terminal.expect("> ");
+    terminal.expect("Now put it on the floor");
+    terminal.press("\r");
+    asked(&server, 2);
+    terminal.expect("accept?");
+    // It is used once.
+    terminal.press("\r");
+    terminal.expect("as plan 1");
+    terminal.expect("> ");
+    terminal.press("\x04");
+    let (code, shown) = terminal.end();
+    assert_eq!(code, Some(0), "{shown}");
+}

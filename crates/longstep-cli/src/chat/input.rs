@@ -11,6 +11,8 @@ use rustyline::error::ReadlineError;
 use rustyline::history::DefaultHistory;
 use rustyline::{Config, Editor};
 
+use super::screen;
+use super::typed_ahead::TypedAhead;
 use crate::ask;
 use crate::failure::{Failure, LIMIT};
 
@@ -18,7 +20,7 @@ use crate::failure::{Failure, LIMIT};
 const HISTORY: usize = 1000;
 
 /// Limit for a line of a pipe, in bytes.
-const LINE_LIMIT: usize = 64 << 10;
+pub(super) const LINE_LIMIT: usize = 64 << 10;
 
 /// Interval at which Ctrl-C is checked while a pipe is silent.
 const TICK: Duration = Duration::from_millis(50);
@@ -38,6 +40,7 @@ pub(super) enum Lines {
     Terminal {
         editor: Box<Editor<(), DefaultHistory>>,
         history: Option<PathBuf>,
+        typed_ahead: TypedAhead,
     },
     Pipe(Receiver<Result<String>>),
 }
@@ -57,19 +60,35 @@ impl Lines {
             // There is no history at the first start.
             let _ = editor.load_history(history);
         }
-        Ok(Self::Terminal { editor, history })
+        Ok(Self::Terminal {
+            editor,
+            history,
+            typed_ahead: TypedAhead::default(),
+        })
     }
 
-    /// Reads the next line; `prompt` is shown in a terminal.
-    pub(super) fn next(&mut self, prompt: &'static str) -> Result<Input> {
+    /// Reads the next line; `prompt` is shown in a terminal, and `decides` is true if it expects a decision.
+    ///
+    /// A line that was typed before the prompt is shown in it, to be sent, changed or cleared: it answers nothing by
+    /// itself. On a pipe each line is meant for its prompt.
+    pub(super) fn next(&mut self, prompt: &'static str, decides: bool) -> Result<Input> {
         match self {
-            Self::Terminal { editor, .. } => loop {
+            Self::Terminal {
+                editor, typed_ahead, ..
+            } => loop {
                 // A Ctrl-C during the last search has no effect any more.
                 let _ = ask::take_interrupt();
-                match editor.readline(prompt) {
-                    Ok(line) => return Ok(Input::Line(line)),
+                let early = typed_ahead.first().unwrap_or_default();
+                if !early.is_empty() {
+                    screen::typed_ahead(early);
+                }
+                match editor.readline_with_initial(prompt, (early, "")) {
+                    Ok(line) => {
+                        typed_ahead.answered(&line, decides);
+                        return Ok(Input::Line(line));
+                    }
                     // Ctrl-C discards the line.
-                    Err(ReadlineError::Interrupted) => {}
+                    Err(ReadlineError::Interrupted) => typed_ahead.drop_first(),
                     Err(ReadlineError::Eof) => return Ok(Input::End),
                     Err(error) => return Err(error.into()),
                 }
@@ -93,6 +112,7 @@ impl Lines {
         if let Self::Terminal {
             mut editor,
             history: Some(history),
+            ..
         } = self
         {
             let _ = history.parent().map(|folder: &Path| create_private_folder(folder));

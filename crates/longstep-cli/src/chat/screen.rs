@@ -13,9 +13,21 @@ use longstep_llm::session_directory;
 use crate::output::{Style, print_line, remark};
 use crate::{output, show, solve};
 
+/// Terminals in which rustyline does not edit lines, so a prompt cannot begin with one.
+const PLAIN_TERMINALS: [&str; 3] = ["dumb", "cons25", "emacs"];
+
 /// Prints a notice of the program.
 pub(super) fn notice(text: &str) {
     remark!("{}", text.dimmed());
+}
+
+/// Says what becomes of a line that was typed before the prompt.
+pub(super) fn typed_ahead(line: &str) {
+    let can_edit = !std::env::var("TERM").is_ok_and(|terminal| PLAIN_TERMINALS.contains(&terminal.as_str()));
+    match can_edit {
+        true => notice("You typed this before the prompt. Enter sends it, Ctrl-U clears it:"),
+        false => notice(&format!("You typed this before the prompt, and it is not sent: {line}")),
+    }
 }
 
 /// The name of a session on the command line.
