@@ -169,7 +169,7 @@ fn lines_that_are_typed_while_the_model_works_answer_nothing_by_themselves() {
     terminal.expect("> ");
     terminal.press("Put the cereal on the counter\r");
     asked(&server, 1);
-    terminal.expect("waiting for the server");
+    terminal.expect("Waiting for the server");
     // An empty line would accept the plan, and the other one would be words about it.
     terminal.press("\rNow put it on the floor\r");
     terminal.expect("Enter sends it");

@@ -138,9 +138,13 @@ impl Session {
             [] => None,
             parts => Some(goal::parse(&self.world, &parts.join(" & ")).map_err(|error| invalid(error.to_string()))?),
         };
-        let purpose = goal
-            .as_ref()
-            .map_or_else(Purpose::default, |goal| goal.purpose(&self.domain));
+        // The person accepted the plan as it is; a tidy rule that the domain got since does not take it back.
+        let purpose = Purpose {
+            from_goal: false,
+            ..goal
+                .as_ref()
+                .map_or_else(Purpose::default, |goal| goal.purpose(&self.domain))
+        };
         let steps: Option<Vec<Step>> = steps.iter().map(|step| self.step(step)).collect();
         let steps = steps.ok_or_else(|| invalid("it has steps that the domain does not know".to_owned()))?;
         // The record has the steps with all arguments; the file has the plan tree.

@@ -22,7 +22,10 @@ pub(super) fn household() -> Arc<Domain> {
 }
 
 fn session(settings: Settings) -> Session {
-    let household = household();
+    session_in(household(), settings)
+}
+
+fn session_in(household: Arc<Domain>, settings: Settings) -> Session {
     let environment = Environment::from_json(SCENE).unwrap();
     let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
     let model = ModelFacts {
@@ -624,6 +627,36 @@ fn what_is_no_log_is_told() {
     for (text, expected) in table {
         assert_eq!(Log::read(text.as_bytes()).unwrap_err().to_string(), expected);
     }
+}
+
+#[test]
+fn an_accepted_plan_outlives_a_new_tidy_rule() {
+    let mut files = domain::shipped_files("household").unwrap();
+    files.words = files.words.replace("holds = \"tidy\"", "holds = \"start\"");
+    let untidy = Arc::new(domain::load(&files).unwrap());
+    let mut session = session_in(untidy, Settings::default());
+    play(
+        &mut session,
+        &[
+            ("person", "Get the ruler out, on the desk"),
+            ("model", &goals(&["put(ruler, desk)"])),
+            ("accept", ""),
+        ],
+    );
+    assert_eq!(state(&session, "<cupboard_handle>"), "open()");
+    let log = Log::read(text_of(session.take_events()).as_bytes()).unwrap();
+    let mut resumed = Session::resume(household(), &log, || 0.0).unwrap().session;
+    assert_eq!(state(&resumed, "<cupboard_handle>"), "open()");
+    // Plans from now on leave the cupboard as it is.
+    play(
+        &mut resumed,
+        &[
+            ("person", "Put the ruler back in the cupboard"),
+            ("model", &goals(&["put(ruler, cupboard)"])),
+            ("accept", ""),
+        ],
+    );
+    assert_eq!(state(&resumed, "<cupboard_handle>"), "open()");
 }
 
 #[test]
