@@ -173,7 +173,7 @@ fn lines_that_are_typed_while_the_model_works_answer_nothing_by_themselves() {
     // An empty line would accept the plan, and the other one would be words about it.
     terminal.press("\rNow put it on the floor\r");
     terminal.expect("Enter sends it");
-    terminal.expect("accept?");
+    terminal.expect("Accept?");
     terminal.expect("Now put it on the floor");
     thread::sleep(Duration::from_millis(300));
     assert_eq!(server.bodies().len(), 1);
@@ -184,7 +184,7 @@ fn lines_that_are_typed_while_the_model_works_answer_nothing_by_themselves() {
     terminal.expect("Now put it on the floor");
     terminal.press("\r");
     asked(&server, 2);
-    terminal.expect("accept?");
+    terminal.expect("Accept?");
     // It is used once.
     terminal.press("\r");
     terminal.expect("as plan 1");
