@@ -23,21 +23,16 @@ pub(crate) fn domain_with_prompt(name: &str, prompt: Option<&Path>) -> Result<Do
 pub(crate) fn world(domain: &Domain, path: &Path) -> Result<World> {
     let text = read_text(path)?;
     let shown = path.display().to_string();
-    let environment = Environment::from_json(&text).map_err(|error| {
+    let (environment, wrapped) = Environment::parse(&text).map_err(|error| {
         Failure::unreadable(format!("{shown}: {error}"))
             .hint("an environment is JSON with `assets`, `asset_states`, `objects` and `object_states`")
     })?;
-    let wrapped = text_has_key(&text, "environment");
     let inside = if wrapped {
         json::Path::key("environment")
     } else {
         json::Path::default()
     };
     read_world(domain, &environment, &shown, &text, &inside)
-}
-
-fn text_has_key(text: &str, key: &str) -> bool {
-    serde_json::from_str::<serde_json::Value>(text).is_ok_and(|value| value.get(key).is_some())
 }
 
 /// Reads an environment at the path `inside` of `text`. If it fits another shipped domain, the hint names that domain.

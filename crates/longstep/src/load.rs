@@ -19,11 +19,7 @@ use crate::model::{
 /// or TOML hides errors in the rest of that file.
 pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
     let (domain, mut findings) = longstep_core::domain::load_with_findings(files);
-    let domain = domain.map(|domain| Domain {
-        origin: domain.name.clone(),
-        domain,
-        prompts: Prompts::default(),
-    });
+    let domain = domain.map(Domain::from);
     let prompts = prompts_of(domain.as_ref(), files, &mut findings);
     match (domain, prompts) {
         (Some(domain), Some(prompts)) if findings.is_empty() => Ok(Domain { prompts, ..domain }),
@@ -47,12 +43,7 @@ pub fn shipped(name: &str) -> Option<Result<Domain, Diagnostics>> {
 ///
 /// All errors in the file, each with its position.
 pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
-    let domain = longstep_core::domain::from_pddl(file, text)?;
-    Ok(Domain {
-        origin: domain.name.clone(),
-        domain,
-        prompts: Prompts::default(),
-    })
+    Ok(longstep_core::domain::from_pddl(file, text)?.into())
 }
 
 /// Reads `prompt/`, checks it against the domain, and appends to `findings`. Returns none if the folder or the domain

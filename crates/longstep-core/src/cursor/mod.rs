@@ -165,9 +165,9 @@ impl Cursor {
     /// When the step is not ready, or its outcome is missing, is none of its outcomes, or contradicts the state. The
     /// cursor then stays where it was.
     pub fn complete(&mut self, id: StepId, observed: Option<Fact>) -> Result<(), CursorError> {
-        let Some(lane) = self.ready.iter().position(|ready| *ready == id) else {
+        if !self.ready.contains(&id) {
             return Err(CursorError::NotReady(id));
-        };
+        }
         let (plan, world) = (Arc::clone(&self.plan), self.world().clone());
         let step = plan.plan().step(id);
         let action = world.domain().action(step.action);
@@ -187,7 +187,7 @@ impl Cursor {
         self.state = after;
         self.current = None;
         self.position.completed += 1;
-        self.pass(id, lane);
+        self.pass(id);
         self.settle();
         Ok(())
     }
@@ -197,7 +197,7 @@ impl Cursor {
     }
 
     /// Moves behind a completed step.
-    fn pass(&mut self, id: StepId, ready: usize) {
+    fn pass(&mut self, id: StepId) {
         match &self.program.ops[self.position.at] {
             Op::Sense { holds, fails, .. } => {
                 let first = self.outcomes(id).first().copied();
@@ -205,10 +205,12 @@ impl Cursor {
                 self.position.at = if came { *holds } else { *fails };
             }
             Op::Lanes(lanes) => {
-                let places = &mut self.position.lanes;
-                let at_step = |lane: &usize| lanes[*lane].get(places[*lane]).and_then(step_of).is_some();
-                if let Some(lane) = (0..lanes.len()).filter(at_step).nth(ready) {
-                    places[lane] += 1;
+                let places = self.position.lanes.iter_mut().zip(lanes);
+                let is_at = |(place, lane): &(&mut usize, &Vec<LaneItem>)| {
+                    lane.get(**place).and_then(LaneItem::step) == Some(id)
+                };
+                if let Some((place, _)) = places.into_iter().find(is_at) {
+                    *place += 1;
                 }
             }
             _ => self.position.at += 1,
@@ -248,7 +250,7 @@ impl Cursor {
                     }
                     meet(lanes, &mut position.lanes);
                     let heads = lanes.iter().zip(&position.lanes).map(|(lane, place)| lane.get(*place));
-                    self.ready.extend(heads.flatten().filter_map(step_of));
+                    self.ready.extend(heads.flatten().filter_map(LaneItem::step));
                     if !self.ready.is_empty() {
                         return;
                     }
@@ -260,20 +262,10 @@ impl Cursor {
     }
 }
 
-fn step_of(item: &LaneItem) -> Option<StepId> {
-    match item {
-        LaneItem::Step(step) => Some(*step),
-        LaneItem::Sync(_) | LaneItem::Remark(_) => None,
-    }
-}
-
 /// Passes every synchronization that all its lanes have reached.
 fn meet(lanes: &[Vec<LaneItem>], places: &mut [usize]) {
     loop {
-        let waits = |lane: usize| match lanes[lane].get(places[lane]) {
-            Some(item @ LaneItem::Sync(_)) => Some(item),
-            _ => None,
-        };
+        let waits = |lane: usize| lanes[lane].get(places[lane]).filter(|item| item.sync().is_some());
         let all_wait = |sync: &LaneItem| {
             (0..lanes.len()).all(|lane| waits(lane) == Some(sync) || !lanes[lane][places[lane]..].contains(sync))
         };

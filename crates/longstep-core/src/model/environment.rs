@@ -89,8 +89,12 @@ impl Environment {
         Ok(Self::parse(text)?.0)
     }
 
-    /// Parses an environment; the second value is true if it is wrapped.
-    pub(crate) fn parse(text: &str) -> Result<(Self, bool), serde_json::Error> {
+    /// Parses an environment as [`Environment::from_json`] does; the second value is true if it is wrapped.
+    ///
+    /// # Errors
+    ///
+    /// The error of serde_json, with line and column.
+    pub fn parse(text: &str) -> Result<(Self, bool), serde_json::Error> {
         #[derive(Deserialize)]
         struct Wrapped {
             environment: Environment,

@@ -23,13 +23,13 @@ impl<'l> Remaining<'l> {
     /// verification reports, it is that of the first waiting lane.
     pub(crate) fn next_sync(&mut self) -> Option<(&'l str, Vec<usize>)> {
         let fronts = || self.0.iter().filter_map(|lane| lane.front());
-        let waiting = || fronts().filter_map(|item| sync_name(item));
-        let is = |item: &LaneItem, name: &str| sync_name(item) == Some(name);
+        let waiting = || fronts().filter_map(|item| item.sync());
+        let is = |item: &LaneItem, name: &str| item.sync() == Some(name);
         let met = |name: &&str| {
             let mut expecting = self.0.iter().filter(|lane| lane.iter().any(|item| is(item, name)));
             expecting.all(|lane| lane.front().is_some_and(|item| is(item, name)))
         };
-        let is_stuck = || fronts().all(|item| sync_name(item).is_some());
+        let is_stuck = || fronts().all(|item| item.sync().is_some());
         let name = waiting()
             .find(met)
             .or_else(|| waiting().next().filter(|_| is_stuck()))?;
@@ -42,19 +42,10 @@ impl<'l> Remaining<'l> {
     }
 }
 
-fn sync_name(item: &LaneItem) -> Option<&str> {
-    match item {
-        LaneItem::Sync(name) => Some(name),
-        LaneItem::Step(_) | LaneItem::Remark(_) => None,
-    }
-}
-
 fn next_step(lane: &mut VecDeque<&LaneItem>) -> Option<StepId> {
-    let LaneItem::Step(step) = *lane.front()? else {
-        return None;
-    };
+    let step = lane.front()?.step()?;
     lane.pop_front();
-    Some(*step)
+    Some(step)
 }
 
 /// Returns the steps of lanes in one order that their synchronisation points allow: each lane runs until it waits.

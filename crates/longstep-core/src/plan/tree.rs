@@ -171,6 +171,24 @@ impl<F, A> Node<F, A> {
     }
 }
 
+impl LaneItem {
+    /// Returns the step of the item, if it is one.
+    pub fn step(&self) -> Option<StepId> {
+        match self {
+            Self::Step(step) => Some(*step),
+            Self::Sync(_) | Self::Remark(_) => None,
+        }
+    }
+
+    /// Returns the name of the synchronisation point, if the item is one.
+    pub fn sync(&self) -> Option<&str> {
+        match self {
+            Self::Sync(name) => Some(name),
+            Self::Step(_) | Self::Remark(_) => None,
+        }
+    }
+}
+
 impl<A> Lane<A> {
     /// Returns the items of the lane without remarks.
     pub fn acts(&self) -> impl Iterator<Item = &LaneItem> {
@@ -180,10 +198,7 @@ impl<A> Lane<A> {
 
     /// Returns the steps of the lane, in order.
     pub fn steps(&self) -> impl Iterator<Item = StepId> {
-        self.items.iter().filter_map(|item| match item {
-            LaneItem::Step(step) => Some(*step),
-            LaneItem::Sync(_) | LaneItem::Remark(_) => None,
-        })
+        self.items.iter().filter_map(LaneItem::step)
     }
 
     /// Rebuilds the lane for `actor` with renumbered steps; steps without a new number are left out.

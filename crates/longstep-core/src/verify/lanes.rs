@@ -72,13 +72,10 @@ impl Walk<'_> {
                 }
             }
             if moves.is_empty() {
-                let waiting = next.iter().flatten().find_map(|item| match item {
-                    LaneItem::Sync(name) => Some(name.clone()),
-                    _ => None,
-                });
+                let waiting = next.iter().flatten().find_map(|item| item.sync());
                 self.wrong(
                     Violation::Deadlock {
-                        sync: waiting.unwrap_or_default(),
+                        sync: waiting.unwrap_or_default().to_owned(),
                     },
                     self.when(&way),
                 );
@@ -101,13 +98,7 @@ impl Walk<'_> {
 
     /// Reports objects that concurrent steps share.
     fn together(&mut self, next: &[Option<&LaneItem>], way: &Way) {
-        let steps: Vec<StepId> = next
-            .iter()
-            .filter_map(|item| match item {
-                Some(LaneItem::Step(step)) => Some(*step),
-                _ => None,
-            })
-            .collect();
+        let steps: Vec<StepId> = next.iter().flatten().filter_map(|item| item.step()).collect();
         for (number, first) in steps.iter().enumerate() {
             effort::spend(steps.len());
             for second in &steps[number + 1..] {

@@ -19,6 +19,17 @@ pub struct Domain {
     pub origin: String,
 }
 
+/// The domain with the default prompts of this library; its name is its origin.
+impl From<longstep_core::model::Domain> for Domain {
+    fn from(domain: longstep_core::model::Domain) -> Self {
+        Self {
+            origin: domain.name.clone(),
+            domain,
+            prompts: Prompts::default(),
+        }
+    }
+}
+
 impl Deref for Domain {
     type Target = longstep_core::model::Domain;
 

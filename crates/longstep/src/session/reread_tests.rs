@@ -195,26 +195,18 @@ fn words_that_name_a_step_have_no_other_reading() {
 
 #[test]
 fn a_failed_call_for_another_reading_leaves_the_reasons_of_the_first() {
-    let mut session = reread(
-        "household",
-        LARDER,
-        CEREAL,
-        "close the fridge",
-        "insert close_by_rotate() after 3",
-    );
+    let refused = || {
+        let edit = "insert close_by_rotate() after 3";
+        reread("household", LARDER, CEREAL, "close the fridge", edit)
+    };
+    let mut session = refused();
     session.failed("the server is down").unwrap();
     let reasons = [
         "step 4: close_by_rotate() needs that the cereal is open",
         "as a further goal: the server is down",
     ];
     assert_eq!(refusals(&session), reasons);
-    let mut session = reread(
-        "household",
-        LARDER,
-        CEREAL,
-        "close the fridge",
-        "insert close_by_rotate() after 3",
-    );
+    let mut session = refused();
     session.cancel().unwrap();
     assert!(session.proposal().unwrap().refused.is_empty());
     // The reading is forgotten: the words of later feedback stand alone.
