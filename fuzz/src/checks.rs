@@ -3,7 +3,7 @@
 use longstep::domain::Domain;
 use longstep_core::effort;
 use longstep_core::plan::{Draft, Node, Plan, PlanFile, Resolved, TaskCohesion, Written, resolve, script};
-use longstep_core::repair::Outcome;
+use longstep_core::repair::RepairOutcome;
 use longstep::report::Assessment;
 use longstep_core::verify::{Purpose, Violation, bind_tree, check};
 use longstep_core::environment::World;
@@ -35,8 +35,8 @@ pub fn check_plan(scene: &Scene, file: PlanFile, with_repair: bool) {
         return;
     }
     match repair.result {
-        Outcome::Valid(plan) => check_again(world, plan.plan(), &assessment.purpose),
-        Outcome::Repaired(repaired) => {
+        RepairOutcome::Valid(plan) => check_again(world, plan.plan(), &assessment.purpose),
+        RepairOutcome::Repaired(repaired) => {
             // What was given up is no longer claimed, and claims of steps go with the steps of the draft.
             let purpose = Purpose {
                 claim: None,
@@ -45,8 +45,8 @@ pub fn check_plan(scene: &Scene, file: PlanFile, with_repair: bool) {
             };
             check_again(world, repaired.plan.plan(), &purpose);
         }
-        Outcome::Unclear { why } | Outcome::GaveUp { why, .. } => assert!(!why.is_empty()),
-        Outcome::ProvenUnsolvable { .. } => {}
+        RepairOutcome::Unclear { why } | RepairOutcome::GaveUp { why, .. } => assert!(!why.is_empty()),
+        RepairOutcome::ProvenUnsolvable { .. } => {}
     }
     drop(assessment.repaired());
 }

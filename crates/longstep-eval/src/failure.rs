@@ -36,7 +36,7 @@ use longstep_core::call::Call;
 use longstep_core::effort;
 use longstep_core::environment::World;
 use longstep_core::plan;
-use longstep_core::repair::{Edit, EditKind, Outcome};
+use longstep_core::repair::{Edit, EditKind, RepairOutcome};
 use serde::{Deserialize, Serialize};
 
 /// A kind of failure.
@@ -115,8 +115,8 @@ pub(crate) fn of_draft(world: &World, reply: &str, instruction: &str) -> Vec<Fai
     }
     let repair = effort::within(effort::OPERATION, || assessment.repair());
     match repair.result {
-        Outcome::Valid(_) if !repair.exhausted => {}
-        Outcome::Repaired(repaired) if !repair.exhausted => found.extend(repaired.edits.iter().map(of_edit)),
+        RepairOutcome::Valid(_) if !repair.exhausted => {}
+        RepairOutcome::Repaired(repaired) if !repair.exhausted => found.extend(repaired.edits.iter().map(of_edit)),
         _ if found.is_empty() => found.push(Failure::UnmetPrecondition),
         _ => {}
     }

@@ -13,7 +13,7 @@ use longstep::domain::{self, Domain};
 use longstep_core::environment::{self, Claim, EntityId, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::plan::{Node, Plan, PlanFile, Step, StepId, TaskCohesion, Test, resolve};
-use longstep_core::repair::{Outcome, repair};
+use longstep_core::repair::{RepairOutcome, repair};
 use longstep_core::verify::{self, Purpose};
 
 fn world_of(domain: &Domain, text: &str) -> World {
@@ -197,7 +197,7 @@ fn repair_time(world: &World, file: &PlanFile) -> Duration {
             let outcome = repair(world, black_box(&draft), &purpose);
             let time = started.elapsed();
             assert!(
-                matches!(outcome, Outcome::Valid(_) | Outcome::Repaired(_)),
+                matches!(outcome, RepairOutcome::Valid(_) | RepairOutcome::Repaired(_)),
                 "{outcome:?} {:?}",
                 file.task_cohesion.task_sequence
             );

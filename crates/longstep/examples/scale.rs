@@ -153,7 +153,7 @@ fn main() {
     let broken = errands(&world, 4, true);
     milliseconds("repair 4 steps", || {
         let outcome = repair(&world, &resolve(&world, &broken), &Purpose::default());
-        assert!(matches!(outcome, repair::Outcome::Repaired(_)), "{outcome:?}");
+        assert!(matches!(outcome, repair::RepairOutcome::Repaired(_)), "{outcome:?}");
     });
     let identifier = |prefix: &str| {
         let mut all = world.entities().map(|(_, e)| &e.identifier);

@@ -16,7 +16,7 @@ use longstep::report::Assessment;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
 use longstep_core::plan::{self, Node};
-use longstep_core::repair::Outcome;
+use longstep_core::repair::RepairOutcome;
 use longstep_core::schedule;
 use serde_json::{Value, json};
 
@@ -43,8 +43,8 @@ fn diagnosed(written: &Value) -> (Vec<String>, Vec<String>) {
         .collect();
     let length = attempt.resolved.written.len();
     let edits = match attempt.repair() {
-        Outcome::Valid(_) => Vec::new(),
-        Outcome::Repaired(repaired) => {
+        RepairOutcome::Valid(_) => Vec::new(),
+        RepairOutcome::Repaired(repaired) => {
             assert!(repaired.given_up.is_empty(), "{:?}", repaired.given_up);
             let told = |edit: &longstep_core::repair::Edit| format!("{}: {}", edit.told(length), edit.why);
             repaired.edits.iter().map(told).collect()

@@ -267,8 +267,8 @@ fn repaired(file: &str, number: &str, first_only: bool) -> (usize, usize) {
         let draft = plan::resolve(&world, &recorded.draft.task_cohesion);
         let outcome = repair::repair(&world, &draft, &purpose);
         let (good, told) = match &outcome {
-            repair::Outcome::Valid(plan) => (reaches_goal(&world, &scenario["goal"], plan), Vec::new()),
-            repair::Outcome::Repaired(repaired) => (
+            repair::RepairOutcome::Valid(plan) => (reaches_goal(&world, &scenario["goal"], plan), Vec::new()),
+            repair::RepairOutcome::Repaired(repaired) => (
                 reaches_goal(&world, &scenario["goal"], &repaired.plan),
                 repaired.edits.iter().map(|edit| format!("{edit:?}")).collect(),
             ),
@@ -363,8 +363,8 @@ fn damaged_programs_are_mended() {
             };
             let outcome = repair::repair(&world, &plan::resolve(&world, &written), &purpose);
             let plan = match &outcome {
-                repair::Outcome::Valid(plan) => Some(plan),
-                repair::Outcome::Repaired(repaired) => Some(&repaired.plan),
+                repair::RepairOutcome::Valid(plan) => Some(plan),
+                repair::RepairOutcome::Repaired(repaired) => Some(&repaired.plan),
                 _ => None,
             };
             let good = plan.is_some_and(|plan| reaches_goal(&world, &scenario["goal"], plan));
@@ -373,7 +373,7 @@ fn damaged_programs_are_mended() {
             if !good {
                 println!("{}: {calls:?}", scenario["id"]);
                 match &outcome {
-                    repair::Outcome::Repaired(repaired) => {
+                    repair::RepairOutcome::Repaired(repaired) => {
                         repaired
                             .edits
                             .iter()
@@ -419,8 +419,8 @@ fn damaged_household_plans_are_mended() {
             let outcome = repair::repair(&world, &plan::resolve(&world, &written), &purpose);
             let took = started.elapsed();
             let plan = match &outcome {
-                repair::Outcome::Valid(plan) => Some(plan),
-                repair::Outcome::Repaired(repaired) => Some(&repaired.plan),
+                repair::RepairOutcome::Valid(plan) => Some(plan),
+                repair::RepairOutcome::Repaired(repaired) => Some(&repaired.plan),
                 _ => None,
             };
             let good = plan.is_some_and(|plan| {
@@ -432,7 +432,7 @@ fn damaged_household_plans_are_mended() {
             if !good || took.as_millis() > 100 {
                 println!("{name}: {good} {took:?} {:?}", written.task_sequence);
                 match &outcome {
-                    repair::Outcome::Repaired(repaired) => {
+                    repair::RepairOutcome::Repaired(repaired) => {
                         let length = written.task_sequence.len();
                         repaired
                             .edits

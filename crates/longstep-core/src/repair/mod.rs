@@ -46,7 +46,7 @@ const PROOF: usize = 200;
 
 /// Result of a repair.
 #[derive(Debug, Clone)]
-pub enum Outcome {
+pub enum RepairOutcome {
     /// The draft is valid.
     Valid(VerifiedPlan),
     /// A valid plan with its edits.
@@ -87,7 +87,7 @@ pub struct Repaired {
     pub expanded: usize,
 }
 
-/// Repairs a resolved draft at the least cost. Returns [`Outcome::Valid`] if it needs no repair.
+/// Repairs a resolved draft at the least cost. Returns [`RepairOutcome::Valid`] if it needs no repair.
 ///
 /// The goals and rules of `purpose` are hard constraints. The claim is a soft constraint: repair gives up claimed facts
 /// that no action can achieve or that cost too much, and lists them. Without a claim, the final state of the draft, as
@@ -97,7 +97,7 @@ pub struct Repaired {
 ///
 /// ```
 /// use longstep_core::plan::{TaskCohesion, resolve};
-/// use longstep_core::repair::{Outcome, repair};
+/// use longstep_core::repair::{RepairOutcome, repair};
 /// use longstep_core::{domain, verify, environment};
 /// let domain = domain::shipped("virtualhome").unwrap().unwrap();
 /// let text = r#"{"assets": ["<desk_1>", "<fridge_2>"], "objects": ["<milk_3>"],
@@ -109,20 +109,20 @@ pub struct Repaired {
 ///     ..TaskCohesion::default()
 /// };
 /// let outcome = repair(&world, &resolve(&world, &draft), &verify::Purpose::default());
-/// let Outcome::Repaired(repaired) = outcome else { panic!("{outcome:?}") };
+/// let RepairOutcome::Repaired(repaired) = outcome else { panic!("{outcome:?}") };
 /// let edits: Vec<_> = repaired.edits.iter().filter_map(|edit| edit.after.clone()).collect();
 /// assert_eq!(edits, ["Open(<fridge_2>)", "Close(<fridge_2>)"]);
 /// ```
-pub fn repair(world: &World, draft: &Resolved, purpose: &Purpose) -> Outcome {
+pub fn repair(world: &World, draft: &Resolved, purpose: &Purpose) -> RepairOutcome {
     repair_pinned(world, draft, purpose, &Pins::default())
 }
 
 /// Repairs a draft as [`repair`] does, but respects the decisions of the user: no repair violates a pin.
-pub fn repair_pinned(world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
+pub fn repair_pinned(world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> RepairOutcome {
     let spent = effort::within(EFFORT, || repair_within(LIMIT, world, draft, purpose, pins));
     match spent.result {
-        outcome @ (Outcome::Valid(_) | Outcome::Repaired(_)) => outcome,
-        Outcome::ProvenUnsolvable { expanded } if spent.exhausted => Outcome::GaveUp {
+        outcome @ (RepairOutcome::Valid(_) | RepairOutcome::Repaired(_)) => outcome,
+        RepairOutcome::ProvenUnsolvable { expanded } if spent.exhausted => RepairOutcome::GaveUp {
             why: format!("no repair found in {expanded} states, which took all the work that a repair may take"),
             expanded,
         },
@@ -130,7 +130,7 @@ pub fn repair_pinned(world: &World, draft: &Resolved, purpose: &Purpose, pins: &
     }
 }
 
-fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> Outcome {
+fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> RepairOutcome {
     let domain = world.domain();
     if !draft.is_sequence() {
         return branches::repair_branches(limit, world, draft, purpose, pins);
@@ -140,11 +140,11 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
     let whole = draft.issues.is_empty() && bound.missing.is_none();
     // The final state of the draft as if every step were applicable.
     let as_if = match check(world, Plan::sequence(bound.steps), purpose).into_verified() {
-        Ok(plan) if whole => return Outcome::Valid(plan),
+        Ok(plan) if whole => return RepairOutcome::Valid(plan),
         Ok(plan) => plan.ending().after.clone(),
         // A draft that exceeds the work budget of verification cannot be repaired either.
         Err(report) if report.violations.contains(&Violation::TooMuchWork) => {
-            return Outcome::GaveUp {
+            return RepairOutcome::GaveUp {
                 why: "checking the plan took all the work that a check may take".to_owned(),
                 expanded: 0,
             };
@@ -152,10 +152,10 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
         Err(report) => report.ending().after.clone(),
     };
     if let Some(why) = unclear(world, draft, purpose) {
-        return Outcome::Unclear { why };
+        return RepairOutcome::Unclear { why };
     }
     if draft.steps.len() > LONGEST {
-        return Outcome::GaveUp {
+        return RepairOutcome::GaveUp {
             why: format!(
                 "the plan has {} steps, and repair looks at {LONGEST} at most",
                 draft.steps.len()
@@ -179,15 +179,15 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
     let (expanded, exhausted) = (search.expanded, search.exhausted);
     match way {
         Found::Path(way) => match follow(world, draft, purpose, &meant, way, expanded) {
-            Some(repaired) => Outcome::Repaired(Box::new(repaired)),
-            None => Outcome::GaveUp {
+            Some(repaired) => RepairOutcome::Repaired(Box::new(repaired)),
+            None => RepairOutcome::GaveUp {
                 why: "the repair that was found with what surrounds the plan does not work in the whole world"
                     .to_owned(),
                 expanded,
             },
         },
-        Found::Nothing => Outcome::ProvenUnsolvable { expanded },
-        Found::Limit => Outcome::GaveUp {
+        Found::Nothing => RepairOutcome::ProvenUnsolvable { expanded },
+        Found::Limit => RepairOutcome::GaveUp {
             why: match exhausted {
                 true => format!("no repair found in {expanded} states, which took all the work that a search may take"),
                 false => format!("no repair found in {expanded} states"),

@@ -59,8 +59,8 @@ fn check(calls: &[&str], claimed: &[(&str, &str)], expected: &[&str]) {
     };
     let draft = resolve(&world, &written(calls));
     let told: Vec<String> = match repair(&world, &draft, &purpose) {
-        Outcome::Valid(_) => vec!["valid".to_owned()],
-        Outcome::Repaired(repaired) => repaired.edits.iter().map(|edit| edit.told(calls.len())).collect(),
+        RepairOutcome::Valid(_) => vec!["valid".to_owned()],
+        RepairOutcome::Repaired(repaired) => repaired.edits.iter().map(|edit| edit.told(calls.len())).collect(),
         other => vec![format!("{other:?}")],
     };
     assert_eq!(told, expected);
@@ -153,7 +153,7 @@ fn nothing_is_guessed() {
         ..written(&["grasp_object()"])
     };
     let outcome = repair(&world, &resolve(&world, &draft), &Purpose::default());
-    assert!(matches!(outcome, Outcome::Unclear { .. }), "{outcome:?}");
+    assert!(matches!(outcome, RepairOutcome::Unclear { .. }), "{outcome:?}");
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn every_edit_says_why() {
         "PutIn(<pie_4>, <oven_2>)",
     ];
     let draft = resolve(&world, &written(&calls));
-    let Outcome::Repaired(repaired) = repair(&world, &draft, &Purpose::default()) else {
+    let RepairOutcome::Repaired(repaired) = repair(&world, &draft, &Purpose::default()) else {
         panic!("it can be repaired");
     };
     let whys: Vec<_> = repaired.edits.iter().map(|edit| edit.why.as_str()).collect();
@@ -229,7 +229,7 @@ fn plans_with_hidden_arguments_are_repaired_too() {
         claim: Some(Claim::read(&world, file.environment_after.as_ref().unwrap())),
         ..Purpose::default()
     };
-    let Outcome::Repaired(repaired) = repair(&world, &draft, &purpose) else {
+    let RepairOutcome::Repaired(repaired) = repair(&world, &draft, &purpose) else {
         panic!("it can be repaired");
     };
     let inserted: Vec<_> = repaired.edits.iter().map(|edit| edit.told(6)).collect();
@@ -469,19 +469,19 @@ proptest! {
         let (plan, _) = crate::verify::bind(&world, &steps, &[], None).unwrap();
         let report: Report = verify::check(&world, plan.clone(), &purpose);
         match repair_within(1_000_000, &world, &draft, &purpose, &Pins::default()) {
-            Outcome::Valid(valid) => {
+            RepairOutcome::Valid(valid) => {
                 prop_assert_eq!(valid.plan(), &plan);
                 prop_assert!(report.violations.is_empty());
             }
-            Outcome::Repaired(repaired) => {
+            RepairOutcome::Repaired(repaired) => {
                 prop_assert!(!report.violations.is_empty());
                 let least = least_cost(&world, &draft, &purpose, &report.ending().after);
                 prop_assert_eq!(Some(repaired.cost), least, "{:?}", repaired.edits);
             }
-            Outcome::ProvenUnsolvable { .. } => {
+            RepairOutcome::ProvenUnsolvable { .. } => {
                 prop_assert_eq!(least_cost(&world, &draft, &purpose, &report.ending().after), None);
             }
-            Outcome::GaveUp { why, .. } | Outcome::Unclear { why } => prop_assert!(false, "{}", why),
+            RepairOutcome::GaveUp { why, .. } | RepairOutcome::Unclear { why } => prop_assert!(false, "{}", why),
         }
     }
 
@@ -507,7 +507,7 @@ proptest! {
         };
         let draft = resolve(&world, &TaskCohesion::new(&world, &plan));
         let outcome = repair(&world, &draft, &purpose);
-        let Outcome::Valid(valid) = outcome else { panic!("{outcome:?}") };
+        let RepairOutcome::Valid(valid) = outcome else { panic!("{outcome:?}") };
         prop_assert_eq!(&valid.ending().after, &after);
         let calls = |plan: &Plan| -> Vec<String> {
             plan.steps().iter().map(|step| step.call(&world).to_string()).collect()

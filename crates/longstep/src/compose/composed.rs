@@ -3,7 +3,7 @@
 use super::Inlined;
 use crate::environment::World;
 use crate::plan::{Draft, PlanFile, TaskCohesion};
-use crate::repair::Outcome;
+use crate::repair::RepairOutcome;
 use crate::report::Answer;
 use crate::report::Assessment;
 use crate::verify::VerifiedPlan;
@@ -64,7 +64,7 @@ impl<'a> Composed<'a> {
     /// Returns the answer after the cheapest repair, or the verdict without repair if there is none.
     pub fn mended(&self) -> Answer {
         match self.assessment.repair() {
-            Outcome::Repaired(_) => self.assessment.repaired(),
+            RepairOutcome::Repaired(_) => self.assessment.repaired(),
             _ => self.verdict(),
         }
     }

@@ -5,7 +5,7 @@ use super::{Obstacle, StepWish};
 use crate::environment::{State, World, fact_text};
 use crate::goal::GoalFact;
 use crate::plan::{Plan, Resolved, Step};
-use crate::repair::{Edit, Outcome, repair_pinned};
+use crate::repair::{Edit, RepairOutcome, repair_pinned};
 use crate::search::Wanted;
 use crate::verify::{Purpose, Report, VerifiedPlan, Violation, bind, check, unmet};
 
@@ -76,16 +76,16 @@ pub fn amend(world: &World, plan: &Plan, wishes: &[StepWish], purpose: &Purpose)
     let (mut gave_up, mut too_many, mut unchanged) = (None, None, false);
     for way in &ways {
         match repair_pinned(world, &way.draft, purpose, &way.pins) {
-            Outcome::Valid(plan) => return done(plan, Vec::new()),
+            RepairOutcome::Valid(plan) => return done(plan, Vec::new()),
             // So many changes would make a different plan.
-            Outcome::Repaired(repaired) if repaired.edits.len() > OTHERS * wishes.len() + 1 => {
+            RepairOutcome::Repaired(repaired) if repaired.edits.len() > OTHERS * wishes.len() + 1 => {
                 too_many = Some(repaired.edits.len());
             }
             // Repair gave up the step of the plan that does what the person's step does.
-            Outcome::Repaired(repaired) if does_as_before(plan, &repaired.plan) => unchanged = true,
-            Outcome::Repaired(repaired) => return done(repaired.plan, repaired.edits),
-            Outcome::GaveUp { why, .. } => gave_up = Some(why),
-            Outcome::Unclear { .. } | Outcome::ProvenUnsolvable { .. } => {}
+            RepairOutcome::Repaired(repaired) if does_as_before(plan, &repaired.plan) => unchanged = true,
+            RepairOutcome::Repaired(repaired) => return done(repaired.plan, repaired.edits),
+            RepairOutcome::GaveUp { why, .. } => gave_up = Some(why),
+            RepairOutcome::Unclear { .. } | RepairOutcome::ProvenUnsolvable { .. } => {}
         }
     }
     let (mut why, report) = match verified(world, &ways[0].draft, purpose) {

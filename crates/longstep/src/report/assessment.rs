@@ -7,7 +7,7 @@ use super::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::environment::{Claim, Voice, World};
 use crate::goal::Spoken;
 use crate::plan::{self, PlanFile, Resolved, resolve};
-use crate::repair::{Outcome, Pins, Repaired, repair_pinned};
+use crate::repair::{Pins, RepairOutcome, Repaired, repair_pinned};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
 
 /// Maximum number of edits that a hint lists; more are only counted.
@@ -28,7 +28,7 @@ pub struct Assessment<'a> {
     /// Steps that a repair must keep.
     pins: Pins,
     simulation: OnceCell<Result<Simulation, Vec<Violation>>>,
-    repair: OnceCell<Outcome>,
+    repair: OnceCell<RepairOutcome>,
 }
 
 /// A simulated plan, and the assumptions that bind its open arguments.
@@ -170,7 +170,7 @@ impl<'a> Assessment<'a> {
     }
 
     /// Finds the cheapest repair that keeps the pinned steps.
-    pub fn repair(&self) -> &Outcome {
+    pub fn repair(&self) -> &RepairOutcome {
         let find = || repair_pinned(self.world, &self.resolved, &self.purpose, &self.pins);
         self.repair.get_or_init(find)
     }
@@ -185,12 +185,12 @@ impl<'a> Assessment<'a> {
         let world = self.world;
         let outcome = self.repair();
         let mut answer = match outcome {
-            Outcome::Repaired(repaired) => self.answer(repaired.plan.report(), &[]),
+            RepairOutcome::Repaired(repaired) => self.answer(repaired.plan.report(), &[]),
             _ => self.verdict(),
         };
         match outcome {
-            Outcome::Valid(_) => {}
-            Outcome::Repaired(repaired) => {
+            RepairOutcome::Valid(_) => {}
+            RepairOutcome::Repaired(repaired) => {
                 answer.edits = repaired.edits.iter().map(EditAnswer::from).collect();
                 if !repaired.cheapest {
                     let note = "a smaller change may exist: the search for it was cut short";
@@ -204,12 +204,12 @@ impl<'a> Assessment<'a> {
                 let told = given_up.map(|fact| format!("claimed and given up: {fact}"));
                 answer.notes.extend(told);
             }
-            Outcome::Unclear { why } => {
+            RepairOutcome::Unclear { why } => {
                 let note = format!("not repaired, since that would be guessing: {why}");
                 answer.notes.push(note);
             }
-            Outcome::ProvenUnsolvable { .. } => answer.status = Status::Unsolvable,
-            Outcome::GaveUp { why, .. } => {
+            RepairOutcome::ProvenUnsolvable { .. } => answer.status = Status::Unsolvable,
+            RepairOutcome::GaveUp { why, .. } => {
                 answer.status = Status::GaveUp;
                 answer.notes.push(why.clone());
             }
@@ -219,7 +219,7 @@ impl<'a> Assessment<'a> {
 
     /// Returns a hint with the edits of a repair, if one exists.
     pub fn advice(&self) -> Option<String> {
-        let Outcome::Repaired(repaired) = self.repair() else {
+        let RepairOutcome::Repaired(repaired) = self.repair() else {
             return None;
         };
         let length = self.resolved.written.len();
@@ -253,7 +253,7 @@ impl<'a> Assessment<'a> {
             Err(issues) => (issues, &[][..]),
         };
         let edits = match self.repair() {
-            Outcome::Repaired(repaired) => &*repaired.edits,
+            RepairOutcome::Repaired(repaired) => &*repaired.edits,
             _ => &[],
         };
         let length = self.resolved.written.len();

@@ -8,7 +8,7 @@ use crate::dialogue::{
 use crate::feedback;
 use crate::model::Domain;
 use crate::plan;
-use crate::repair::Outcome;
+use crate::repair::RepairOutcome;
 use crate::report::Assessment;
 use crate::report::Status;
 use crate::verify::VerifiedPlan;
@@ -100,10 +100,10 @@ impl Session {
         let outcome = mend.then(|| assessment.repair());
         let searched = (self.now)();
         let plan: Option<VerifiedPlan> = match outcome {
-            Some(Outcome::Valid(plan)) => Some(plan.clone()),
+            Some(RepairOutcome::Valid(plan)) => Some(plan.clone()),
             // A repair that gives up claims would undo the feedback.
-            Some(Outcome::Repaired(repaired)) if turn.proposal.is_some() && !repaired.given_up.is_empty() => None,
-            Some(Outcome::Repaired(repaired)) => Some(repaired.plan.clone()),
+            Some(RepairOutcome::Repaired(repaired)) if turn.proposal.is_some() && !repaired.given_up.is_empty() => None,
+            Some(RepairOutcome::Repaired(repaired)) => Some(repaired.plan.clone()),
             Some(_) => None,
             None => assessment.verified(),
         };

@@ -16,7 +16,7 @@ use draft::Draft;
 use sensing::{behind_sensing, with_outcomes};
 use way::Order;
 
-use super::{Edit, EditKind, Outcome, Pins, Repaired, repair_within};
+use super::{Edit, EditKind, Pins, RepairOutcome, Repaired, repair_within};
 use crate::model::{Fact, World};
 use crate::plan::{Plan, Resolved, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, bind_tree, binding_claims, check};
@@ -30,8 +30,8 @@ pub(super) fn repair_branches(
     resolved: &Resolved,
     purpose: &Purpose,
     pins: &Pins,
-) -> Outcome {
-    let gave_up = |why: &str| Outcome::GaveUp {
+) -> RepairOutcome {
+    let gave_up = |why: &str| RepairOutcome::GaveUp {
         why: why.to_owned(),
         expanded: 0,
     };
@@ -39,11 +39,11 @@ pub(super) fn repair_branches(
         Ok((plan, _)) => plan,
         Err(issues) => {
             let told: Vec<String> = issues.iter().map(|issue| issue.message(world, &[], None)).collect();
-            return Outcome::Unclear { why: told.join("; ") };
+            return RepairOutcome::Unclear { why: told.join("; ") };
         }
     };
     let report = match check(world, plan, purpose).into_verified() {
-        Ok(plan) => return Outcome::Valid(plan),
+        Ok(plan) => return RepairOutcome::Valid(plan),
         Err(report) => report,
     };
     let mut draft = Draft::of(world, resolved, &report.plan);
@@ -61,9 +61,9 @@ pub(super) fn repair_branches(
     // Later paths must keep the steps that the first path settles. If that fails, another path goes first.
     let first = task.way_by_way(draft.clone(), Order::FirstOutcome);
     match first {
-        Outcome::Repaired(_) => first,
+        RepairOutcome::Repaired(_) => first,
         _ => match task.way_by_way(draft, Order::LastOutcome) {
-            other @ Outcome::Repaired(_) => other,
+            other @ RepairOutcome::Repaired(_) => other,
             _ => first,
         },
     }
@@ -80,7 +80,7 @@ struct Task<'a> {
 
 impl Task<'_> {
     /// Repairs one path after the other.
-    fn way_by_way(&self, mut draft: Draft, order: Order) -> Outcome {
+    fn way_by_way(&self, mut draft: Draft, order: Order) -> RepairOutcome {
         let world = self.world;
         // The claim describes one ending, but each path has its own.
         let each = Purpose {
@@ -94,8 +94,8 @@ impl Task<'_> {
             let told = with_outcomes(world, &way.told.iter().map(|(_, fact)| *fact).collect::<Vec<_>>());
             let (linear, pins) = draft.linear(self.resolved, &way, self.pins);
             match repair_within(self.limit, &told, &linear, &each, &pins) {
-                Outcome::Valid(plan) => draft.settle(&way, plan.steps(), &[]),
-                Outcome::Repaired(repaired) => {
+                RepairOutcome::Valid(plan) => draft.settle(&way, plan.steps(), &[]),
+                RepairOutcome::Repaired(repaired) => {
                     expanded += repaired.expanded;
                     cost += repaired.cost;
                     let (steps, edits) = behind_sensing(world, &told, *repaired, &each, &way.looped, &pins);
@@ -115,14 +115,14 @@ impl Task<'_> {
                 }
             }
         }
-        Outcome::GaveUp {
+        RepairOutcome::GaveUp {
             why: "the plan has too many ways through it".to_owned(),
             expanded,
         }
     }
 
     /// Returns the repaired plan if it is valid as a whole.
-    fn whole(&self, draft: &Draft, cost: u32, expanded: usize) -> Outcome {
+    fn whole(&self, draft: &Draft, cost: u32, expanded: usize) -> RepairOutcome {
         let world = self.world;
         let mut order = Vec::new();
         let body = draft.nodes(0, &mut order);
@@ -136,12 +136,12 @@ impl Task<'_> {
         };
         let plan = Plan::tree(order.iter().map(step).collect(), body);
         let Some((plan, given_up)) = plan.and_then(|plan| self.verified(plan)) else {
-            return Outcome::GaveUp {
+            return RepairOutcome::GaveUp {
                 why: "each way through the plan could be repaired, and together they are no valid plan".to_owned(),
                 expanded,
             };
         };
-        Outcome::Repaired(Box::new(Repaired {
+        RepairOutcome::Repaired(Box::new(Repaired {
             edits: draft.edits(world, self.resolved, &order, &plan),
             plan,
             cost,

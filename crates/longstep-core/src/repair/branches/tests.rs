@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::super::{EditKind, Outcome, Pins, Reach, Unwanted, repair, repair_pinned};
+use super::super::{EditKind, Pins, Reach, RepairOutcome, Unwanted, repair, repair_pinned};
 use crate::domain::{self};
 use crate::environment::{self, Claim};
 use crate::json::Path;
@@ -31,7 +31,7 @@ fn check(text: &str, expected: &str, edits: &[&str]) {
     let draft = resolve(&world, &TaskCohesion::from_written(written));
     assert_eq!(draft.issues, vec![]);
     let outcome = repair(&world, &draft, &Purpose::default());
-    let Outcome::Repaired(repaired) = outcome else {
+    let RepairOutcome::Repaired(repaired) = outcome else {
         panic!("{outcome:?}")
     };
     let cohesion = TaskCohesion::new(&world, repaired.plan.plan());
@@ -158,7 +158,7 @@ fn branches_that_double_are_given_up() {
     let draft = resolve(&world, &TaskCohesion::from_written(script::read(&text).unwrap()));
     let outcome = repair(&world, &draft, &Purpose::default());
     assert!(
-        matches!(&outcome, Outcome::GaveUp { why, .. } if why.contains("too many branches")),
+        matches!(&outcome, RepairOutcome::GaveUp { why, .. } if why.contains("too many branches")),
         "{outcome:?}"
     );
 }
@@ -169,13 +169,13 @@ fn a_step_that_no_way_goes_through_keeps_its_arguments() {
     let text = "# objects: [\"<cheese>\"]\nif check_best_by_date():\n    move_object()\nif check_best_by_date():\n    move_object()\n";
     let draft = resolve(&world, &TaskCohesion::from_written(script::read(text).unwrap()));
     match repair(&world, &draft, &Purpose::default()) {
-        Outcome::Repaired(repaired) => {
+        RepairOutcome::Repaired(repaired) => {
             for step in repaired.plan.steps() {
                 let parameters = &domain.action(step.action).parameters;
                 assert_eq!(step.arguments.len(), parameters.len(), "{step:?}");
             }
         }
-        other => assert!(!matches!(other, Outcome::Valid(_)), "{other:?}"),
+        other => assert!(!matches!(other, RepairOutcome::Valid(_)), "{other:?}"),
     }
 }
 
@@ -194,7 +194,7 @@ else:
 ";
     let draft = resolve(&world, &TaskCohesion::from_written(script::read(text).unwrap()));
     let free = repair(&world, &draft, &Purpose::default());
-    let Outcome::Repaired(free) = free else {
+    let RepairOutcome::Repaired(free) = free else {
         panic!("{free:?}")
     };
     let added = free
@@ -214,7 +214,8 @@ else:
         ..Pins::default()
     };
     for reach in [Reach::Here, Reach::ThisStep, Reach::ThisAction] {
-        if let Outcome::Repaired(repaired) = repair_pinned(&world, &draft, &Purpose::default(), &unwanted(reach)) {
+        if let RepairOutcome::Repaired(repaired) = repair_pinned(&world, &draft, &Purpose::default(), &unwanted(reach))
+        {
             let same = |edit: &&super::super::Edit| {
                 let step = repaired.plan.plan().steps().get(edit.at);
                 edit.kind == EditKind::Insert && edit.step == 4 && step == Some(&added)
@@ -229,7 +230,7 @@ else:
             kept: vec![step],
             ..Pins::default()
         };
-        if let Outcome::Repaired(repaired) = repair_pinned(&world, &draft, &Purpose::default(), &pins) {
+        if let RepairOutcome::Repaired(repaired) = repair_pinned(&world, &draft, &Purpose::default(), &pins) {
             let changed = |edit: &&super::super::Edit| edit.kind != EditKind::Insert && edit.step == step;
             assert_eq!(repaired.edits.iter().find(changed), None, "step {step}");
         }
@@ -249,7 +250,7 @@ fn a_claim_that_no_ending_keeps_is_given_up_and_listed() {
         ..Purpose::default()
     };
     let outcome = repair(&world, &draft, &purpose);
-    let Outcome::Repaired(repaired) = outcome else {
+    let RepairOutcome::Repaired(repaired) = outcome else {
         panic!("{outcome:?}")
     };
     assert_eq!(repaired.given_up.len(), 1);
@@ -323,7 +324,7 @@ proptest! {
             }
             Err(violations) => prop_assert!(!violations.is_empty()),
         }
-        if let Outcome::Repaired(repaired) = repair(&world, &draft, &Purpose::default()) {
+        if let RepairOutcome::Repaired(repaired) = repair(&world, &draft, &Purpose::default()) {
             whole(repaired.plan.steps())?;
         }
     }
