@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::bits::Bits;
 use super::dominance::Dominance;
 use super::landmark_cut::LandmarkCut;
-use super::node::{Node, path, start, successor};
+use super::node::{SearchNode, path, start, successor};
 use super::relevance;
 use super::task::Task;
 use super::{GroundAction, Outcome};
@@ -214,8 +214,8 @@ pub(crate) enum Found<P> {
     Limit,
 }
 
-/// Ordered by f-value, then heuristic value, then preferred operators, then order of discovery.
-type Entry = Reverse<(u32, u32, bool, u32)>;
+/// Priority of a node in the open list: f-value, then heuristic value, then preferred operators, then order of discovery.
+type Priority = Reverse<(u32, u32, bool, u32)>;
 
 struct Search<'a> {
     task: &'a Task,
@@ -228,9 +228,9 @@ struct Search<'a> {
     dominance: Option<Dominance>,
     /// True if operators have different costs, which may be zero.
     free_first: bool,
-    nodes: Vec<Node>,
+    nodes: Vec<SearchNode>,
     known: FxHashMap<Bits, u32>,
-    open: BinaryHeap<Entry>,
+    open: BinaryHeap<Priority>,
     /// Preferred operators of each evaluated node until its expansion.
     preferred: FxHashMap<u32, Vec<u32>>,
     /// Work units to expand a node, without its successors.
@@ -291,7 +291,7 @@ impl<'a> Search<'a> {
                 node.estimate = node.estimate.max(cost);
                 let later = self.promise(&self.nodes[number as usize]);
                 if later > promise {
-                    self.open.push(self.entry(number, false));
+                    self.open.push(self.priority(number, false));
                     continue;
                 }
             }
@@ -304,11 +304,11 @@ impl<'a> Search<'a> {
         (Found::Nothing, expanded)
     }
 
-    fn promise(&self, node: &Node) -> u32 {
+    fn promise(&self, node: &SearchNode) -> u32 {
         node.depth + self.weight * node.estimate
     }
 
-    fn entry(&self, number: u32, preferred: bool) -> Entry {
+    fn priority(&self, number: u32, preferred: bool) -> Priority {
         let node = &self.nodes[number as usize];
         let closeness = match node.parent {
             // Zero-cost operators come before others with equal f-value.
@@ -345,7 +345,7 @@ impl<'a> Search<'a> {
     fn discover(&mut self, state: Bits, parent: Option<(u32, u32)>, depth: u32, estimate: u32, preferred: bool) {
         if let Some(number) = self.known.get(&state).copied() {
             if self.nodes[number as usize].improve(parent, depth) {
-                self.open.push(self.entry(number, preferred));
+                self.open.push(self.priority(number, preferred));
             }
             return;
         }
@@ -357,7 +357,7 @@ impl<'a> Search<'a> {
         }
         effort::spend(Bits::units(self.task.initial.len()));
         self.known.insert(state.clone(), number);
-        self.nodes.push(Node::new(state, parent, depth, estimate));
-        self.open.push(self.entry(number, preferred));
+        self.nodes.push(SearchNode::new(state, parent, depth, estimate));
+        self.open.push(self.priority(number, preferred));
     }
 }

@@ -5,7 +5,7 @@ use super::formula::Literal;
 use super::task::{Operator, Task};
 
 /// A state that a search has reached, with the cheapest known path to it.
-pub(super) struct Node {
+pub(super) struct SearchNode {
     pub(super) state: Bits,
     /// The numbers of the preceding node and of the operator that leads here from it.
     pub(super) parent: Option<(u32, u32)>,
@@ -17,7 +17,7 @@ pub(super) struct Node {
     pub(super) expanded: bool,
 }
 
-impl Node {
+impl SearchNode {
     pub(super) fn new(state: Bits, parent: Option<(u32, u32)>, depth: u32, estimate: u32) -> Self {
         Self {
             state,
@@ -79,7 +79,7 @@ pub(super) fn successor(task: &Task, state: &Bits, operator: &Operator) -> Optio
 }
 
 /// Returns the numbers of the operators on the path to a node.
-pub(super) fn path(nodes: &[Node], mut number: u32) -> Vec<u32> {
+pub(super) fn path(nodes: &[SearchNode], mut number: u32) -> Vec<u32> {
     let mut path = Vec::new();
     while let Some((parent, operator)) = nodes[number as usize].parent {
         path.push(operator);

@@ -17,7 +17,7 @@ use crate::effort;
 use crate::search::GroundAction;
 use crate::search::bits::Bits;
 use crate::search::dominance::Dominance;
-use crate::search::node::{Node, after, path, start, successor};
+use crate::search::node::{SearchNode, after, path, start, successor};
 use crate::search::task::Task;
 
 /// Maximum nesting depth of sensing.
@@ -97,7 +97,7 @@ impl Open {
 
 /// The nodes of one search.
 struct Nodes {
-    all: Vec<Node>,
+    all: Vec<SearchNode>,
     numbers: FxHashMap<Bits, u32>,
     dominance: Option<Dominance>,
 }
@@ -219,12 +219,12 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    fn promise(&self, node: &Node) -> u32 {
+    fn promise(&self, node: &SearchNode) -> u32 {
         node.depth + self.manner.weight * node.estimate
     }
 
     /// Returns the continuation if a policy may end at the node.
-    fn is_end(&self, node: &Node) -> Option<Then> {
+    fn is_end(&self, node: &SearchNode) -> Option<Then> {
         if self.task.goal.holds(&|literal| node.state.is(literal)) {
             return Some(Then::Done);
         }
@@ -331,7 +331,7 @@ impl<'a> Search<'a> {
                 let number = nodes.all.len() as u32;
                 effort::spend(Bits::units(self.task.initial.len()));
                 nodes.numbers.insert(state.clone(), number);
-                nodes.all.push(Node::new(state, parent, depth, estimate));
+                nodes.all.push(SearchNode::new(state, parent, depth, estimate));
                 number
             }
         };
