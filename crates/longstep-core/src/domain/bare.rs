@@ -1,6 +1,6 @@
 //! Domains without a wording file, from PDDL written for any planner.
 
-use super::pddl::{self, Semantics, Written};
+use super::pddl::{self, Dialect, Semantics};
 use super::{
     Action, Atom, Domain, DomainData, EnvironmentTypes, Lexicon, Predicate, PredicateWords, RepairCosts, StateWord,
     Template, Term, TypeId, Unknown,
@@ -29,7 +29,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 /// ```
 pub fn from_pddl(file: &str, text: &str) -> Result<Domain, Diagnostics> {
     let mut findings = Vec::new();
-    let semantics = pddl::read(file, text, Written::ForPlanners, &mut findings);
+    let semantics = pddl::read(file, text, Dialect::Standard, &mut findings);
     let counts = [
         semantics.types.len(),
         semantics.constants.len(),

@@ -5,7 +5,7 @@ mod sensing;
 
 use toml::Spanned;
 
-use super::pddl::{Reader, Scope, Semantics, Written};
+use super::pddl::{Dialect, Reader, Scope, Semantics};
 use super::words::{self, DomainFile, TimeEntry, UnknownEntry};
 use super::{
     Action, ActionSchema, Atom, Condition, DefaultFact, Derivation, Domain, DomainData, Effect, EnvironmentTypes,
@@ -33,7 +33,7 @@ pub fn load(files: &Files) -> Result<Domain, Diagnostics> {
 pub fn load_with_findings(files: &Files) -> (Option<Domain>, Vec<Diagnostic>) {
     let mut findings = Vec::new();
     let pddl_file = format!("{}domain.pddl", files.folder);
-    let semantics = pddl::read(&pddl_file, &files.pddl, Written::ForUs, &mut findings);
+    let semantics = pddl::read(&pddl_file, &files.pddl, Dialect::Longstep, &mut findings);
     let words_file = format!("{}domain.toml", files.folder);
     let parsed: Option<DomainFile> = read_toml(&words_file, &files.words, &mut findings);
     let domain = parsed.map(|parsed| {
@@ -125,7 +125,7 @@ impl Loader<'_> {
         let mut reader = Reader {
             file: self.file,
             base,
-            written: Written::ForUs,
+            dialect: Dialect::Longstep,
             findings: self.findings,
         };
         read(&mut reader, expression)

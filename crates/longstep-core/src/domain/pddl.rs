@@ -1,6 +1,6 @@
 //! The parser of `domain.pddl`: types, constants, predicates and actions, with all names resolved.
 
-use super::sexpr::{self, Expression, Node};
+use super::sexpr::{self, Expression, ExpressionKind};
 use super::{ActionSchema, Parameter, Predicate, PredicateId, TypeId, Types};
 use super::{Atom, Condition, Effect, Term};
 use crate::diagnostic::{Diagnostic, Position, nearest};
@@ -21,14 +21,14 @@ const REQUIREMENTS: [&str; 8] = [
     ":adl",
 ];
 
-/// The intended reader of a file, which decides how strict parsing is.
+/// The dialect of a PDDL file, which decides how strict parsing is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Written {
-    /// This library: probable mistakes are errors.
-    ForUs,
-    /// Any planner: arguments may have any type, and `object` may be declared. A fact with an argument of the wrong
-    /// type holds, but no action can use it. `(initially ...)` is an extension of this library and not accepted.
-    ForPlanners,
+pub(crate) enum Dialect {
+    /// Files of this library: probable mistakes are errors.
+    Longstep,
+    /// Files for any planner: arguments may have any type, and `object` may be declared. A fact with an argument of the
+    /// wrong type holds, but no action can use it. `(initially ...)` is an extension of this library and not accepted.
+    Standard,
 }
 
 /// The contents of `domain.pddl`.
@@ -45,7 +45,7 @@ pub(crate) struct Semantics {
 }
 
 /// Parses a domain file; appends errors to `findings` and returns everything that could be read.
-pub(crate) fn read(file: &str, text: &str, written: Written, findings: &mut Vec<Diagnostic>) -> Semantics {
+pub(crate) fn read(file: &str, text: &str, dialect: Dialect, findings: &mut Vec<Diagnostic>) -> Semantics {
     let mut semantics = Semantics::default();
     let expressions = match sexpr::read(file, text) {
         Ok(expressions) => expressions,
@@ -74,7 +74,7 @@ pub(crate) fn read(file: &str, text: &str, written: Written, findings: &mut Vec<
     let mut reader = Reader {
         file,
         base: Position { line: 1, column: 1 },
-        written,
+        dialect,
         findings,
     };
     match sections.first().and_then(|s| s.tail_of("domain")) {
@@ -136,7 +136,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) file: &'a str,
     /// The position of the text in the file: a condition may be inside a TOML string.
     pub(crate) base: Position,
-    pub(crate) written: Written,
+    pub(crate) dialect: Dialect,
     pub(crate) findings: &'a mut Vec<Diagnostic>,
 }
 
@@ -194,7 +194,7 @@ impl Reader<'_> {
                     };
                     let parent = types.intern(parent);
                     for child in waiting.drain(..) {
-                        if child == TypeId::OBJECT && self.written == Written::ForPlanners {
+                        if child == TypeId::OBJECT && self.dialect == Dialect::Standard {
                             continue;
                         }
                         if !types.set_parent(child, parent) {
@@ -351,7 +351,9 @@ impl Reader<'_> {
                 self.condition(when, scope, names).negated(),
                 self.condition(then, scope, names),
             ]),
-            ("initially", [inner]) if self.written == Written::ForUs => self.condition(inner, scope, names).initially(),
+            ("initially", [inner]) if self.dialect == Dialect::Longstep => {
+                self.condition(inner, scope, names).initially()
+            }
             ("forall" | "exists", [variables, inner]) => {
                 let outer = scope.len();
                 for variable in self.variables(variables.list().unwrap_or_default(), &names.types) {
@@ -493,7 +495,7 @@ impl Reader<'_> {
             let (term, kind) = self.term(argument, scope, names)?;
             // A supertype is allowed: the atom is false for entities of other types.
             let fits = names.types.is_a(kind, parameter.kind) || names.types.is_a(parameter.kind, kind);
-            if !fits && self.written == Written::ForUs {
+            if !fits && self.dialect == Dialect::Longstep {
                 let message = format!(
                     "`{name}` takes a {} here, and this is a {}",
                     names.types.name(parameter.kind),
@@ -511,7 +513,7 @@ impl Reader<'_> {
     }
 
     fn term(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<(Term, TypeId)> {
-        let Node::Word(word) = &item.node else {
+        let ExpressionKind::Word(word) = &item.kind else {
             self.report(item.position, "expected a variable or a constant");
             return None;
         };
@@ -542,7 +544,7 @@ mod tests {
     #[track_caller]
     fn check(text: &str, expected: &[&str]) {
         let mut findings = Vec::new();
-        read("domain.pddl", text, Written::ForUs, &mut findings);
+        read("domain.pddl", text, Dialect::Longstep, &mut findings);
         let found: Vec<String> = findings.iter().map(ToString::to_string).collect();
         assert_eq!(found, expected);
     }
@@ -565,7 +567,7 @@ mod tests {
             (:action spill :parameters (?p - cup) :precondition (and)
               :effect (when (forall (?v - cup) (full ?v)) (forall (?w - cup) (when (seen ?w) (not (full ?w)))))))";
         let mut findings = Vec::new();
-        let read = read("domain.pddl", text, Written::ForUs, &mut findings);
+        let read = read("domain.pddl", text, Dialect::Longstep, &mut findings);
         assert!(findings.is_empty(), "{findings:?}");
         let effect = &read.actions[0].effects[0];
         assert_eq!(effect.forall.iter().map(|(slot, _)| *slot).collect::<Vec<_>>(), [1]);

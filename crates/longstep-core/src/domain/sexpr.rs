@@ -5,12 +5,12 @@ use crate::diagnostic::{Diagnostic, Position};
 /// A name, variable, keyword or list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Expression {
-    pub(crate) node: Node,
+    pub(crate) kind: ExpressionKind,
     pub position: Position,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Node {
+pub(crate) enum ExpressionKind {
     /// A word, in lower case, since PDDL ignores case.
     Word(String),
     List(Vec<Expression>),
@@ -18,16 +18,16 @@ pub(crate) enum Node {
 
 impl Expression {
     pub fn word(&self) -> Option<&str> {
-        match &self.node {
-            Node::Word(word) => Some(word),
-            Node::List(_) => None,
+        match &self.kind {
+            ExpressionKind::Word(word) => Some(word),
+            ExpressionKind::List(_) => None,
         }
     }
 
     pub fn list(&self) -> Option<&[Expression]> {
-        match &self.node {
-            Node::List(items) => Some(items),
-            Node::Word(_) => None,
+        match &self.kind {
+            ExpressionKind::List(items) => Some(items),
+            ExpressionKind::Word(_) => None,
         }
     }
 
@@ -69,7 +69,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Expression>, Diagnostic> {
             }
             ')' => match open.pop() {
                 Some((start, items)) => Expression {
-                    node: Node::List(items),
+                    kind: ExpressionKind::List(items),
                     position: start,
                 },
                 None => {
@@ -85,7 +85,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Expression>, Diagnostic> {
                     word.push(next);
                 }
                 Expression {
-                    node: Node::Word(word.to_lowercase()),
+                    kind: ExpressionKind::Word(word.to_lowercase()),
                     position: here,
                 }
             }

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
-use crate::domain::pddl::{Reader, Semantics, Written};
+use crate::domain::pddl::{Dialect, Reader, Semantics};
 use crate::domain::sexpr::{self, Expression};
 use crate::model::{Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, PredicateId, State, Words, World};
 use crate::search::Wanted;
@@ -52,7 +52,7 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
     let mut reader = Reader {
         file,
         base: top,
-        written: Written::ForPlanners,
+        dialect: Dialect::Standard,
         findings,
     };
     let Some((define, sections)) = expressions
