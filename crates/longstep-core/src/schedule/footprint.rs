@@ -17,10 +17,10 @@ pub(super) struct Footprint {
 }
 
 /// The facts that a step writes, with their values.
-type Writes = FxHashMap<Fact, Written>;
+type Writes = FxHashMap<Fact, Write>;
 
 #[derive(Debug, Clone, Copy)]
-struct Written {
+struct Write {
     holds: bool,
     changed: bool,
 }
@@ -60,11 +60,11 @@ impl Grounded {
         for effect in &self.operator.effects {
             if effect.condition.holds(&|literal| self.holds(literal)) {
                 let (fact, held) = self.facts[effect.literal.fact as usize];
-                let before = writes.get(&fact).is_some_and(|written: &Written| written.holds);
+                let before = writes.get(&fact).is_some_and(|write: &Write| write.holds);
                 // A fact both added and deleted is added.
                 let holds = effect.literal.holds || before;
                 let changed = holds != held;
-                writes.insert(fact, Written { holds, changed });
+                writes.insert(fact, Write { holds, changed });
             }
         }
         writes
@@ -72,9 +72,9 @@ impl Grounded {
 
     /// Returns the values that no other step can rely on: those that the step ends, and those that it newly makes.
     pub(super) fn contends(&self) -> impl Iterator<Item = (Fact, bool)> {
-        let values = |(fact, written): (Fact, Written)| {
-            let made = written.changed.then_some((fact, written.holds));
-            [(fact, !written.holds)].into_iter().chain(made)
+        let values = |(fact, write): (Fact, Write)| {
+            let made = write.changed.then_some((fact, write.holds));
+            [(fact, !write.holds)].into_iter().chain(made)
         };
         self.writes().into_iter().flat_map(values)
     }
@@ -119,14 +119,11 @@ impl Footprint {
     /// Returns true if this step must stay before `later`: both handle an object, or one of them changes a fact that
     /// the other reads or writes.
     pub(super) fn is_needed_before(&self, later: &Self) -> bool {
-        let written = |by: &Self, fact: &Fact| by.writes.get(fact).copied();
-        let enables = |(fact, held): (&Fact, &bool)| {
-            written(self, fact).is_some_and(|written| written.changed || written.holds != *held)
-        };
-        let disturbs =
-            |(fact, held): (&Fact, &bool)| written(later, fact).is_some_and(|written| written.holds != *held);
-        let differ =
-            |(fact, own): (&Fact, &Written)| written(later, fact).is_some_and(|other| other.holds != own.holds);
+        let write = |by: &Self, fact: &Fact| by.writes.get(fact).copied();
+        let enables =
+            |(fact, held): (&Fact, &bool)| write(self, fact).is_some_and(|write| write.changed || write.holds != *held);
+        let disturbs = |(fact, held): (&Fact, &bool)| write(later, fact).is_some_and(|write| write.holds != *held);
+        let differ = |(fact, own): (&Fact, &Write)| write(later, fact).is_some_and(|other| other.holds != own.holds);
         self.things.iter().any(|thing| later.things.contains(thing))
             || later.reads.iter().any(enables)
             || self.reads.iter().any(disturbs)

@@ -12,12 +12,12 @@ use super::unreadable::DEEPEST;
 
 /// A value with its byte offset; equality compares only the values.
 #[derive(Debug)]
-pub(super) struct Node {
+pub(super) struct ValueNode {
     pub(super) at: usize,
     pub(super) value: Value,
 }
 
-impl PartialEq for Node {
+impl PartialEq for ValueNode {
     fn eq(&self, other: &Self) -> bool {
         self.value == other.value
     }
@@ -30,19 +30,19 @@ pub(super) enum Value {
     Bool(bool),
     Number(String),
     Text(String),
-    List(Vec<Node>),
-    Object(Vec<Entry>),
+    List(Vec<ValueNode>),
+    Object(Vec<Member>),
 }
 
 /// A key with its value.
 #[derive(Debug)]
-pub(super) struct Entry {
+pub(super) struct Member {
     pub(super) at: usize,
     pub(super) key: String,
-    pub(super) node: Node,
+    pub(super) node: ValueNode,
 }
 
-impl PartialEq for Entry {
+impl PartialEq for Member {
     fn eq(&self, other: &Self) -> bool {
         self.key == other.key && self.node == other.node
     }
@@ -51,7 +51,7 @@ impl PartialEq for Entry {
 /// A completely parsed object.
 #[derive(Debug)]
 pub(super) struct Literal {
-    pub(super) node: Node,
+    pub(super) node: ValueNode,
     /// Byte offset after the closing brace.
     pub(super) end: usize,
     pub(super) notes: Notes,
@@ -167,18 +167,18 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn value(&mut self) -> Parsed<Node> {
+    fn value(&mut self) -> Parsed<ValueNode> {
         let next = self.peek()?;
         let at = self.at;
         let value = match next {
-            '{' => Value::Object(self.nested(Self::entries)?),
+            '{' => Value::Object(self.nested(Self::members)?),
             '[' => Value::List(self.nested(|parser| Ok(parser.items(']')?.0))?),
             '(' => self.nested(Self::parenthesised)?,
             '-' | '0'..='9' => Value::Number(self.number()?),
             _ if is_quote(self.rest()) => Value::Text(self.texts()?),
             _ => self.bare_word(next)?,
         };
-        Ok(Node { at, value })
+        Ok(ValueNode { at, value })
     }
 
     /// Parses the content after an opening bracket, within the depth limit.
@@ -193,9 +193,9 @@ impl<'t> Parser<'t> {
         Ok(inside)
     }
 
-    fn entries(&mut self) -> Parsed<Vec<Entry>> {
-        let mut entries = Vec::new();
-        while !self.closed('}', !entries.is_empty())? {
+    fn members(&mut self) -> Parsed<Vec<Member>> {
+        let mut members = Vec::new();
+        while !self.closed('}', !members.is_empty())? {
             let at = self.at;
             let key = self.key()?;
             self.of_plan |= PLAN_KEYS.contains(&key.as_str());
@@ -204,16 +204,16 @@ impl<'t> Parser<'t> {
             }
             self.at += 1;
             let node = self.value()?;
-            entries.push(Entry { at, key, node });
+            members.push(Member { at, key, node });
             if !self.comma('}')? {
                 break;
             }
         }
-        Ok(entries)
+        Ok(members)
     }
 
     /// Parses items up to the closing bracket; the flag is true if there was a comma.
-    fn items(&mut self, close: char) -> Parsed<(Vec<Node>, bool)> {
+    fn items(&mut self, close: char) -> Parsed<(Vec<ValueNode>, bool)> {
         let mut items = Vec::new();
         let mut commas = false;
         while !self.closed(close, commas && close != ')')? {

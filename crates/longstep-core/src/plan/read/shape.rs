@@ -5,7 +5,7 @@ use indexmap::map::Entry as Slot;
 use serde_json::{Map, Value};
 
 use super::leniency::{LeniencyKind as Kind, Notes};
-use super::literal::{Entry, Node, Value as Literal, shorten};
+use super::literal::{Member, Value as Literal, ValueNode, shorten};
 use super::unreadable::Unreadable;
 use crate::diagnostic::Position;
 use crate::json::Path;
@@ -24,11 +24,11 @@ pub(super) enum Likeness {
 }
 
 /// Classifies an object; an object whose single key contains a plan counts as that plan.
-pub(super) fn likeness(node: &Node) -> Option<Likeness> {
+pub(super) fn likeness(node: &ValueNode) -> Option<Likeness> {
     own_likeness(node).or_else(|| wrapped(node).and_then(|(_, inner)| own_likeness(inner)))
 }
 
-fn own_likeness(node: &Node) -> Option<Likeness> {
+fn own_likeness(node: &ValueNode) -> Option<Likeness> {
     let Literal::Object(entries) = &node.value else {
         return None;
     };
@@ -54,7 +54,7 @@ fn is_steps(key: &str) -> bool {
 }
 
 /// Returns the key and the value of an object with exactly one entry.
-fn wrapped(node: &Node) -> Option<(&str, &Node)> {
+fn wrapped(node: &ValueNode) -> Option<(&str, &ValueNode)> {
     match &node.value {
         Literal::Object(entries) => match entries.as_slice() {
             [only] => Some((&only.key, &only.node)),
@@ -65,7 +65,7 @@ fn wrapped(node: &Node) -> Option<(&str, &Node)> {
 }
 
 /// Converts an object that looks like a plan.
-pub(super) fn plan(text: &str, node: &Node, notes: &mut Notes) -> Shaped<PlanFile> {
+pub(super) fn plan(text: &str, node: &ValueNode, notes: &mut Notes) -> Shaped<PlanFile> {
     let mut shape = Shape { text, notes };
     match (own_likeness(node), wrapped(node)) {
         (None, Some((key, inner))) => {
@@ -112,11 +112,11 @@ struct Shape<'t, 'n> {
 struct Fields<'v> {
     at: usize,
     path: Path,
-    known: Vec<(&'static str, &'v Node)>,
+    known: Vec<(&'static str, &'v ValueNode)>,
 }
 
 impl<'v> Fields<'v> {
-    fn get(&self, key: &str) -> Option<&'v Node> {
+    fn get(&self, key: &str) -> Option<&'v ValueNode> {
         self.known
             .iter()
             .find(|(known, _)| *known == key)
@@ -125,7 +125,7 @@ impl<'v> Fields<'v> {
 }
 
 impl Shape<'_, '_> {
-    fn plan(&mut self, node: &Node, path: &Path) -> Shaped<PlanFile> {
+    fn plan(&mut self, node: &ValueNode, path: &Path) -> Shaped<PlanFile> {
         let whole = own_likeness(node) == Some(Likeness::Whole);
         let fields = if whole {
             self.fields(node, path, &PLAN_KEYS)?
@@ -161,11 +161,11 @@ impl Shape<'_, '_> {
         })
     }
 
-    fn endings(&mut self, node: &Node, path: &Path) -> Shaped<Vec<EndingFile>> {
+    fn endings(&mut self, node: &ValueNode, path: &Path) -> Shaped<Vec<EndingFile>> {
         let Literal::List(items) = &node.value else {
             return Err(self.wrong(node, path, "a list of endings"));
         };
-        let ending = |(index, item): (usize, &Node)| {
+        let ending = |(index, item): (usize, &ValueNode)| {
             let fields = self.fields(item, &path.index(index), &["when", "environment_after"])?;
             let when = self.field(&fields, "when", Self::texts)?;
             let after = self.field(&fields, "environment_after", Self::environment)?;
@@ -193,7 +193,7 @@ impl Shape<'_, '_> {
     }
 
     /// Parses a tree of steps, strictly as to keys and types; literals may have any style.
-    fn tree(&mut self, tree: &Node, fields: &Fields) -> Shaped<TaskCohesion> {
+    fn tree(&mut self, tree: &ValueNode, fields: &Fields) -> Shaped<TaskCohesion> {
         self.alone(fields, "task_tree", &["task_sequence", "step_instructions"])?;
         let object = self.field(fields, "object_name", Self::text)?;
         let objects = self.field(fields, "object_names", Self::texts)?.unwrap_or_default();
@@ -206,7 +206,7 @@ impl Shape<'_, '_> {
         Ok(TaskCohesion::from_written(written))
     }
 
-    fn script(&mut self, node: &Node, path: &Path) -> Shaped<TaskCohesion> {
+    fn script(&mut self, node: &ValueNode, path: &Path) -> Shaped<TaskCohesion> {
         let written = script::read(&self.text(node, path)?).map_err(|error| Unreadable::Script {
             inside: Some(Position::of(self.text, node.at)),
             error,
@@ -228,8 +228,8 @@ impl Shape<'_, '_> {
     }
 
     /// Parses an environment, bare or wrapped in `{"environment": ...}`.
-    fn environment(&mut self, node: &Node, path: &Path) -> Shaped<Environment> {
-        let wraps = |entry: &Entry| entry.key == "environment";
+    fn environment(&mut self, node: &ValueNode, path: &Path) -> Shaped<Environment> {
+        let wraps = |entry: &Member| entry.key == "environment";
         if matches!(&node.value, Literal::Object(entries) if entries.iter().any(wraps)) {
             let fields = self.fields(node, path, &["environment"])?;
             self.notes.add_about(Kind::Wrapped, node.at, path.push("environment"));
@@ -239,7 +239,7 @@ impl Shape<'_, '_> {
         self.bare_environment(node, path)
     }
 
-    fn bare_environment(&mut self, node: &Node, path: &Path) -> Shaped<Environment> {
+    fn bare_environment(&mut self, node: &ValueNode, path: &Path) -> Shaped<Environment> {
         let fields = self.fields(node, path, &ENVIRONMENT_KEYS)?;
         Ok(Environment {
             assets: self.field(&fields, "assets", Self::texts)?.unwrap_or_default(),
@@ -257,7 +257,7 @@ impl Shape<'_, '_> {
     }
 
     /// Collects the entries with known keys and records the unknown keys.
-    fn fields<'v>(&mut self, node: &'v Node, path: &Path, known: &[&'static str]) -> Shaped<Fields<'v>> {
+    fn fields<'v>(&mut self, node: &'v ValueNode, path: &Path, known: &[&'static str]) -> Shaped<Fields<'v>> {
         let Literal::Object(entries) = &node.value else {
             return Err(self.wrong(node, path, "an object"));
         };
@@ -293,7 +293,7 @@ impl Shape<'_, '_> {
         &mut self,
         fields: &Fields,
         key: &str,
-        read: impl FnOnce(&mut Self, &Node, &Path) -> Shaped<T>,
+        read: impl FnOnce(&mut Self, &ValueNode, &Path) -> Shaped<T>,
     ) -> Shaped<Option<T>> {
         let Some(node) = fields.get(key) else {
             return Ok(None);
@@ -334,14 +334,14 @@ impl Shape<'_, '_> {
         }
     }
 
-    fn text(&mut self, node: &Node, path: &Path) -> Shaped<String> {
+    fn text(&mut self, node: &ValueNode, path: &Path) -> Shaped<String> {
         match &node.value {
             Literal::Text(text) => Ok(text.clone()),
             _ => Err(self.wrong(node, path, "a text in quotes")),
         }
     }
 
-    fn texts(&mut self, node: &Node, path: &Path) -> Shaped<Vec<String>> {
+    fn texts(&mut self, node: &ValueNode, path: &Path) -> Shaped<Vec<String>> {
         let Literal::List(items) = &node.value else {
             return Err(self.wrong(node, path, "a list of texts"));
         };
@@ -349,7 +349,7 @@ impl Shape<'_, '_> {
         items.iter().enumerate().map(item).collect()
     }
 
-    fn words(&mut self, node: &Node, path: &Path) -> Shaped<Words> {
+    fn words(&mut self, node: &ValueNode, path: &Path) -> Shaped<Words> {
         match &node.value {
             Literal::Text(word) => Ok(Words::One(word.clone())),
             Literal::List(_) => self.texts(node, path).map(Words::Many),
@@ -357,16 +357,16 @@ impl Shape<'_, '_> {
         }
     }
 
-    fn all_words(&mut self, node: &Node, path: &Path) -> Shaped<IndexMap<String, Words>> {
+    fn all_words(&mut self, node: &ValueNode, path: &Path) -> Shaped<IndexMap<String, Words>> {
         self.map(node, path, Self::words)
     }
 
     /// Parses an object with arbitrary keys.
     fn map<T: PartialEq>(
         &mut self,
-        node: &Node,
+        node: &ValueNode,
         path: &Path,
-        read: impl Fn(&mut Self, &Node, &Path) -> Shaped<T>,
+        read: impl Fn(&mut Self, &ValueNode, &Path) -> Shaped<T>,
     ) -> Shaped<IndexMap<String, T>> {
         let Literal::Object(entries) = &node.value else {
             return Err(self.wrong(node, path, "an object"));
@@ -387,7 +387,7 @@ impl Shape<'_, '_> {
     }
 
     /// Handles a repeated key: a leniency if the values are equal, otherwise an error.
-    fn repeated(&mut self, same: bool, first: usize, entry: &Entry, path: &Path) -> Shaped<()> {
+    fn repeated(&mut self, same: bool, first: usize, entry: &Member, path: &Path) -> Shaped<()> {
         let path = path.push(&shorten(&entry.key));
         if !same {
             return Err(Unreadable::Contradiction {
@@ -400,7 +400,7 @@ impl Shape<'_, '_> {
         Ok(())
     }
 
-    fn wrong(&self, node: &Node, path: &Path, expected: &'static str) -> Unreadable {
+    fn wrong(&self, node: &ValueNode, path: &Path, expected: &'static str) -> Unreadable {
         Unreadable::WrongShape {
             path: path.clone(),
             position: Position::of(self.text, node.at),
@@ -418,7 +418,7 @@ impl Shape<'_, '_> {
 }
 
 /// Converts a literal to JSON. Duplicate keys are an error.
-fn json(node: &Node, path: &Path) -> Result<Value, TreeError> {
+fn json(node: &ValueNode, path: &Path) -> Result<Value, TreeError> {
     Ok(match &node.value {
         Literal::Null => Value::Null,
         Literal::Bool(value) => Value::Bool(*value),
@@ -434,7 +434,7 @@ fn json(node: &Node, path: &Path) -> Result<Value, TreeError> {
         }
         Literal::Object(entries) => {
             let mut object = Map::new();
-            for Entry { key, node, .. } in entries {
+            for Member { key, node, .. } in entries {
                 let path = path.push(&shorten(key));
                 if object.insert(key.clone(), json(node, &path)?).is_some() {
                     let message = "stands there twice".to_owned();
