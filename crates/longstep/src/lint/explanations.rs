@@ -11,19 +11,19 @@ use crate::model::Atom;
 use crate::model::{Domain, GoalWord, Parameter, Template, plain_words};
 
 pub(super) fn findings(domain: &Domain, reach: &Reach<'_>, places: &Places<'_>) -> Vec<Finding> {
-    let told = told(domain, places);
+    let items = items(domain, places);
     let mut findings = Vec::new();
-    for thing in &told {
+    for thing in &items {
         missing(thing, &mut findings);
         unnamed(thing, &mut findings);
     }
-    same(reach, &told, &mut findings);
+    same(reach, &items, &mut findings);
     examples(domain, places, &mut findings);
     findings
 }
 
 /// An action, state, goal or predicate with its texts.
-struct Told<'a> {
+struct Item<'a> {
     what: &'static str,
     name: &'a str,
     place: Place<'a>,
@@ -43,14 +43,14 @@ struct Sentence<'a> {
     named: Vec<usize>,
 }
 
-fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
+fn items<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Item<'a>> {
     let sentence = |key, template: &'a Template, text: &Spanned<String>, named: Vec<usize>| Sentence {
         key,
         template,
         place: places.word(text),
         named,
     };
-    let mut told = Vec::new();
+    let mut items = Vec::new();
     for (predicate, words) in domain.predicates.iter().zip(&domain.predicate_words) {
         let Some(entry) = places
             .words
@@ -69,7 +69,7 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
             // The entry that holds the text implies the first argument.
             says.push(sentence("short", short, text, all[all.len().min(1)..].to_vec()));
         }
-        told.push(Told {
+        items.push(Item {
             what: "predicate",
             name: &predicate.name,
             place: places.word(&entry.name),
@@ -80,7 +80,7 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
         });
     }
     for (state, entry) in domain.states.iter().zip(&places.words.state) {
-        told.push(Told {
+        items.push(Item {
             what: "state",
             name: &state.word,
             place: places.word(&entry.word),
@@ -96,7 +96,7 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
         };
         // Arguments that the verifier infers may be omitted.
         let named = action.explicit.iter().copied().chain(action.object).collect();
-        told.push(Told {
+        items.push(Item {
             what: "action",
             name: &action.call,
             place: places.word(&entry.name),
@@ -108,7 +108,7 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
     }
     for (word, entry) in domain.goal_words.iter().zip(&places.words.goal) {
         let named = (0..word.parameters.len()).collect();
-        told.push(Told {
+        items.push(Item {
             what: "goal",
             name: entry.form.get_ref(),
             place: places.word(&entry.form),
@@ -118,11 +118,11 @@ fn told<'a>(domain: &'a Domain, places: &'a Places<'a>) -> Vec<Told<'a>> {
             fact: None,
         });
     }
-    told
+    items
 }
 
-fn missing(thing: &Told<'_>, findings: &mut Vec<Finding>) {
-    let Told { what, name, .. } = thing;
+fn missing(thing: &Item<'_>, findings: &mut Vec<Finding>) {
+    let Item { what, name, .. } = thing;
     for Sentence { key, place, .. } in thing.says.iter().filter(|sentence| sentence.template.is_blank()) {
         findings.push(Finding::new(
             Lint::MissingExplanation,
@@ -151,7 +151,7 @@ fn missing(thing: &Told<'_>, findings: &mut Vec<Finding>) {
     ));
 }
 
-fn unnamed(thing: &Told<'_>, findings: &mut Vec<Finding>) {
+fn unnamed(thing: &Item<'_>, findings: &mut Vec<Finding>) {
     for sentence in thing.says.iter().filter(|sentence| !sentence.template.is_blank()) {
         let Sentence {
             key, template, place, ..
@@ -172,14 +172,14 @@ fn unnamed(thing: &Told<'_>, findings: &mut Vec<Finding>) {
     }
 }
 
-fn same(reach: &Reach<'_>, told: &[Told<'_>], findings: &mut Vec<Finding>) {
-    for (index, later) in told.iter().enumerate() {
-        let family = told[..index].iter().filter(|earlier| earlier.what == later.what);
+fn same(reach: &Reach<'_>, items: &[Item<'_>], findings: &mut Vec<Finding>) {
+    for (index, later) in items.iter().enumerate() {
+        let family = items[..index].iter().filter(|earlier| earlier.what == later.what);
         for earlier in family {
             let alike = |(left, right): (&Parameter, &Parameter)| reach.overlap(left.kind, right.kind);
             let same_kinds = later.parameters.len() == earlier.parameters.len()
                 && later.parameters.iter().zip(earlier.parameters).all(alike);
-            let means = |thing: &Told<'_>| thing.means.map(plain_words).filter(|words| !words.is_empty());
+            let means = |thing: &Item<'_>| thing.means.map(plain_words).filter(|words| !words.is_empty());
             let same_fact = later.fact.is_some() && later.fact == earlier.fact;
             let mut sentences = later.says.iter().zip(&earlier.says);
             let sentence =

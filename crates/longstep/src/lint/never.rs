@@ -131,7 +131,7 @@ impl Family<'_> {
     fn facts(&mut self, reads: &Reads) {
         for (index, predicate) in self.domain.predicates.iter().enumerate() {
             let id = PredicateId::new(index);
-            if reads.asked[index] && !self.reach.can_be_true(id) && !self.cited.contains(&id) {
+            if reads.tested[index] && !self.reach.can_be_true(id) && !self.cited.contains(&id) {
                 let name = predicate.name.as_str();
                 self.findings.push(Finding::new(
                     Lint::NeverTrue,

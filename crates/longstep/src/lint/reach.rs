@@ -44,7 +44,7 @@ impl<'a> Reach<'a> {
             obstacles: vec![None; domain.actions.len()],
         };
         loop {
-            let more: Vec<PredicateId> = reach.said().into_iter().chain(reach.done()).collect();
+            let more: Vec<PredicateId> = reach.initial().into_iter().chain(reach.done()).collect();
             let before = reach.reached.clone();
             more.iter()
                 .for_each(|predicate| reach.reached[predicate.index()] = true);
@@ -57,32 +57,32 @@ impl<'a> Reach<'a> {
     }
 
     /// Returns the predicates that an environment can state or imply.
-    fn said(&self) -> Vec<PredicateId> {
+    fn initial(&self) -> Vec<PredicateId> {
         let domain = self.domain;
         let any = [TypeId::OBJECT, TypeId::OBJECT];
         let can_hold = |when: &Condition| self.obstacle(when, &any).is_none();
-        let mut said: Vec<PredicateId> = domain.states.iter().map(|state| state.atom.predicate).collect();
-        let mut say = |literals: &[Literal]| {
+        let mut initial: Vec<PredicateId> = domain.states.iter().map(|state| state.atom.predicate).collect();
+        let mut add = |literals: &[Literal]| {
             let holding = literals.iter().filter(|literal| literal.holds);
-            said.extend(holding.map(|literal| literal.atom.predicate));
+            initial.extend(holding.map(|literal| literal.atom.predicate));
         };
-        domain.properties.iter().for_each(|property| say(&property.literals));
+        domain.properties.iter().for_each(|property| add(&property.literals));
         for derivation in domain
             .derivations
             .iter()
             .filter(|derivation| can_hold(&derivation.when))
         {
-            say(&derivation.literals);
+            add(&derivation.literals);
         }
         for default in domain.defaults.iter().filter(|default| can_hold(&default.when)) {
-            said.push(default.atom.predicate);
+            initial.push(default.atom.predicate);
         }
         for (index, words) in domain.predicate_words.iter().enumerate() {
             if words.unknown == Unknown::Assume {
-                said.push(PredicateId::new(index));
+                initial.push(PredicateId::new(index));
             }
         }
-        said
+        initial
     }
 
     /// Returns the predicates that actions can make true or sense.

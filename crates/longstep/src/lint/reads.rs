@@ -8,18 +8,18 @@ use crate::model::{Action, Domain, Effect, Parameter, PredicateId, TypeId, Unkno
 /// Readers of each predicate, by predicate.
 pub(super) struct Reads {
     /// Read by a condition: of an action, effect, goal, rule, derivation or default.
-    pub(super) asked: Vec<bool>,
+    pub(super) tested: Vec<bool>,
     /// Shown to a model or a person: in the scene, or in the environment after a plan.
     shown: Vec<bool>,
 }
 
 impl Reads {
     pub(super) fn of(domain: &Domain) -> Self {
-        let mut asked = vec![false; domain.predicates.len()];
+        let mut tested = vec![false; domain.predicates.len()];
         for_each_condition(domain, &mut |condition| {
             condition
                 .atoms()
-                .for_each(|(atom, _)| asked[atom.predicate.index()] = true);
+                .for_each(|(atom, _)| tested[atom.predicate.index()] = true);
         });
         let mut shown: Vec<bool> = domain
             .predicate_words
@@ -32,14 +32,14 @@ impl Reads {
         // A goal with a condition also reads the event that its fact held.
         for words in &domain.predicate_words {
             if let Some(past) = words.past {
-                asked[past.index()] = true;
+                tested[past.index()] = true;
             }
         }
-        Self { asked, shown }
+        Self { tested, shown }
     }
 
     fn nothing_reads(&self, predicate: PredicateId) -> bool {
-        !self.asked[predicate.index()] && !self.shown[predicate.index()]
+        !self.tested[predicate.index()] && !self.shown[predicate.index()]
     }
 }
 
@@ -127,8 +127,8 @@ fn effects(domain: &Domain, reads: &Reads, places: &Places<'_>, action: &Action,
 /// Returns true if nothing reads the effects and sensing outcomes of the action.
 fn is_useless(reads: &Reads, action: &Action) -> bool {
     let changed = action.effects.iter().map(|effect| effect.atom.predicate);
-    let told = action.senses.iter().map(|atom| atom.predicate);
-    changed.chain(told).all(|predicate| reads.nothing_reads(predicate))
+    let sensed = action.senses.iter().map(|atom| atom.predicate);
+    changed.chain(sensed).all(|predicate| reads.nothing_reads(predicate))
 }
 
 fn let_it_be_read(name: &str, otherwise: &str) -> String {
@@ -157,7 +157,7 @@ fn changed(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateId,
 /// Checks a predicate that no action changes.
 fn unchanged(domain: &Domain, reads: &Reads, places: &Places<'_>, id: PredicateId, findings: &mut Vec<Finding>) {
     // A state word alone does not use a predicate; a `short` that the model sees does.
-    if reads.asked[id.index()] || domain.words(id).short.is_some() {
+    if reads.tested[id.index()] || domain.words(id).short.is_some() {
         return;
     }
     let name = domain.predicate(id).name.as_str();

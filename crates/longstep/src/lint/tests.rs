@@ -306,10 +306,10 @@ fn the_paper_s_two_names_would_be_found() {
     files.words = files.words.replacen("of = [\"Put\", \"PutIn\"]", "of = []", 1);
     let domain = load(&files).unwrap();
     let found = lint(&domain, &files);
-    let told = found[0].to_string();
-    assert!(told.starts_with("domains/virtualhome/domain.toml:"), "{told}");
+    let message = found[0].to_string();
+    assert!(message.starts_with("domains/virtualhome/domain.toml:"), "{message}");
     assert_eq!(
-        told[told.find('[').unwrap()..],
+        message[message.find('[').unwrap()..],
         *"[confusable-names] the actions `Put` and `PutIn` take the same things, \
          and a model will confuse their names\n  hint: say in each name what only that one is for: as in `PutPlace` \
          and `PutContainer`"
