@@ -264,8 +264,8 @@ impl Answer {
             .iter()
             .map(|step| step.call(world).to_string())
             .collect();
-        let told = report.violations.iter();
-        answer.violations = told
+        let violations = report.violations.iter();
+        answer.violations = violations
             .map(|v| ViolationAnswer::of(world, v, &calls, report.plan.steps(), goal))
             .collect();
         answer.assumptions = report.assumptions.iter().map(|a| a.message(world)).collect();
@@ -363,14 +363,14 @@ pub fn compare_claims(world: &World, claim: &Claim, simulated: &State) -> Claims
     let (claimed, simulated) = (words(&claim.state), words(simulated));
     let mut claims = Claims::default();
     for (id, entity) in world.entities().filter(|(id, _)| claim.speaks_of(*id)) {
-        let (said, is) = (&claimed[id.index()], &simulated[id.index()]);
-        if said == is {
+        let (claimed, simulated) = (&claimed[id.index()], &simulated[id.index()]);
+        if claimed == simulated {
             claims.agreed += 1;
         } else {
             claims.differing.push(Differing {
                 entity: entity.identifier.clone(),
-                claimed: said.join(", "),
-                simulated: is.join(", "),
+                claimed: claimed.join(", "),
+                simulated: simulated.join(", "),
             });
         }
     }

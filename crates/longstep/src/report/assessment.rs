@@ -64,17 +64,17 @@ impl<'a> Assessment<'a> {
             notes.push(format!("`environment_after` was compared without {ignored}"));
         }
         let resolved = resolve(world, &file.task_cohesion);
-        let asked = instruction.unwrap_or(&file.instruction_summary).trim();
-        let spoken = match asked {
+        let instruction = instruction.unwrap_or(&file.instruction_summary).trim();
+        let mentioned = match instruction {
             "" => Vec::new(),
-            asked => Spoken::of(world, asked).entities.into_iter().collect(),
+            instruction => Spoken::of(world, instruction).entities.into_iter().collect(),
         };
         let ignored = resolved.ignored.iter();
         notes.extend(ignored.map(|claim| format!("the plan was checked without what it claims here: {claim}")));
         let purpose = Purpose {
             claim,
             step_claims: resolved.claims.clone(),
-            spoken,
+            spoken: mentioned,
             ..Purpose::default()
         };
         Self {
@@ -147,14 +147,14 @@ impl<'a> Assessment<'a> {
         });
         if let (Some(number), true) = (report.claimed, report.endings.len() > 1) {
             let when = report.endings[number].when.iter();
-            let told: Vec<String> = when.map(|fact| Voice::Person.fact(world, *fact, true)).collect();
+            let facts: Vec<String> = when.map(|fact| Voice::Person.fact(world, *fact, true)).collect();
             let ending = number + 1;
-            answer.notes.push(match told.as_slice() {
+            answer.notes.push(match facts.as_slice() {
                 [] => format!(
                     "the plan claims the world of ending {ending} of {}",
                     report.endings.len()
                 ),
-                told => format!("the plan claims the world for the case that {}", told.join(" and ")),
+                facts => format!("the plan claims the world for the case that {}", facts.join(" and ")),
             });
         }
         self.remark(&mut answer);
@@ -164,8 +164,8 @@ impl<'a> Assessment<'a> {
     fn remark(&self, answer: &mut Answer) {
         answer.plan.question.clone_from(&self.file.question);
         let readings = self.resolved.readings.iter();
-        let told = readings.map(|reading| reading.message(self.world));
-        answer.assumptions.splice(0..0, told);
+        let messages = readings.map(|reading| reading.message(self.world));
+        answer.assumptions.splice(0..0, messages);
         answer.notes.splice(0..0, self.notes.iter().cloned());
     }
 
@@ -198,11 +198,11 @@ impl<'a> Assessment<'a> {
                 }
                 // Edits show the issues of single steps; issues of the whole plan become notes.
                 let whole = self.resolved.issues.iter().filter(|issue| issue.step().is_none());
-                let told = whole.map(|issue| issue.message(world, &[], None));
-                answer.notes.extend(told);
+                let messages = whole.map(|issue| issue.message(world, &[], None));
+                answer.notes.extend(messages);
                 let given_up = given_up(world, repaired).into_iter();
-                let told = given_up.map(|fact| format!("claimed and given up: {fact}"));
-                answer.notes.extend(told);
+                let notes = given_up.map(|fact| format!("claimed and given up: {fact}"));
+                answer.notes.extend(notes);
             }
             RepairOutcome::Unclear { why } => {
                 let note = format!("not repaired, since that would be guessing: {why}");
@@ -223,16 +223,16 @@ impl<'a> Assessment<'a> {
             return None;
         };
         let length = self.resolved.written.len();
-        let mut told: Vec<String> = match repaired.edits.len() {
+        let mut changes: Vec<String> = match repaired.edits.len() {
             0..=TOLD => repaired.edits.iter().map(|edit| edit.told(length)).collect(),
             many => vec![format!("{many} changes")],
         };
         let given_up = given_up(self.world, repaired).into_iter();
-        told.extend(given_up.map(|fact| format!("give up that {fact}")));
-        if told.is_empty() {
-            told.push("its steps stay as they are".to_owned());
+        changes.extend(given_up.map(|fact| format!("give up that {fact}")));
+        if changes.is_empty() {
+            changes.push("its steps stay as they are".to_owned());
         }
-        Some(format!("`longstep repair` makes it valid: {}", told.join("; ")))
+        Some(format!("`longstep repair` makes it valid: {}", changes.join("; ")))
     }
 
     /// Returns the feedback for a model, with the edits of the cheapest repair if one exists.
@@ -263,6 +263,6 @@ impl<'a> Assessment<'a> {
 
 /// Returns the claims that a repaired plan violates, as sentences.
 fn given_up(world: &World, repaired: &Repaired) -> Vec<String> {
-    let told = |fact: &_| Voice::Person.fact(world, *fact, true);
-    repaired.given_up.iter().map(told).collect()
+    let sentence = |fact: &_| Voice::Person.fact(world, *fact, true);
+    repaired.given_up.iter().map(sentence).collect()
 }

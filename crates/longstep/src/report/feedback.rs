@@ -19,8 +19,8 @@ pub(crate) fn feedback(
 ) -> String {
     let mut text = String::from("This plan cannot be carried out as it is.\n");
     for violation in violations {
-        let told = violation.message_in(Voice::Model, world, steps, None);
-        text.push_str(&format!("- {}\n", visible::line(&told)));
+        let message = violation.message_in(Voice::Model, world, steps, None);
+        text.push_str(&format!("- {}\n", visible::line(&message)));
     }
     if !edits.is_empty() {
         text.push_str("The smallest change that makes it work:\n");

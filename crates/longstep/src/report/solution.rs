@@ -70,10 +70,10 @@ pub fn of_wanted(
         }
         Outcome::ProvenUnsolvable { when, .. } => {
             let mut answer = Answer::without_plan(Status::Unsolvable, world, summary, "");
-            let told = when.map(|fact| Voice::Person.fact(world, fact, true));
+            let facts = when.map(|fact| Voice::Person.fact(world, fact, true));
             answer
                 .notes
-                .extend(told.map(|told| format!("there is no way if it turns out that {told}")));
+                .extend(facts.map(|fact| format!("there is no way if it turns out that {fact}")));
             answer
         }
         Outcome::GaveUp { why, .. } => {
