@@ -5,9 +5,9 @@ use serde::Deserialize;
 use super::StepWish;
 use super::example::{fixed_turns, plan_and_words};
 use super::grammar::{GOAL, MOST, grammar, schema};
-use super::heard::{Heard, what_for};
 use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
+use super::reference::{References, what_for};
 use crate::dialogue::answer_grammar::question_in;
 use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, Reply, Role, Transcript, object, one_line,
@@ -69,10 +69,10 @@ impl FeedbackDialogue {
         let lines: Vec<String> = plan.steps().iter().map(|step| line(world, step)).collect();
         let mut transcript = Transcript::new(input.kind, fixed_turns(domain, input.kind));
         transcript.push(Role::User, plan_and_words(&one_line(input.instruction), &lines, &words));
-        let heard = Heard::of(world, plan, &words);
-        let several = heard.steps.len() > 1 || says_several(&words);
+        let references = References::of(world, plan, &words);
+        let several = references.steps.len() > 1 || says_several(&words);
         Self {
-            offers: offers(world, plan, &heard, several),
+            offers: offers(world, plan, &references, several),
             world: world.clone(),
             words,
             length: plan.steps().len(),

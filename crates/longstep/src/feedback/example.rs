@@ -11,14 +11,10 @@ use crate::model::{Domain, FeedbackExample};
 
 /// Checks that a model could give the example's answer: changes of the example's plan with calls of this domain.
 pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample) -> Result<(), String> {
-    let spoken = format!("{}\n{}\n{}", example.instruction, example.plan.join("\n"), example.says).to_lowercase();
+    let text = format!("{}\n{}\n{}", example.instruction, example.plan.join("\n"), example.says).to_lowercase();
     let known = |call: &str| -> Result<(), String> {
         let (_, call) = action_of(domain, call).map_err(|error| error.to_string())?;
-        match call
-            .arguments
-            .iter()
-            .find(|name| !spoken.contains(&name.to_lowercase()))
-        {
+        match call.arguments.iter().find(|name| !text.contains(&name.to_lowercase())) {
             Some(name) => Err(format!("`{name}` in `{call}` is not spoken of in the example")),
             None => Ok(()),
         }
@@ -103,11 +99,11 @@ fn answer(answer: &str, kind: ConstraintKind) -> String {
 }
 
 /// Returns the user message.
-pub(super) fn plan_and_words(instruction: &str, steps: &[String], said: &str) -> String {
+pub(super) fn plan_and_words(instruction: &str, steps: &[String], feedback: &str) -> String {
     let mut text = format!("Instruction: {instruction}\nPlan:\n");
     for (index, step) in steps.iter().enumerate() {
         text.push_str(&format!("{}. {step}\n", index + 1));
     }
-    text.push_str(&format!("The person says: {said}"));
+    text.push_str(&format!("The person says: {feedback}"));
     text
 }

@@ -146,8 +146,8 @@ pub fn parse(world: &World, text: &str, length: usize) -> Result<Vec<StepWish>, 
             Form::Move { step, before } => StepWish::Move { step, before },
         };
         // The first wish about a step counts.
-        let said = |earlier: &StepWish| *earlier == wish || (wish.step().is_some() && earlier.step() == wish.step());
-        if !wishes.iter().any(said) {
+        let covered = |earlier: &StepWish| *earlier == wish || (wish.step().is_some() && earlier.step() == wish.step());
+        if !wishes.iter().any(covered) {
             wishes.push(wish);
         }
     }

@@ -11,11 +11,11 @@ mod dialogue;
 mod difference;
 mod example;
 mod grammar;
-mod heard;
 mod language;
 mod obstacle;
 mod offer;
 mod order;
+mod reference;
 #[cfg(test)]
 mod tests;
 

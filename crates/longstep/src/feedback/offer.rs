@@ -1,6 +1,6 @@
 //! Changes of a plan that are plausible after an utterance.
 
-use super::heard::Heard;
+use super::reference::References;
 use crate::environment::{EntityId, State, World};
 use crate::model::ActionId;
 use crate::plan::{DraftStep, Plan};
@@ -31,30 +31,32 @@ const LIMIT: usize = 240;
 /// Returns the changes that fit the references in the utterance: calls, step numbers and entities. An insertion is
 /// offered where its action is applicable in the current plan, unless the utterance gives a position or no position
 /// fits.
-pub(super) fn offers(world: &World, plan: &Plan, heard: &Heard, several: bool) -> Offers {
+pub(super) fn offers(world: &World, plan: &Plan, references: &References, several: bool) -> Offers {
     let length = plan.steps().len();
-    if heard.corrects && heard.verbs.is_empty() && !heard.is_about_steps() {
+    if references.corrects && references.verbs.is_empty() && !references.is_about_steps() {
         return Offers {
             goal: true,
             question: true,
             ..Offers::default()
         };
     }
-    let asks = |verb: &str| !heard.is_about_steps() || heard.verbs.is_empty() || heard.verbs.contains(&verb);
+    let asks =
+        |verb: &str| !references.is_about_steps() || references.verbs.is_empty() || references.verbs.contains(&verb);
     let mut offers = Offers {
-        goal: !heard.is_about_steps(),
-        question: !heard.is_about_steps() || heard.verbs.is_empty(),
+        goal: !references.is_about_steps(),
+        question: !references.is_about_steps() || references.verbs.is_empty(),
         several,
         ..Offers::default()
     };
-    let calls = calls(world, plan, heard);
+    let calls = calls(world, plan, references);
     // Moving or removing steps cannot involve an entity that the plan does not mention.
     let in_plan = |thing: &EntityId| plan.steps().iter().any(|step| step.arguments.contains(thing));
-    let brings_in = !heard.is_about_steps() && !heard.verbs.contains(&"drop") && !heard.entities.iter().all(in_plan);
+    let brings_in =
+        !references.is_about_steps() && !references.verbs.contains(&"drop") && !references.entities.iter().all(in_plan);
     if asks("insert") {
-        offers.inserts = inserts(world, plan, heard, &calls);
+        offers.inserts = inserts(world, plan, references, &calls);
     }
-    let meant = meant_steps(plan, heard);
+    let meant = meant_steps(plan, references);
     if asks("drop") && !brings_in {
         offers.drops.clone_from(&meant);
     }
@@ -72,13 +74,17 @@ pub(super) fn offers(world: &World, plan: &Plan, heard: &Heard, several: bool) -
         }
     }
     if asks("move") && !brings_in {
-        let near: Vec<usize> = heard.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
+        let near: Vec<usize> = references.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
         for step in &meant {
             let changes = |place: &usize| *place != *step && *place != *step + 1;
             let all: Vec<usize> = (0..=length).filter(changes).collect();
-            let placed: Vec<usize> = all.iter().copied().filter(|at| heard.places.contains(at)).collect();
+            let placed: Vec<usize> = all
+                .iter()
+                .copied()
+                .filter(|at| references.places.contains(at))
+                .collect();
             let beside: Vec<usize> = all.iter().copied().filter(|at| near.contains(at)).collect();
-            let ways = match heard.places.is_empty() {
+            let ways = match references.places.is_empty() {
                 true => vec![beside, all],
                 false => vec![placed],
             };
@@ -93,25 +99,25 @@ pub(super) fn offers(world: &World, plan: &Plan, heard: &Heard, several: bool) -
 
 /// Returns the steps that the utterance can mean: by number, else by call, and of these the ones with the most shared
 /// words.
-fn meant_steps(plan: &Plan, heard: &Heard) -> Vec<usize> {
-    if !heard.steps.is_empty() {
-        return heard.steps.clone();
+fn meant_steps(plan: &Plan, references: &References) -> Vec<usize> {
+    if !references.steps.is_empty() {
+        return references.steps.clone();
     }
     let all = 0..plan.steps().len();
-    let called = |step: &usize| heard.actions.contains(&plan.steps()[*step].action);
+    let called = |step: &usize| references.actions.contains(&plan.steps()[*step].action);
     let mut meant: Vec<usize> = match all.clone().any(|step| called(&step)) {
         true => all.filter(called).collect(),
         false => all.collect(),
     };
-    let most = meant.iter().map(|step| heard.likeness[*step]).max().unwrap_or(0);
-    meant.retain(|step| heard.likeness[*step] == most);
+    let most = meant.iter().map(|step| references.likeness[*step]).max().unwrap_or(0);
+    meant.retain(|step| references.likeness[*step] == most);
     meant
 }
 
 /// Returns the calls that the utterance can mean: of named actions, about entities of the utterance or the plan.
-fn calls(world: &World, plan: &Plan, heard: &Heard) -> Vec<Called> {
+fn calls(world: &World, plan: &Plan, references: &References) -> Vec<Called> {
     let domain = world.domain();
-    let mut pool = heard.entities.clone();
+    let mut pool = references.entities.clone();
     for step in plan.steps() {
         let shown = domain.action(step.action).explicit.iter();
         pool.extend(shown.map(|parameter| step.arguments[*parameter]));
@@ -125,9 +131,10 @@ fn calls(world: &World, plan: &Plan, heard: &Heard) -> Vec<Called> {
     let in_plan = |action: ActionId| plan.steps().iter().any(|step| step.action == action);
     let mut calls: Vec<Called> = Vec::new();
     for (id, action) in domain.action_ids() {
-        if !heard.actions.is_empty() && !heard.actions.contains(&id) {
+        if !references.actions.is_empty() && !references.actions.contains(&id) {
             // The utterance may name only the call to replace and not the new one.
-            let only_old = heard.verbs.contains(&"replace") && heard.actions.iter().all(|action| in_plan(*action));
+            let only_old =
+                references.verbs.contains(&"replace") && references.actions.iter().all(|action| in_plan(*action));
             if !only_old {
                 continue;
             }
@@ -151,7 +158,12 @@ fn calls(world: &World, plan: &Plan, heard: &Heard) -> Vec<Called> {
         }
         calls.extend(all.into_iter().map(|arguments| (id, arguments)));
     }
-    let named = |(_, arguments): &Called| arguments.iter().flatten().any(|thing| heard.entities.contains(thing));
+    let named = |(_, arguments): &Called| {
+        arguments
+            .iter()
+            .flatten()
+            .any(|thing| references.entities.contains(thing))
+    };
     let shows_nothing = |(action, _): &Called| domain.action(*action).explicit.is_empty();
     if calls.iter().any(named) {
         calls.retain(|call| named(call) || shows_nothing(call));
@@ -161,14 +173,14 @@ fn calls(world: &World, plan: &Plan, heard: &Heard) -> Vec<Called> {
         let shown: Option<Vec<EntityId>> = arguments.iter().copied().collect();
         shown.is_none_or(|shown| can_apply(world, *action, &shown))
     };
-    if heard.actions.is_empty() && calls.iter().any(possible) {
+    if references.actions.is_empty() && calls.iter().any(possible) {
         calls.retain(possible);
     }
     calls.truncate(LIMIT);
     calls
 }
 
-fn inserts(world: &World, plan: &Plan, heard: &Heard, calls: &[Called]) -> Vec<(Called, Vec<usize>)> {
+fn inserts(world: &World, plan: &Plan, references: &References, calls: &[Called]) -> Vec<(Called, Vec<usize>)> {
     let domain = world.domain();
     let length = plan.steps().len();
     let states = states(world, plan);
@@ -190,11 +202,11 @@ fn inserts(world: &World, plan: &Plan, heard: &Heard, calls: &[Called]) -> Vec<(
         (0..=length).filter(|at| can_be_done(&states[*at])).collect()
     };
     let place = |call: &Called| -> Vec<usize> {
-        if !heard.places.is_empty() {
-            return heard.places.clone();
+        if !references.places.is_empty() {
+            return references.places.clone();
         }
-        if !heard.steps.is_empty() && !heard.verbs.contains(&"drop") {
-            return heard.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
+        if !references.steps.is_empty() && !references.verbs.contains(&"drop") {
+            return references.steps.iter().flat_map(|step| [*step, *step + 1]).collect();
         }
         let possible = can_be_at(call);
         match possible.is_empty() {
@@ -210,16 +222,19 @@ fn inserts(world: &World, plan: &Plan, heard: &Heard, calls: &[Called]) -> Vec<(
         !shown.is_empty() && plan.steps().iter().any(same)
     };
     // A call that is already in the plan is inserted again only if the utterance asks for a repetition.
-    let wanted: Vec<&Called> = calls.iter().filter(|call| heard.again || !is_there(call)).collect();
+    let wanted: Vec<&Called> = calls
+        .iter()
+        .filter(|call| references.again || !is_there(call))
+        .collect();
     // Without a named call, those that are applicable at the mentioned positions come first.
     let fits = |call: &&Called| {
         let possible = can_be_at(call);
         let there = possible
             .iter()
-            .any(|at| heard.places.is_empty() || heard.places.contains(at));
-        there || heard.says_verb(domain, call.0)
+            .any(|at| references.places.is_empty() || references.places.contains(at));
+        there || references.says_verb(domain, call.0)
     };
-    let any_fits = heard.actions.is_empty() && wanted.iter().any(fits);
+    let any_fits = references.actions.is_empty() && wanted.iter().any(fits);
     let wanted = wanted.into_iter().filter(|call| !any_fits || fits(call));
     wanted.map(|call| (call.clone(), place(call))).collect()
 }

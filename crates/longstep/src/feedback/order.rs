@@ -4,7 +4,7 @@
 
 use super::StepWish;
 use super::amend::{Amendment, unrepaired};
-use super::heard::Heard;
+use super::reference::References;
 use crate::environment::World;
 use crate::model::plain_words;
 use crate::plan::{Plan, Step};
@@ -29,7 +29,7 @@ pub(crate) fn reordered(
         return None;
     };
     let order = Order::of(world, plan, words);
-    if !order.is_said() {
+    if !order.is_given() {
         return None;
     }
     let shown = &domain.action(*action).explicit;
@@ -77,17 +77,17 @@ struct Order {
 
 impl Order {
     fn of(world: &World, plan: &Plan, words: &str) -> Self {
-        let heard = Heard::of(world, plan, words);
+        let references = References::of(world, plan, words);
         let tokens = plain_words(words);
         let has = |list: &[&str]| tokens.iter().any(|token| list.contains(&token.as_str()));
         Self {
-            places: heard.places,
+            places: references.places,
             earlier: has(&EARLIER),
             later: has(&LATER),
         }
     }
 
-    fn is_said(&self) -> bool {
+    fn is_given(&self) -> bool {
         !self.places.is_empty() || self.earlier != self.later
     }
 

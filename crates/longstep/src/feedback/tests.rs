@@ -1,6 +1,6 @@
 //! Utterances and wishes, with the amended plans or the reasons against them.
 
-use super::heard::{Heard, what_for};
+use super::reference::{References, what_for};
 use super::*;
 use crate::dialogue::{ConstraintKind, Dialogue, Finish, Reply, Usage};
 use crate::domain::{self, Domain};
@@ -74,18 +74,18 @@ impl Scene {
         assert_eq!(self.amended(&wishes), expected, "{answer}");
     }
 
-    fn heard(&self, words: &str) -> Heard {
-        Heard::of(&self.world, &self.plan, words)
+    fn references(&self, words: &str) -> References {
+        References::of(&self.world, &self.plan, words)
     }
 
     /// Interprets an answer about an utterance.
-    fn supplied(&self, said: &str, answer: &str, kind: ConstraintKind) -> Result<Wish, String> {
+    fn supplied(&self, utterance: &str, answer: &str, kind: ConstraintKind) -> Result<Wish, String> {
         let mut dialogue = FeedbackDialogue::new(FeedbackInput {
             domain: &self.domain,
             world: &self.world,
             plan: &self.plan,
             instruction: "Do it",
-            feedback: said,
+            feedback: utterance,
             kind,
         });
         let request = dialogue.request();
@@ -226,7 +226,7 @@ fn words_name_steps_by_number() {
         ("put two plates there", &[]),
         ("step 12", &[]),
     ] {
-        assert_eq!(den.heard(words).steps, expected, "{words}");
+        assert_eq!(den.references(words).steps, expected, "{words}");
     }
     for (words, steps, places) in [
         ("move the hand before step 3", &[][..], 2),
@@ -235,8 +235,12 @@ fn words_name_steps_by_number() {
         ("draw it back at the end", &[], 6),
         ("Before you release it, wait a bit", &[], 5),
     ] {
-        let heard = den.heard(words);
-        assert_eq!((&heard.steps[..], &heard.places[..]), (steps, &[places][..]), "{words}");
+        let references = den.references(words);
+        assert_eq!(
+            (&references.steps[..], &references.places[..]),
+            (steps, &[places][..]),
+            "{words}"
+        );
     }
 }
 

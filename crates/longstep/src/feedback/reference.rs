@@ -8,7 +8,7 @@ use longstep_core::model::Domain;
 
 /// The references in an utterance about a plan.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Heard {
+pub(super) struct References {
     /// Actions whose calls the utterance contains.
     pub(super) actions: Vec<ActionId>,
     /// Steps that are named by number, in order.
@@ -100,14 +100,14 @@ const EMPTY: &str = "a an and another as be because before but can case could do
     should so step task that the their them then there these they thing this those to too up use we when which why \
     will with without would you your move_object insert add omit skip drop remove delete replace after first again";
 
-impl Heard {
+impl References {
     /// Finds the references in an utterance about a plan.
     pub(super) fn of(world: &World, plan: &Plan, words: &str) -> Self {
         let domain = world.domain();
         let tokens = plain_words(words);
         let actions = named_actions(domain, words);
         let (main, side) = clauses(words);
-        let mut heard = Self {
+        let mut references = Self {
             entities: Spoken::of(world, words).entities,
             likeness: likeness(world, plan.steps(), &plain_words(&main)),
             actions,
@@ -116,14 +116,14 @@ impl Heard {
         };
         let (meant, denied) = parts(words);
         let speaks = |text: &str| !Spoken::of(world, text).entities.is_empty();
-        heard.corrects = speaks(&denied) && speaks(&meant);
-        heard.numbered(plan, &tokens, domain);
-        heard.again = tokens.iter().any(|token| AGAIN.contains(&token.as_str()));
-        if let (Some((after, clause)), true) = (side, heard.places.is_empty()) {
+        references.corrects = speaks(&denied) && speaks(&meant);
+        references.numbered(plan, &tokens, domain);
+        references.again = tokens.iter().any(|token| AGAIN.contains(&token.as_str()));
+        if let (Some((after, clause)), true) = (side, references.places.is_empty()) {
             let alike = likeness(world, plan.steps(), &plain_words(&clause));
             let most = alike.iter().copied().max().unwrap_or(0);
             let best = alike.iter().enumerate().filter(|(_, like)| most > 0 && **like == most);
-            heard.places = best.map(|(step, _)| step + usize::from(after)).collect();
+            references.places = best.map(|(step, _)| step + usize::from(after)).collect();
         }
         let joined = tokens.join(" ");
         let says = |cue: &str| match cue.contains(' ') {
@@ -132,10 +132,10 @@ impl Heard {
         };
         for (verb, cues) in CUES {
             if cues.iter().any(|cue| says(cue)) {
-                heard.verbs.push(verb);
+                references.verbs.push(verb);
             }
         }
-        heard
+        references
     }
 
     /// Returns true if the utterance names a step or a call, and so concerns the steps and not the goal.
@@ -147,7 +147,7 @@ impl Heard {
     pub(super) fn says_verb(&self, domain: &Domain, action: ActionId) -> bool {
         let call = plain_words(&domain.action(action).call.replace('_', " "));
         let stems: Vec<String> = call.iter().map(|word| stem(word)).collect();
-        self.stems.iter().any(|said| stems.contains(said))
+        self.stems.iter().any(|stem| stems.contains(stem))
     }
 
     /// Finds steps by number or order: "step 3", "steps 2 and 4", "the third step", "the last two", "the second
@@ -306,13 +306,13 @@ fn likeness(world: &World, steps: &[Step], tokens: &[String]) -> Vec<usize> {
         stems.dedup();
         stems
     };
-    let said = stems(tokens.to_vec());
+    let utterance = stems(tokens.to_vec());
     steps
         .iter()
         .map(|step| {
             let text = format!("{} {}", step.call(world).name.replace('_', " "), step.explanation);
             let own = stems(plain_words(&text));
-            own.iter().filter(|word| said.contains(word)).count()
+            own.iter().filter(|word| utterance.contains(word)).count()
         })
         .collect()
 }
