@@ -155,8 +155,8 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
         }
         Some(Wish::Goal) if accepted.contains(&"goal") => {
             let rounds = [Round {
-                replied: text("goal").to_owned(),
-                said: text("says").to_owned(),
+                reply: text("goal").to_owned(),
+                message: text("says").to_owned(),
             }];
             let mut dialogue = GoalDialogue::new(GoalInput {
                 domain: &domain,

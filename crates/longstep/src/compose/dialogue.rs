@@ -48,8 +48,8 @@ impl CompositionDialogue {
         let mut transcript = Transcript::new(input.kind, fixed(input.kind));
         transcript.push(Role::User, query(&menu, input.instruction));
         for round in input.rounds {
-            transcript.push(Role::Assistant, round.replied.clone());
-            transcript.push(Role::User, plain_line(&round.said));
+            transcript.push(Role::Assistant, round.reply.clone());
+            transcript.push(Role::User, plain_line(&round.message));
         }
         Self { menu, transcript }
     }
@@ -109,11 +109,11 @@ fn query(menu: &Menu, instruction: &str) -> String {
     let checks = menu.checks.iter().map(|check| {
         let conditions = check.conditions();
         // Conditions may be fewer than outcomes: the last one, the negated call, then stands for the rest.
-        let told = conditions
+        let cycle = conditions
             .iter()
             .map(String::as_str)
             .chain(conditions.last().map(String::as_str).into_iter().cycle());
-        check_line(&check.script(), told.zip(check.says.iter().map(String::as_str)))
+        check_line(&check.script(), cycle.zip(check.says.iter().map(String::as_str)))
     });
     whole_query(plans.collect(), checks.collect(), &plain_line(instruction))
 }
@@ -142,10 +142,10 @@ fn plan_line(name: &str, summary: &str, lane: &str) -> String {
 }
 
 fn check_line<'a>(call: &str, outcomes: impl Iterator<Item = (&'a str, &'a str)>) -> String {
-    let told: Vec<String> = outcomes
+    let outcomes: Vec<String> = outcomes
         .map(|(condition, says)| format!("{condition} if {says}"))
         .collect();
-    format!("- {call}: {}", told.join(", "))
+    format!("- {call}: {}", outcomes.join(", "))
 }
 
 fn whole_query(plans: Vec<String>, checks: Vec<String>, wish: &str) -> String {

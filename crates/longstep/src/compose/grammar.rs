@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::asked::Check;
 use super::menu::{Menu, Offered};
+use super::sensing::Check;
 use crate::dialogue::answer_grammar::{Grammar, any_text, closed, either, quoted};
 use crate::dialogue::{TreeForms, tree_schema};
 
@@ -168,7 +168,7 @@ pub(super) fn schema(menu: &Menu) -> Value {
     let plans = menu.plans.iter().map(|plan| format!("{}()", plan.name));
     let looks = menu.checks.iter().map(|check| plain(&check.call, &check.things));
     let calls: Vec<String> = plans.chain(looks).collect();
-    let asked = menu.checks.iter().flat_map(|check| match check.outcomes.is_empty() {
+    let conditions = menu.checks.iter().flat_map(|check| match check.outcomes.is_empty() {
         true => vec![plain(&check.call, &check.things)],
         false => check
             .outcomes
@@ -176,10 +176,10 @@ pub(super) fn schema(menu: &Menu) -> Value {
             .map(|(word, things)| plain(word, things))
             .collect(),
     });
-    let asked: Vec<String> = asked.collect();
+    let conditions: Vec<String> = conditions.collect();
     let tree = tree_schema(TreeForms {
         calls: Some(&calls),
-        asked: Some(&asked),
+        conditions: Some(&conditions),
         lanes: &menu.lanes,
         loops: false,
         explained: false,
@@ -202,8 +202,8 @@ impl Check {
         if self.outcomes.is_empty() {
             return vec![self.script(), format!("not {}", self.script())];
         }
-        let asked = self.outcomes.iter().map(|(word, things)| script_call(word, things));
-        asked.collect()
+        let conditions = self.outcomes.iter().map(|(word, things)| script_call(word, things));
+        conditions.collect()
     }
 }
 

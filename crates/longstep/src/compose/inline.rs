@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::asked::{called, spelled_out};
+use super::sensing::{called, spelled_out};
 use super::{Misfit, Recalled, Stored};
 use crate::diagnostic::nearest;
 use crate::dialogue::actors;
@@ -67,13 +67,13 @@ pub fn inline(world: &World, composition: &Written, stored: &[Stored]) -> Result
             origins: inliner.origins,
         }),
         false => {
-            let mut told: Vec<Misfit> = Vec::new();
+            let mut distinct: Vec<Misfit> = Vec::new();
             misfits.into_iter().for_each(|misfit| {
-                if !told.contains(&misfit) {
-                    told.push(misfit);
+                if !distinct.contains(&misfit) {
+                    distinct.push(misfit);
                 }
             });
-            Err(told)
+            Err(distinct)
         }
     }
 }

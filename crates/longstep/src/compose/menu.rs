@@ -3,7 +3,7 @@
 //! Cues in the instruction narrow the choice, because a small model otherwise adds one plan too many or senses without
 //! need. The cues are English; without a match, every stored plan is available.
 
-use super::asked::{Check, called, checks};
+use super::sensing::{Check, called, checks};
 use super::{Recalled, Stored};
 use crate::dialogue::actors;
 use crate::environment::World;
@@ -51,7 +51,7 @@ const PERHAPS_SIDE_BY_SIDE: [&str; 6] = ["while", "together", "both robots", "ea
 impl Menu {
     pub(super) fn of(world: &World, stored: &[Stored], instruction: &str) -> Self {
         let domain = world.domain();
-        let spoken = Spoken::of(world, instruction);
+        let mentioned = Spoken::of(world, instruction);
         let words = plain_words(instruction);
         let recalled = stored.iter().map(|plan| (plan, Recalled::of(world, plan).ok()));
         let mut recalled: Vec<(&Stored, Option<Recalled>)> = recalled.collect();
@@ -61,7 +61,7 @@ impl Menu {
                 let kind = world.entity(*entity).kind;
                 domain.types.is_a(kind, domain.environment.object)
             });
-            items.any(|item| spoken.entities.contains(&item) || is_named(&world.entity(item).names, &words))
+            items.any(|item| mentioned.entities.contains(&item) || is_named(&world.entity(item).names, &words))
                 || says_verb(&stored.summary, &words)
         };
         if recalled.iter().any(is_meant) {
@@ -92,20 +92,24 @@ impl Menu {
         if lanes.len() < 2 || !(side_by_side || says(&PERHAPS_SIDE_BY_SIDE)) {
             lanes.clear();
         }
-        let asked = conditions(world, &spoken);
+        let dependences = conditions(world, &mentioned);
         // A condition that matches no cue may still be about the outcome of a sensing call, so every call about the
         // mentioned entities is available.
-        let checks = if !asked.is_empty() {
-            checks(world, |fact| asked.iter().any(|dependence| dependence.fact == fact))
-        } else if cannot_be_told(world, &spoken) {
+        let checks = if !dependences.is_empty() {
             checks(world, |fact| {
-                domain.arguments(fact).all(|entity| spoken.entities.contains(&entity))
+                dependences.iter().any(|dependence| dependence.fact == fact)
+            })
+        } else if cannot_be_told(world, &mentioned) {
+            checks(world, |fact| {
+                domain
+                    .arguments(fact)
+                    .all(|entity| mentioned.entities.contains(&entity))
             })
         } else {
             Vec::new()
         };
         Self {
-            fork_wanted: (side_by_side && !lanes.is_empty()) || !asked.is_empty(),
+            fork_wanted: (side_by_side && !lanes.is_empty()) || !dependences.is_empty(),
             plans,
             checks,
             lanes,

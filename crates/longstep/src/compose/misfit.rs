@@ -113,7 +113,7 @@ impl Misfit {
 /// Returns the answer for a composition that cannot be inlined, with one violation for each misfit.
 pub fn refused(world: &World, instruction: &str, misfits: &[Misfit]) -> Answer {
     let mut answer = Answer::without_plan(Status::Invalid, world, instruction, "");
-    let told = misfits.iter().map(|misfit| ViolationAnswer {
+    let violations = misfits.iter().map(|misfit| ViolationAnswer {
         kind: misfit.kind(),
         step: None,
         action: None,
@@ -122,6 +122,6 @@ pub fn refused(world: &World, instruction: &str, misfits: &[Misfit]) -> Answer {
         when: Vec::new(),
         message: misfit.to_string(),
     });
-    answer.violations = told.collect();
+    answer.violations = violations.collect();
     answer
 }

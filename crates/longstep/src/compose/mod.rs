@@ -5,7 +5,6 @@
 //! [`inline`] replaces each name by the steps of its plan. The result is one plan. [`Composed`] verifies it as a whole,
 //! from the current world, and reuses no verdict on its parts.
 
-mod asked;
 mod composed;
 mod dialogue;
 mod examples;
@@ -15,6 +14,7 @@ mod menu;
 mod misfit;
 mod read;
 mod recalled;
+mod sensing;
 mod stored;
 #[cfg(test)]
 mod tests;

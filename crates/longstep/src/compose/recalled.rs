@@ -44,8 +44,8 @@ impl Recalled {
         };
         let assessment = Assessment::new(&own, draft, None);
         let simulation = assessment.simulation().map_err(|issues| {
-            let told = issues.iter().map(|issue| issue.message(&own, &[], None));
-            unusable(joined(told))
+            let messages = issues.iter().map(|issue| issue.message(&own, &[], None));
+            unusable(joined(messages))
         })?;
         Ok(Self::of_plan(domain, &own, &simulation.report.plan, &stored.summary))
     }

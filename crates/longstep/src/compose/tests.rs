@@ -151,7 +151,7 @@ fn composed<'a>(scene: &'a Scene, composition: &str) -> Result<Composed<'a>, Vec
 /// Compares the number of steps and endings of a composition, or its errors.
 #[track_caller]
 fn check(scene: &Scene, composition: &str, expected: &str) {
-    let told = match composed(scene, composition) {
+    let outcome = match composed(scene, composition) {
         Err(misfits) => misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"),
         Ok(composed) => {
             let answer: Answer = composed.verdict();
@@ -164,7 +164,7 @@ fn check(scene: &Scene, composition: &str, expected: &str) {
             }
         }
     };
-    assert_eq!(told, expected, "{composition}");
+    assert_eq!(outcome, expected, "{composition}");
 }
 
 const ON_BENCH: &str = "on_something(<bench>)";
@@ -177,8 +177,8 @@ fn plans_in_turn_and_in_branches_are_one_plan() {
                      else:\n    shelve_cream()\n";
     check(&scene, branching, "9 steps, 2 endings");
     // The paper's notation, with the object given by identifier or omitted.
-    for asked in ["check_best_by_date(\"<cream>\")", "check_best_by_date()"] {
-        let composition = format!("take_cream()\nif {asked}:\n    shelve_cream()\nelse:\n    drop_cream()\n");
+    for call in ["check_best_by_date(\"<cream>\")", "check_best_by_date()"] {
+        let composition = format!("take_cream()\nif {call}:\n    shelve_cream()\nelse:\n    drop_cream()\n");
         check(&scene, &composition, "9 steps, 2 endings");
     }
 }
@@ -194,8 +194,8 @@ fn what_does_not_fit_together_names_the_stored_plan() {
          (step 2 is of `shelve_cream`)\nstep 3: release_object() needs that the hand holds the cream (step 3 is of \
          `shelve_cream`)",
     );
-    let told = composed(&scene, "take_cream()\ndrop_cream()\nshelve_cream()\n").unwrap();
-    let answer = told.verdict();
+    let composed = composed(&scene, "take_cream()\ndrop_cream()\nshelve_cream()\n").unwrap();
+    let answer = composed.verdict();
     let first = &answer.violations[0].message;
     assert!(
         first.starts_with("step 6: move_object() needs")
@@ -334,14 +334,14 @@ fn a_schema_lists_what_there_is() {
 #[test]
 fn every_example_can_be_read_in_both_forms() {
     for example in examples::EXAMPLES {
-        let said = read(example.answer).unwrap();
+        let answer = read(example.answer).unwrap();
         assert_eq!(
             read(&super::read::in_json(example.answer)).unwrap(),
-            said,
+            answer,
             "{}",
             example.wish
         );
-        if let CompositionAnswer::Composition(written) = said {
+        if let CompositionAnswer::Composition(written) = answer {
             let known = |name: &str| example.plans.iter().any(|(plan, ..)| *plan == name);
             let looks = |name: &str| example.checks.iter().any(|(call, _)| call.starts_with(name));
             for step in &written.steps {

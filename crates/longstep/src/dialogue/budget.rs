@@ -6,9 +6,9 @@ use super::{Message, Part, Role, TokenCounter};
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Exchange {
     /// The user message: a query or feedback.
-    pub said: String,
+    pub message: String,
     /// The reply.
-    pub replied: String,
+    pub reply: String,
 }
 
 /// A conversation before it is shortened. The fields are in prompt order.
@@ -70,7 +70,7 @@ impl OverBudget {
 ///
 /// ```
 /// use longstep::dialogue::{Conversation, EstimatedTokens, Exchange, fit};
-/// let pair = |text: &str| Exchange { said: text.to_owned(), replied: "done".to_owned() };
+/// let pair = |text: &str| Exchange { message: text.to_owned(), reply: "done".to_owned() };
 /// let history = [pair("the first instruction"), pair("the second")];
 /// let conversation = Conversation { fixed: &[], history: &history, rounds: &[], now: "the third" };
 /// let fitted = fit(conversation, Some(30), &mut EstimatedTokens::default()).unwrap();
@@ -154,8 +154,8 @@ pub fn fit(
 
 fn turns(exchange: &Exchange) -> Vec<Message> {
     vec![
-        Message::new(Role::User, exchange.said.as_str()),
-        Message::new(Role::Assistant, exchange.replied.as_str()),
+        Message::new(Role::User, exchange.message.as_str()),
+        Message::new(Role::Assistant, exchange.reply.as_str()),
     ]
 }
 
@@ -174,8 +174,8 @@ mod tests {
 
     fn pair(text: &str) -> Exchange {
         Exchange {
-            said: text.to_owned(),
-            replied: text.to_uppercase(),
+            message: text.to_owned(),
+            reply: text.to_uppercase(),
         }
     }
 
@@ -195,12 +195,12 @@ mod tests {
             now: "now!!",
         };
         let found = fit(conversation, room, &mut counter()).map(|fitted| {
-            let said: Vec<&str> = fitted.messages.iter().map(|message| message.text.as_str()).collect();
+            let texts: Vec<&str> = fitted.messages.iter().map(|message| message.text.as_str()).collect();
             let total: u64 = fitted.costs.iter().map(|cost| cost.tokens).sum();
             assert_eq!(total, counter().tokens(&fitted.messages));
             assert!(room.is_none_or(|room| total <= room));
             assert_eq!(fitted.messages[..fitted.fixed], fixed[0].messages[..]);
-            format!("{} {}", fitted.dropped, said.join(" "))
+            format!("{} {}", fitted.dropped, texts.join(" "))
         });
         let expected = expected.map(str::to_owned);
         assert_eq!(found.map_err(|over| over.by()), expected);

@@ -98,7 +98,7 @@ pub enum ConstraintKind {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Round {
     /// The reply in normalized form: goals joined by ` & `, `question: ...`, or a plan.
-    pub replied: String,
+    pub reply: String,
     /// The feedback of the person or the verifier.
-    pub said: String,
+    pub message: String,
 }

@@ -64,11 +64,11 @@ pub fn direct_request(
     let attempt = |shown: &World, history: &[Exchange], counter: &mut dyn TokenCounter| {
         let query = query_text(domain, shown.environment(), instruction).unwrap_or_default();
         let turns: Vec<&str> = std::iter::once(query.as_str())
-            .chain(rounds.iter().map(|round| round.said.as_str()))
+            .chain(rounds.iter().map(|round| round.message.as_str()))
             .collect();
-        let before = turns.iter().zip(rounds).map(|(said, round)| Exchange {
-            said: (*said).to_owned(),
-            replied: round.replied.clone(),
+        let before = turns.iter().zip(rounds).map(|(message, round)| Exchange {
+            message: (*message).to_owned(),
+            reply: round.reply.clone(),
         });
         let conversation = Conversation {
             fixed: &fixed,

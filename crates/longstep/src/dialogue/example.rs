@@ -18,9 +18,9 @@ pub(crate) fn check_example(domain: &Domain, example: &Example) -> Result<(), St
             check_part(domain, example, part)?;
             continue;
         };
-        let told = |word: &&StateWord| domain.is_sensed(word.atom.predicate);
+        let sensed = |word: &&StateWord| domain.is_sensed(word.atom.predicate);
         let word = written.condition.split('(').next().unwrap_or_default();
-        if !domain.states.iter().filter(told).any(|state| state.word == word) {
+        if !domain.states.iter().filter(sensed).any(|state| state.word == word) {
             return Err(format!("`{}` is nothing that sensing tells", written.condition));
         }
         let thing = written.condition.trim_start_matches(word).trim_matches(['(', ')']);
@@ -62,11 +62,11 @@ pub(crate) fn render_goal_prompt(domain: &Domain, template: &str) -> Result<Stri
         .iter()
         .map(|action| context! { call => &action.call, means => &action.means })
         .collect();
-    let told = domain
+    let sensed = domain
         .states
         .iter()
         .filter(|word| domain.is_sensed(word.atom.predicate));
-    let conditions: Vec<_> = told
+    let conditions: Vec<_> = sensed
         .map(|word| context! { form => format!("{}(THING)", word.word), means => &word.means })
         .collect();
     let variables = context! { name => &domain.name, about => &domain.about, goals, actions, conditions };
@@ -111,12 +111,12 @@ pub(super) fn scene_text(objects: &[(String, String)], places: &[(String, String
     for (title, entries) in [("Objects", objects), ("Places", places)] {
         text.push_str(title);
         text.push_str(":\n");
-        for (name, said) in entries {
+        for (name, description) in entries {
             text.push_str("- ");
             text.push_str(name);
-            if !said.is_empty() {
+            if !description.is_empty() {
                 text.push_str(": ");
-                text.push_str(said);
+                text.push_str(description);
             }
             text.push('\n');
         }

@@ -91,8 +91,8 @@ impl GoalDialogue {
                 costs,
             });
         }
-        let said = input.rounds.iter().map(|round| round.said.as_str());
-        let words: Vec<&str> = std::iter::once(input.instruction).chain(said).collect();
+        let messages = input.rounds.iter().map(|round| round.message.as_str());
+        let words: Vec<&str> = std::iter::once(input.instruction).chain(messages).collect();
         let words = words.join(" ");
         let focus = focus(world, &words);
         let (dialogue, costs) = focus.most(SCENE, |keep| attempt(&world.narrowed(keep)))?;

@@ -193,7 +193,7 @@ fn handled(world: &World) -> Vec<EntityId> {
 
 /// Returns the entities that the instruction names, in the order of the world.
 fn named(world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
-    let spoken = Spoken::of(world, instruction);
+    let mentioned = Spoken::of(world, instruction);
     let words = plain_words(instruction);
     let exactly = |id: EntityId| {
         let entity = world.entity(id);
@@ -206,7 +206,7 @@ fn named(world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
     };
     let mut kinds: Vec<(String, Vec<EntityId>)> = Vec::new();
     let mut places: FxHashMap<String, usize> = FxHashMap::default();
-    for id in &spoken.entities {
+    for id in &mentioned.entities {
         let kind = base_name(&world.entity(*id).identifier);
         let place = *places.entry(kind.clone()).or_insert_with(|| {
             kinds.push((kind, Vec::new()));
@@ -218,7 +218,7 @@ fn named(world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
     let mut open: Vec<Vec<EntityId>> = Vec::new();
     for (_, members) in kinds {
         let exact: Vec<EntityId> = members.iter().copied().filter(|id| exactly(*id)).collect();
-        let several = || spoken.several(&world.entity(members[0]).names);
+        let several = || mentioned.several(&world.entity(members[0]).names);
         if !exact.is_empty() {
             named.extend(exact);
         } else if members.len() <= CANDIDATES || several() {

@@ -31,19 +31,19 @@ pub(super) const ANSWER_TOKENS: u32 = 1024;
 pub struct GoalDialogue {
     world: World,
     /// Mentions of the instruction and all later utterances.
-    heard: Correction,
+    correction: Correction,
     /// These mentions, or none if they include an unknown object: no reference is certain then.
-    spoken: Spoken,
+    mentioned: Spoken,
     transcript: Transcript,
     facts: Vec<GoalFact>,
     /// Goals that precede the next one in its branch.
-    said: Vec<GoalFact>,
+    preceding: Vec<GoalFact>,
     /// Goals of the other branch of a condition, which this branch must not repeat.
     other_side: Vec<GoalFact>,
     next: Next,
     has_condition: bool,
     /// True if the instruction has a condition that no sensing action can decide.
-    cannot_be_told: bool,
+    undecidable: bool,
     /// True if the model denied that an existing object is here; it may not ask again.
     mistaken: bool,
     /// Possible next goals.
@@ -103,13 +103,13 @@ impl GoalDialogue {
             kind,
         } = input;
         let mut transcript = Transcript::new(kind, fixed_turns(domain, kind));
-        let mut heard = Correction::of(world, instruction);
+        let mut correction = Correction::of(world, instruction);
         for round in rounds {
-            heard.hear(world, &round.replied, &round.said);
+            correction.hear(world, &round.reply, &round.message);
         }
-        let spoken = match &heard.unknown {
+        let mentioned = match &correction.unknown {
             Some(_) => Spoken::default(),
-            None => heard.spoken.clone(),
+            None => correction.spoken.clone(),
         };
         let shown = effort::within(effort::OPERATION, || {
             scene(world, &offers(world, &[], &Spoken::default()))
@@ -117,17 +117,17 @@ impl GoalDialogue {
         let scene = shown.result;
         transcript.push(Role::User, scene_and_instruction(&scene, &plain_line(instruction)));
         for round in rounds {
-            transcript.push(Role::Assistant, in_form(&round.replied, kind));
-            transcript.push(Role::User, plain_line(&round.said));
+            transcript.push(Role::Assistant, in_form(&round.reply, kind));
+            transcript.push(Role::User, plain_line(&round.message));
         }
         Self {
             world: world.clone(),
-            cannot_be_told: goal::cannot_be_told(world, &heard.spoken),
-            heard,
-            spoken,
+            undecidable: goal::cannot_be_told(world, &correction.spoken),
+            correction,
+            mentioned,
             transcript,
             facts: Vec::new(),
-            said: Vec::new(),
+            preceding: Vec::new(),
             other_side: Vec::new(),
             next: Next::Goal,
             has_condition: false,
@@ -141,19 +141,19 @@ impl GoalDialogue {
     /// Enumerates the possible goals. If the last utterance only adds to the answer, the new answer continues the old
     /// one.
     pub(super) fn begin(&mut self) {
-        self.facts.clone_from(&self.heard.begun);
-        self.said = self.facts.iter().flat_map(GoalFact::parts).cloned().collect();
+        self.facts.clone_from(&self.correction.begun);
+        self.preceding = self.facts.iter().flat_map(GoalFact::parts).cloned().collect();
         self.look();
         if self.facts.is_empty() {
             return;
         }
         if self.open.is_empty() {
             self.facts.clear();
-            self.said.clear();
+            self.preceding.clear();
             self.look();
         } else if self.transcript.kind == ConstraintKind::Grammar {
-            let said: Vec<String> = self.facts.iter().map(|fact| fact.everyday(&self.world)).collect();
-            self.transcript.answer = said.join(" & ") + goal::JOINT;
+            let texts: Vec<String> = self.facts.iter().map(|fact| fact.everyday(&self.world)).collect();
+            self.transcript.answer = texts.join(" & ") + goal::JOINT;
         }
     }
 
@@ -163,12 +163,12 @@ impl GoalDialogue {
     /// A goal is offered only if the words have a cue of it (or a verb that leads to a place, for a goal word without
     /// cues) and name its subject, be it by a pronoun: a second reading of words must not be a guess.
     pub(crate) fn further(&mut self, last: &Round) {
-        let Ok(goals) = goal::parse(&self.world, &last.replied) else {
+        let Ok(goals) = goal::parse(&self.world, &last.reply) else {
             return;
         };
-        self.heard.begun = goals.facts;
-        self.heard.rejected.clear();
-        self.further = Some(Request::of(&self.world, &last.said));
+        self.correction.begun = goals.facts;
+        self.correction.rejected.clear();
+        self.further = Some(Request::of(&self.world, &last.message));
         self.transcript.answer.clear();
         self.begin();
         if self.facts.is_empty() || self.exhausted {
@@ -184,21 +184,21 @@ impl GoalDialogue {
     /// Returns the grammar of possible continuations.
     fn grammar(&self) -> String {
         let offers = &self.open;
-        let spoken = &self.heard.spoken;
+        let mentioned = &self.correction.spoken;
         let conditions = match self.next {
-            Next::Goal => goal::conditions(&self.world, spoken),
+            Next::Goal => goal::conditions(&self.world, mentioned),
             _ => Vec::new(),
         };
-        let more = self.said.len() + 1 < GOAL_LIMIT;
+        let more = self.preceding.len() + 1 < GOAL_LIMIT;
         let mut joints = Vec::new();
-        if self.next == Next::Then && goal::has_other_case(spoken) {
+        if self.next == Next::Then && goal::has_other_case(mentioned) {
             joints.push(goal::ELSE);
         }
         let in_case = matches!(self.next, Next::Then | Next::Otherwise);
         if in_case {
             joints.push(goal::AND);
         }
-        if !(in_case && goal::governs_all(spoken)) {
+        if !(in_case && goal::governs_all(mentioned)) {
             joints.push(goal::JOINT);
         }
         if !more {
@@ -207,13 +207,13 @@ impl GoalDialogue {
         // After "if" in the instruction, some goal must have a condition.
         let must_depend = more && !conditions.is_empty() && !self.has_condition;
         let place = if self.transcript.answer.is_empty() {
-            let question = !self.mistaken && !goal::is_plain(self.world.domain(), offers, &self.spoken);
+            let question = !self.mistaken && !goal::is_plain(self.world.domain(), offers, &self.mentioned);
             Place::First { question }
         } else {
             Place::Next
         };
         let ways = Ways {
-            offers: if self.cannot_be_told { &[] } else { offers },
+            offers: if self.undecidable { &[] } else { offers },
             conditions: &conditions,
             joints: &joints,
             may_end: !must_depend,
@@ -244,7 +244,7 @@ impl GoalDialogue {
     /// Enumerates the possible next goals, within a work budget.
     fn look(&mut self) {
         // A goal that holds now may be undone by the goals before it; a search decides.
-        let search = if self.said.is_empty() { 0 } else { search::EFFORT };
+        let search = if self.preceding.is_empty() { 0 } else { search::EFFORT };
         let found = effort::within(effort::OPERATION + search, || self.offers());
         self.exhausted |= found.exhausted;
         self.open = found.result;
@@ -262,16 +262,16 @@ impl GoalDialogue {
 
     /// Returns the possible next goals without those that the person rejected.
     fn offers(&self) -> Vec<Offer> {
-        let further = !self.said.is_empty() || self.next == Next::Otherwise;
-        let mut offers = offers_on(&self.world, &self.said, &self.spoken, further);
+        let further = !self.preceding.is_empty() || self.next == Next::Otherwise;
+        let mut offers = offers_on(&self.world, &self.preceding, &self.mentioned, further);
         for offer in &mut offers {
             let rejected = |arguments: &Vec<EntityId>| {
                 let same = |fact: &GoalFact| matches!(fact, GoalFact::Word { word, arguments: other } if *word == offer.word && other == arguments);
-                let excluded = arguments.iter().any(|entity| self.heard.excluded.contains(entity));
-                let unasked = |request: &Request| !request.asks_for(self.world.domain(), offer.word, arguments);
+                let excluded = arguments.iter().any(|entity| self.correction.excluded.contains(entity));
+                let unwanted = |request: &Request| !request.asks_for(self.world.domain(), offer.word, arguments);
                 excluded
-                    || self.further.as_ref().is_some_and(unasked)
-                    || self.heard.rejected.iter().chain(&self.other_side).any(same)
+                    || self.further.as_ref().is_some_and(unwanted)
+                    || self.correction.rejected.iter().chain(&self.other_side).any(same)
             };
             offer.arguments.retain(|arguments| !rejected(arguments));
         }
@@ -287,10 +287,10 @@ impl GoalDialogue {
                 self.transcript.answer.clear();
                 return Ok(None);
             }
-            return Ok(Some(self.asked(question)));
+            return Ok(Some(self.answer_to_question(question)));
         }
         let begun = Begun::read(&self.world, &self.transcript.answer)?;
-        (self.said, self.next, self.has_condition) = (begun.said(), begun.next, begun.has_condition());
+        (self.preceding, self.next, self.has_condition) = (begun.said(), begun.next, begun.has_condition());
         (self.facts, self.other_side) = (begun.facts, begun.other_side);
         if self.next != Next::Nothing {
             self.look();
@@ -312,7 +312,7 @@ impl GoalDialogue {
         }
         let answer: Answer = object(text)?;
         if !answer.question.trim().is_empty() {
-            return Ok(Some(self.asked(answer.question.trim().to_owned())));
+            return Ok(Some(self.answer_to_question(answer.question.trim().to_owned())));
         }
         for part in answer.goals.iter().take(GOAL_LIMIT) {
             for fact in goal::parse(&self.world, part)?.facts {
@@ -337,16 +337,16 @@ impl GoalDialogue {
             let parts = plain_words(name);
             !parts.is_empty() && parts.iter().all(|part| words.contains(part))
         };
-        let spoken = self.heard.spoken.entities.iter();
-        self.heard.unknown.is_none()
-            && spoken
+        let mentioned = self.correction.spoken.entities.iter();
+        self.correction.unknown.is_none()
+            && mentioned
                 .into_iter()
                 .any(|entity| self.world.entity(*entity).names.iter().any(named))
     }
 
     /// Handles a question of the model. If the requested goals hold already, they are the answer.
-    fn asked(&self, question: String) -> Understanding {
-        let facts = goal::already(&self.world, &self.spoken);
+    fn answer_to_question(&self, question: String) -> Understanding {
+        let facts = goal::already(&self.world, &self.mentioned);
         match facts.is_empty() {
             true => Understanding::Question(question),
             false => Understanding::Goal(Goal { facts }, Vec::new()),
@@ -355,15 +355,15 @@ impl GoalDialogue {
 
     fn done(&mut self) -> Understanding {
         let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_));
-        if self.cannot_be_told && !self.facts.iter().any(depends) {
+        if self.undecidable && !self.facts.iter().any(depends) {
             let question = "I cannot find out whether that is so. What should I do in any case?";
             return Understanding::Question(question.to_owned());
         }
         let goal = Goal {
             facts: std::mem::take(&mut self.facts),
         };
-        let unknown = self.heard.unknown.clone();
-        understand_spoken(&self.world, &self.heard.spoken, unknown, goal)
+        let unknown = self.correction.unknown.clone();
+        understand_spoken(&self.world, &self.correction.spoken, unknown, goal)
     }
 }
 
@@ -374,7 +374,7 @@ impl Dialogue for GoalDialogue {
         match self.transcript.kind {
             ConstraintKind::Grammar => self.transcript.under_grammar(self.grammar(), STEP_TOKENS),
             ConstraintKind::JsonSchema => {
-                let depends = !goal::conditions(&self.world, &self.heard.spoken).is_empty();
+                let depends = !goal::conditions(&self.world, &self.correction.spoken).is_empty();
                 self.transcript
                     .under_schema(goal_schema(&self.world, &self.open, depends), ANSWER_TOKENS)
             }

@@ -79,10 +79,10 @@ impl StateLists {
         let both = [&environment.asset_states, &environment.object_states];
         let states = |identifiers: &[String]| {
             let entry = |identifier: &String| {
-                let said = both.iter().filter_map(|states| states.get(identifier));
+                let lists = both.iter().filter_map(|states| states.get(identifier));
                 (
                     identifier.clone(),
-                    said.flat_map(|words| words.as_slice().to_vec()).collect(),
+                    lists.flat_map(|words| words.as_slice().to_vec()).collect(),
                 )
             };
             identifiers.iter().map(entry).collect()
@@ -206,7 +206,7 @@ const DEPTH: usize = 2;
 fn tree(world: &World) -> TreeSchema {
     let calls = calls(world, |_| true);
     let senses = senses(world.domain());
-    let asked = match senses {
+    let conditions = match senses {
         true => self::calls(world, |action| !action.senses.is_empty())
             .and_then(|sensing| listed_calls([sensing, sensed_states(world)].concat())),
         false => Some(Vec::new()),
@@ -217,7 +217,7 @@ fn tree(world: &World) -> TreeSchema {
         .collect();
     tree_schema(TreeForms {
         calls: calls.as_deref(),
-        asked: asked.as_deref(),
+        conditions: conditions.as_deref(),
         lanes: &lanes,
         loops: senses,
         explained: true,

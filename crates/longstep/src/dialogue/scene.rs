@@ -19,12 +19,12 @@ pub fn scene(world: &World, offers: &[Offer]) -> String {
     let (mut objects, mut places) = (Vec::new(), Vec::new());
     for (id, entity) in world.entities().filter(|(id, _)| shown.contains(id)) {
         let object = is_object(id);
-        let said: Vec<String> = facts
+        let descriptions: Vec<String> = facts
             .iter()
             .filter_map(|fact| line(world, *fact, id, object, &shown))
             .collect();
         let list = if object { &mut objects } else { &mut places };
-        list.push((entity.name.clone(), said.join(", ")));
+        list.push((entity.name.clone(), descriptions.join(", ")));
     }
     scene_text(&objects, &places)
 }

@@ -17,7 +17,7 @@ pub(super) fn context(domain: &Domain) -> Value {
     let actions: Vec<Value> = domain
         .actions
         .iter()
-        .map(|action| told_action(domain, action))
+        .map(|action| action_context(domain, action))
         .collect();
     let states: Vec<Value> = domain
         .states
@@ -31,12 +31,12 @@ pub(super) fn context(domain: &Domain) -> Value {
         .properties
         .iter()
         .map(|property| {
-            let said = property.literals.iter().map(|literal| {
+            let sentences = property.literals.iter().map(|literal| {
                 let words = domain.words(literal.atom.predicate);
                 let template = if literal.holds { &words.says } else { &words.denies };
                 template.fill(|_| "the thing".to_owned())
             });
-            context! { word => &property.word, means => said.collect::<Vec<_>>().join(", and ") }
+            context! { word => &property.word, means => sentences.collect::<Vec<_>>().join(", and ") }
         })
         .collect();
     let rules: Vec<Value> = domain
@@ -60,11 +60,11 @@ pub(super) fn context(domain: &Domain) -> Value {
         .iter()
         .any(|action| action.implicit().any(|p| action.object != Some(p)));
     let objects_matter = domain.actions.iter().any(|action| action.object.is_some());
-    let asked = domain.states.iter().find(|state| {
+    let sensed_condition = domain.states.iter().find(|state| {
         let mut outcomes = domain.actions.iter().flat_map(|action| &action.senses);
         outcomes.any(|outcome| outcome.predicate == state.atom.predicate)
     });
-    let asked = asked.map(|state| {
+    let sensed_condition = sensed_condition.map(|state| {
         let things = std::iter::once("thing").chain(state.parameters.iter().map(String::as_str));
         call(&state.word, things)
     });
@@ -85,7 +85,7 @@ pub(super) fn context(domain: &Domain) -> Value {
         something_hidden,
         trees => has_trees(domain),
         senses => senses(domain),
-        asked,
+        asked => sensed_condition,
         acts => acts(domain),
         actors => by_whom,
     }
@@ -115,7 +115,7 @@ fn call<'a>(word: &str, parameters: impl Iterator<Item = &'a str>) -> String {
     format!("{word}({})", parameters.join(", "))
 }
 
-fn told_action(domain: &Domain, action: &Action) -> Value {
+fn action_context(domain: &Domain, action: &Action) -> Value {
     let name = |parameter: usize| action.parameters[parameter].name.clone();
     let hidden = action.implicit().filter(|parameter| action.object != Some(*parameter));
     let object = action.object.filter(|parameter| !action.explicit.contains(parameter));
@@ -170,11 +170,11 @@ fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String 
         Condition::Atom { atom, holds, initially } => {
             let words = domain.words(atom.predicate);
             let template = if *holds { &words.says } else { &words.denies };
-            let said = template.fill(|place| called(domain, atom.terms[place], names));
+            let sentence = template.fill(|place| called(domain, atom.terms[place], names));
             if *initially {
-                format!("{said} at the start")
+                format!("{sentence} at the start")
             } else {
-                said
+                sentence
             }
         }
         Condition::Equal { left, right, holds } => {

@@ -10,7 +10,7 @@ pub(crate) struct TreeForms<'a> {
     /// Calls that a step can be; none for any text, if there are too many to list.
     pub(crate) calls: Option<&'a [String]>,
     /// Calls that a condition can test: empty for no branches, none for any text.
-    pub(crate) asked: Option<&'a [String]>,
+    pub(crate) conditions: Option<&'a [String]>,
     /// Actors that can have a lane; empty for no lanes.
     pub(crate) lanes: &'a [String],
     /// True if loops are allowed besides branches.
@@ -31,7 +31,7 @@ pub(crate) struct TreeSchema {
 
 /// Builds the schema of a plan tree.
 pub(crate) fn tree_schema(forms: TreeForms<'_>) -> TreeSchema {
-    let branches = forms.asked.is_none_or(|asked| !asked.is_empty());
+    let branches = forms.conditions.is_none_or(|conditions| !conditions.is_empty());
     let mut definitions = serde_json::Map::new();
     let mut define = |name: &str, schema: Value| {
         definitions.insert(name.to_owned(), schema);
@@ -45,7 +45,7 @@ pub(crate) fn tree_schema(forms: TreeForms<'_>) -> TreeSchema {
         },
     );
     if branches {
-        define("asked", closed(&[("call", one_of(forms.asked))]));
+        define("asked", closed(&[("call", one_of(forms.conditions))]));
         let conditions = [refer("asked"), closed(&[("not", refer("asked"))])];
         define("condition", json!({"anyOf": conditions}));
     }
@@ -98,10 +98,10 @@ fn node_in_schema(node: &Value, explained: bool) -> Value {
         };
     }
     if let Some(condition) = node.get("if") {
-        return json!({"if": asked_in_schema(condition), "then": part("then"), "else": part("else")});
+        return json!({"if": condition_in_schema(condition), "then": part("then"), "else": part("else")});
     }
     if let Some(condition) = node.get("while") {
-        return json!({"while": asked_in_schema(condition), "do": part("do")});
+        return json!({"while": condition_in_schema(condition), "do": part("do")});
     }
     let Some(lanes) = node.get("parallel").and_then(Value::as_array) else {
         return node.clone();
@@ -113,10 +113,10 @@ fn node_in_schema(node: &Value, explained: bool) -> Value {
     json!({"parallel": lanes.iter().map(lane).collect::<Value>()})
 }
 
-fn asked_in_schema(condition: &Value) -> Value {
+fn condition_in_schema(condition: &Value) -> Value {
     match (condition.get("call"), condition.get("not")) {
         (Some(call), _) => json!({"call": call}),
-        (_, Some(inner)) => json!({"not": asked_in_schema(inner)}),
+        (_, Some(inner)) => json!({"not": condition_in_schema(inner)}),
         _ => condition.clone(),
     }
 }

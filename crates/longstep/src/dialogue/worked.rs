@@ -77,11 +77,11 @@ fn at<T>(source: &Source, place: &Spanned<T>, message: impl Into<String>) -> Dia
 fn answer(domain: &Domain, source: &Source, entry: &Entry) -> Result<AnswerText, Diagnostic> {
     let place = &entry.instruction;
     let world = environment::read(domain, &entry.environment, "", "", &json::Path::default()).map_err(|findings| {
-        let told: Vec<&str> = findings.0.iter().map(|finding| finding.message.as_str()).collect();
+        let messages: Vec<&str> = findings.0.iter().map(|finding| finding.message.as_str()).collect();
         at(
             source,
             place,
-            format!("the environment of this example: {}", told.join("; ")),
+            format!("the environment of this example: {}", messages.join("; ")),
         )
     })?;
     let summary = entry.summary.as_ref().unwrap_or(entry.instruction.get_ref());
@@ -118,7 +118,7 @@ fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<
         (Some(plan), _) if plan.steps().is_empty() => Err("the goal of this example holds already".to_owned()),
         (Some(plan), _) => Ok(shown(domain, world, &plan, summary)),
         (None, Status::Unsolvable) => Err("the goal of this example cannot be reached".to_owned()),
-        (None, Status::Invalid) => Err(told(&answer)),
+        (None, Status::Invalid) => Err(violation_line(&answer)),
         (None, _) => Err(format!(
             "no plan found for the goal of this example: {}",
             answer.notes.join("; ")
@@ -159,12 +159,12 @@ fn verified(domain: &Domain, world: &World, mut file: PlanFile, summary: &str) -
     let assessment = Assessment::new(world, draft, None);
     match assessment.verified() {
         Some(plan) => Ok(shown(domain, world, &plan, summary)),
-        None => Err(told(&assessment.verdict())),
+        None => Err(violation_line(&assessment.verdict())),
     }
 }
 
 /// Returns the violations of a plan, in one line.
-fn told(answer: &Answer) -> String {
+fn violation_line(answer: &Answer) -> String {
     let wrong = answer.violations.iter().map(|violation| violation.message.as_str());
     wrong.collect::<Vec<_>>().join("; ")
 }

@@ -11,7 +11,7 @@ use super::Strategy;
 pub(super) struct Asking {
     pub(super) what: What,
     /// True if the log contains the request.
-    pub(super) told: bool,
+    pub(super) logged: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -26,7 +26,7 @@ pub(super) enum What {
 
 impl Asking {
     pub(super) fn new(what: What) -> Self {
-        Self { what, told: false }
+        Self { what, logged: false }
     }
 }
 
@@ -90,9 +90,9 @@ impl Session {
         };
         match prepared {
             Ok(prepared) => {
-                if !asking.told {
+                if !asking.logged {
                     self.tell_request(&prepared);
-                    asking.told = true;
+                    asking.logged = true;
                 }
                 self.stage = Stage::Asking(turn, asking);
                 Ok(Box::new(prepared))

@@ -16,8 +16,8 @@ use crate::verify::VerifiedPlan;
 /// Returns a round with feedback. Its reply is the proposed plan after repair, since the feedback refers to that plan.
 pub(super) fn round(domain: &Domain, proposal: &Proposal, words: &str) -> Round {
     Round {
-        replied: answered(domain, &proposal.answer.plan),
-        said: words.to_owned(),
+        reply: answered(domain, &proposal.answer.plan),
+        message: words.to_owned(),
     }
 }
 
@@ -46,8 +46,8 @@ impl Session {
             instruction, before, ..
         } = self.accepted.get(number)?;
         Some(Exchange {
-            said: query(&self.domain, before, instruction).ok()?,
-            replied: answered(&self.domain, &self.plan_file(number)?),
+            message: query(&self.domain, before, instruction).ok()?,
+            reply: answered(&self.domain, &self.plan_file(number)?),
         })
     }
 
@@ -59,11 +59,11 @@ impl Session {
             Ok(draft) => draft,
             Err(error) => {
                 let failure = Failure::Reply(DialogueError::Unreadable(error.to_string()));
-                let told = format!(
+                let correction = format!(
                     "{error}. {} Answer with the whole plan, in the format above.",
                     error.hint()
                 );
-                return self.correct(turn, reply, told, failure);
+                return self.correct(turn, reply, correction, failure);
             }
         };
         let assessment = Assessment::new(&self.world, draft, Some(&turn.instruction));
@@ -80,10 +80,10 @@ impl Session {
         match self.check(&turn, assessment, mend) {
             Checked::Plan(proposal) => self.propose(turn, *proposal),
             Checked::AsBefore => {
-                let told = "This is the same plan as before. Answer with the whole plan, changed as I said.";
-                self.correct(turn, reply, told.to_owned(), Failure::SamePlan);
+                let correction = "This is the same plan as before. Answer with the whole plan, changed as I said.";
+                self.correct(turn, reply, correction.to_owned(), Failure::SamePlan);
             }
-            Checked::Wrong { told, failure } => self.correct(turn, reply, told, failure),
+            Checked::Wrong { correction, failure } => self.correct(turn, reply, correction, failure),
         }
     }
 
@@ -128,7 +128,7 @@ impl Session {
             None => {
                 Checked::Wrong {
                     // Feedback is needed only if another round follows.
-                    told: match turn.corrections >= self.settings.rounds {
+                    correction: match turn.corrections >= self.settings.rounds {
                         true => String::new(),
                         false => assessment.feedback(),
                     },
@@ -139,18 +139,20 @@ impl Session {
     }
 
     /// Sends a correction to the model. After the last round, the instruction fails instead.
-    fn correct(&mut self, mut turn: Turn, reply: &Reply, told: String, failure: Failure) {
+    fn correct(&mut self, mut turn: Turn, reply: &Reply, correction: String, failure: Failure) {
         if turn.corrections >= self.settings.rounds {
             return self.give_up(turn, failure);
         }
         if let Some(answer) = failure.answer() {
             self.verdict(answer);
         }
-        self.events.push(Event::Correction { text: told.clone() });
+        self.events.push(Event::Correction {
+            text: correction.clone(),
+        });
         turn.corrections += 1;
         turn.rounds.push(Round {
-            replied: reply.text.clone(),
-            said: told,
+            reply: reply.text.clone(),
+            message: correction,
         });
         self.stage = Stage::Asking(turn, Asking::new(What::Plan));
     }
@@ -172,7 +174,7 @@ enum Checked {
     /// The plan equals the one that the feedback rejects.
     AsBefore,
     /// An invalid plan: feedback for the model, and the failure if no round follows.
-    Wrong { told: String, failure: Failure },
+    Wrong { correction: String, failure: Failure },
 }
 
 impl Turn {

@@ -69,7 +69,7 @@ impl Session {
         let Stage::Ending(left) = &self.stage else {
             return Vec::new();
         };
-        let told = |left: &Left| Ended {
+        let ended = |left: &Left| Ended {
             when: left
                 .when
                 .iter()
@@ -77,7 +77,7 @@ impl Session {
                 .collect(),
             environment: left.world.environment().clone(),
         };
-        left.iter().map(told).collect()
+        left.iter().map(ended).collect()
     }
 
     /// Selects one of [`Session::endings`], from 0. The next instruction starts there.

@@ -138,8 +138,8 @@ impl Session {
         if let Some(spelled) = self.pronoun(&turn.instruction) {
             let names = spelled.meant.iter().map(|id| world.entity(*id).with_article());
             let names: Vec<String> = names.collect();
-            let told = format!("\"{}\" was taken for {}", spelled.pronoun, names.join(" and "));
-            answer.assumptions.push(told);
+            let note = format!("\"{}\" was taken for {}", spelled.pronoun, names.join(" and "));
+            answer.assumptions.push(note);
         }
         turn.price(&mut answer);
         match solution.plan {
@@ -163,8 +163,8 @@ impl Session {
         let texts = facts.flat_map(|goal| &goal.facts);
         let texts: Vec<String> = texts.map(|fact| fact.everyday(&self.world)).collect();
         Round {
-            replied: texts.join(goal::JOINT),
-            said: words,
+            reply: texts.join(goal::JOINT),
+            message: words,
         }
     }
 

@@ -112,8 +112,8 @@ fn prepared(session: &mut Session) -> Box<Prepared> {
 fn frame(session: &mut Session) -> (Vec<Message>, usize) {
     let request = prepared(session).request;
     let roles: Vec<Role> = request.messages.iter().map(|message| message.role).collect();
-    let spoken = roles.iter().skip_while(|role| **role == Role::System);
-    for (index, role) in spoken.clone().enumerate() {
+    let dialogue = roles.iter().skip_while(|role| **role == Role::System);
+    for (index, role) in dialogue.clone().enumerate() {
         let expected = if index % 2 == 0 { Role::User } else { Role::Assistant };
         assert_eq!(*role, expected, "{roles:?}");
     }
@@ -249,21 +249,21 @@ fn an_answer_changes_nothing_but_its_place() {
         }
     };
     for settings in strategies() {
-        let asked = |question: &str| {
+        let questioned_session = |question: &str| {
             let mut session = session(settings, "<ruler>");
             session.instruct("Put it away").unwrap();
             say(&mut session, &asking(settings, question));
             session
         };
-        let mut plain = asked("Which one?");
+        let mut plain = questioned_session("Which one?");
         plain.answer("the pen").unwrap();
         let usual = frame(&mut plain);
         assert_eq!(usual.1, 3);
         for text in injected() {
             // The text as the answer, and as the question.
-            let mut answered = asked("Which one?");
+            let mut answered = questioned_session("Which one?");
             answered.answer(&text).unwrap();
-            let mut questioned = asked(&text);
+            let mut questioned = questioned_session(&text);
             if questioned.question().is_some() {
                 questioned.answer("the pen").unwrap();
                 assert_eq!(frame(&mut questioned), usual, "{text:?}");
@@ -336,7 +336,7 @@ fn no_reply_leads_to_a_plan_that_was_not_verified() {
     let (mut proposed, mut refused) = (0, 0);
     for settings in strategies() {
         for (index, text) in injected().iter().enumerate() {
-            for (place, said) in replies(text).iter().enumerate() {
+            for (place, reply) in replies(text).iter().enumerate() {
                 let settings = Settings {
                     // Each policy meets each position and each text, but not in all combinations.
                     repair: policies[(index + place) % policies.len()],
@@ -346,16 +346,16 @@ fn no_reply_leads_to_a_plan_that_was_not_verified() {
                 };
                 let mut session = session(settings, "<ruler>");
                 session.instruct("The pen goes on the shelf").unwrap();
-                say(&mut session, said);
+                say(&mut session, reply);
                 let known = session.proposal().is_some() || !session.accepted().is_empty();
                 match known {
                     true => proposed += 1,
                     false => {
                         refused += 1;
-                        assert!(session.accept().is_err(), "{said}");
+                        assert!(session.accept().is_err(), "{reply}");
                     }
                 }
-                assert!(settings.accept || session.accepted().is_empty(), "{said}");
+                assert!(settings.accept || session.accepted().is_empty(), "{reply}");
                 // On a copy, since the check takes the events.
                 check_log(&mut session.clone());
                 // The text as the interpretation of feedback.
@@ -371,8 +371,8 @@ fn no_reply_leads_to_a_plan_that_was_not_verified() {
                 }
                 if session.proposal().is_some() {
                     session.feedback("not like that, do it another way").unwrap();
-                    say(&mut session, said);
-                    assert!(session.proposal().is_some() || session.question().is_some(), "{said}");
+                    say(&mut session, reply);
+                    assert!(session.proposal().is_some() || session.question().is_some(), "{reply}");
                     if session.proposal().is_some() {
                         session.accept().unwrap();
                         confirm(&session);

@@ -311,11 +311,11 @@ impl Session {
         let Stage::Question(turn, reply, _) = &self.stage else {
             return Err(self.out_of_turn("an answer"));
         };
-        let (mut turn, replied) = (turn.clone(), reply.clone());
+        let (mut turn, reply) = (turn.clone(), reply.clone());
         self.events.push(Event::Answer { text: text.to_owned() });
         turn.rounds.push(Round {
-            replied,
-            said: text.to_owned(),
+            reply,
+            message: text.to_owned(),
         });
         self.stage = Stage::Asking(turn, self.ask());
         Ok(())
@@ -337,8 +337,8 @@ impl Session {
                 let mut turn = turn.clone();
                 turn.corrections = 0;
                 turn.rounds.push(Round {
-                    replied: self.reply_of(failure),
-                    said: text.to_owned(),
+                    reply: self.reply_of(failure),
+                    message: text.to_owned(),
                 });
                 (turn, self.ask())
             }

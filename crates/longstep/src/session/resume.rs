@@ -155,9 +155,9 @@ impl Session {
         let plan = plan.ok_or_else(|| invalid("its tree does not go with its steps".to_owned()))?;
         let report = check(&self.world, plan, &purpose);
         let plan = report.into_verified().map_err(|report| {
-            let told = report.violations.iter();
-            let told = told.map(|v| v.message(&self.world, report.plan.steps(), goal.as_ref()));
-            invalid(told.collect::<Vec<_>>().join("; "))
+            let violations = report.violations.iter();
+            let messages = violations.map(|v| v.message(&self.world, report.plan.steps(), goal.as_ref()));
+            invalid(messages.collect::<Vec<_>>().join("; "))
         })?;
         self.carry_on(Accepted {
             instruction: instruction.to_owned(),

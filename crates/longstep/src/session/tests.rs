@@ -161,9 +161,9 @@ fn questions_are_passed_on_and_answers_go_back() {
     let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
         panic!("the model is to be asked")
     };
-    let said: Vec<&str> = prepared.request.messages.iter().map(|m| m.text.as_str()).collect();
-    assert!(said.iter().any(|text| text.contains("Which one?")), "{said:?}");
-    assert!(said.last().unwrap().contains("the pen, on the shelf"), "{said:?}");
+    let texts: Vec<&str> = prepared.request.messages.iter().map(|m| m.text.as_str()).collect();
+    assert!(texts.iter().any(|text| text.contains("Which one?")), "{texts:?}");
+    assert!(texts.last().unwrap().contains("the pen, on the shelf"), "{texts:?}");
     play(&mut session, &[("model", &goals(&["put(pen, shelf)"])), ("accept", "")]);
     assert_eq!(state(&session, "<pen>"), "on_something(<shelf>)");
 }
@@ -293,10 +293,10 @@ fn without_repair_the_model_is_told_what_is_wrong() {
         let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
             panic!("{repair:?}")
         };
-        let told = &prepared.request.messages.last().unwrap().text;
+        let text = &prepared.request.messages.last().unwrap().text;
         assert!(
-            told.contains("grasp_object() needs that the hand is at <pen>"),
-            "{told}"
+            text.contains("grasp_object() needs that the hand is at <pen>"),
+            "{text}"
         );
         play(&mut session, &[("model", &bad)]);
         assert_eq!(session.proposal().is_some(), mended, "{repair:?}");
@@ -385,9 +385,9 @@ fn feedback_to_the_model_does_not_bring_back_what_a_person_took_out() {
     let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
         panic!("the model was not asked again")
     };
-    let told = &prepared.request.messages.last().unwrap().text;
-    assert!(told.contains("needs that"), "{told}");
-    assert!(!told.contains("grasp_object() before"), "{told}");
+    let text = &prepared.request.messages.last().unwrap().text;
+    assert!(text.contains("needs that"), "{text}");
+    assert!(!text.contains("grasp_object() before"), "{text}");
 }
 
 #[test]
@@ -407,8 +407,8 @@ fn a_plan_that_ignores_what_the_person_said_is_not_taken_for_an_answer() {
     let Some(prepared) = session.next_request(&mut EstimatedTokens::default()).unwrap() else {
         panic!("the model was not asked again")
     };
-    let told = &prepared.request.messages.last().unwrap().text;
-    assert!(told.contains("the same plan as before"), "{told}");
+    let text = &prepared.request.messages.last().unwrap().text;
+    assert!(text.contains("the same plan as before"), "{text}");
     play(&mut session, &[("model", &plan)]);
     let refused = &session.proposal().unwrap().refused;
     assert_eq!(refused, &[Refusal::Failure(Failure::SamePlan)]);

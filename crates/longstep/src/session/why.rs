@@ -30,14 +30,14 @@ pub fn why(world: &World, plan: &Plan, purpose: &Purpose, goal: Option<&Goal>, s
     let mut brings_about: Vec<String> = Vec::new();
     for ending in &whole.endings {
         for (_, changes) in ending.trace.steps().filter(|(id, _)| *id == step) {
-            let told = changes
+            let facts = changes
                 .iter()
                 .map(|change| Voice::Person.fact(world, change.fact, change.holds));
-            brings_about.extend(told);
+            brings_about.extend(facts);
         }
     }
     let mut seen = FxHashSet::default();
-    brings_about.retain(|told| seen.insert(told.clone()));
+    brings_about.retain(|fact| seen.insert(fact.clone()));
     if !world.domain().action(plan.step(step).action).senses.is_empty() && brings_about.len() > 1 {
         brings_about = vec![format!("it is known whether {}", brings_about.join(", or whether "))];
     }
@@ -47,15 +47,15 @@ pub fn why(world: &World, plan: &Plan, purpose: &Purpose, goal: Option<&Goal>, s
             without_it: vec!["nobody could tell which way the plan is to go".to_owned()],
         };
     };
-    let mut told: Vec<String> = Vec::new();
+    let mut violations: Vec<String> = Vec::new();
     for mut violation in check(world, left, purpose).violations {
         // Messages number the steps as in the whole plan.
         violation.renumber(|number| if number >= step.index() { number + 1 } else { number });
-        told.push(violation.message(world, plan.steps(), goal));
+        violations.push(violation.message(world, plan.steps(), goal));
     }
     Why {
         brings_about,
-        without_it: told,
+        without_it: violations,
     }
 }
 

@@ -187,9 +187,9 @@ fn a_name_stays_on_its_line() {
         assert_eq!(found_lines.len(), lines.len(), "{text:?}");
         assert_eq!(found_lines[..at], lines[..at]);
         assert_eq!(found_lines[at + 1..], lines[at + 1..]);
-        let (name, said) = found_lines[at].strip_prefix("- ").unwrap().split_once(": ").unwrap();
+        let (name, description) = found_lines[at].strip_prefix("- ").unwrap().split_once(": ").unwrap();
         // A name that ends with "door" has the type of a door.
-        assert!(["on sill", "can open, on sill"].contains(&said), "{said}");
+        assert!(["on sill", "can open, on sill"].contains(&description), "{description}");
         let plain = |c: char| c.is_alphanumeric() || c == ' ';
         assert!(!name.is_empty() && name.chars().all(plain), "{name:?}");
     }

@@ -25,10 +25,10 @@ fn attic(domain: &Domain, trunks: usize) -> World {
     environment::read(domain, &environment, "", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn told(count: usize) -> Vec<Exchange> {
+fn history(count: usize) -> Vec<Exchange> {
     let pair = |n: usize| Exchange {
-        said: format!("instruction {n} {}", "x".repeat(350)),
-        replied: format!("reply {n}"),
+        message: format!("instruction {n} {}", "x".repeat(350)),
+        reply: format!("reply {n}"),
     };
     (0..count).map(pair).collect()
 }
@@ -49,7 +49,7 @@ fn check(less: u64, expected: Option<(usize, usize)>) {
             &domain,
             &world,
             "Put hat 7 into trunk 9",
-            &told(10),
+            &history(10),
             &[],
             room,
             &mut counter,
@@ -97,11 +97,11 @@ fn rounds_follow_the_query_and_are_never_dropped() {
     let world = attic(&domain, 2);
     let mut counter = EstimatedTokens::default();
     let round = |n: usize| Round {
-        replied: format!("attempt {n}"),
-        said: format!("not so {n}"),
+        reply: format!("attempt {n}"),
+        message: format!("not so {n}"),
     };
     let rounds = [round(1), round(2)];
-    let mut request = |room| direct_request(&domain, &world, "Swap them", &told(3), &rounds, room, &mut counter);
+    let mut request = |room| direct_request(&domain, &world, "Swap them", &history(3), &rounds, room, &mut counter);
     let all = request(None).unwrap().request;
     let texts: Vec<&str> = all.messages[all.fixed..]
         .iter()

@@ -16,7 +16,7 @@ fn larder(domain: &Domain) -> World {
     environment::read(domain, &environment, "", "", &Path::default()).unwrap()
 }
 
-fn all_told(domain: &Domain) -> String {
+fn prompt_and_schema(domain: &Domain) -> String {
     let mut counter = EstimatedTokens::default();
     let request = direct_request(domain, &larder(domain), "Bin it", &[], &[], None, &mut counter);
     let request = request.unwrap().request;
@@ -27,7 +27,7 @@ fn all_told(domain: &Domain) -> String {
 /// Returns which of the tree keywords occur in a domain's prompt and schema.
 #[track_caller]
 fn check(domain: &str, expected: &[&str]) {
-    let told = all_told(&shipped(domain).unwrap().unwrap());
+    let text = prompt_and_schema(&shipped(domain).unwrap().unwrap());
     let words = [
         "task_tree",
         "task_sequence",
@@ -37,7 +37,7 @@ fn check(domain: &str, expected: &[&str]) {
         "Tells which is so",
         "Every call names",
     ];
-    let found: Vec<&str> = words.into_iter().filter(|word| told.contains(word)).collect();
+    let found: Vec<&str> = words.into_iter().filter(|word| text.contains(word)).collect();
     assert_eq!(found, expected, "{domain}");
 }
 
@@ -66,11 +66,11 @@ fn the_schema_of_a_tree_is_strict_and_refers_to_nothing_above_it() {
     }
     let domain = shipped("household-checks").unwrap().unwrap();
     let schema = direct_schema(&larder(&domain));
-    let asked = &schema["$defs"]["asked"]["properties"]["call"]["enum"];
+    let conditions = &schema["$defs"]["asked"]["properties"]["call"]["enum"];
     for expected in ["check_best_by_date()", "expired(<cream>)", "dirty(<bench>)"] {
         assert!(
-            asked.as_array().unwrap().contains(&Value::from(expected)),
-            "{expected}: {asked}"
+            conditions.as_array().unwrap().contains(&Value::from(expected)),
+            "{expected}: {conditions}"
         );
     }
 }

@@ -10,7 +10,7 @@ use longstep_core::model::state_word;
 ///
 /// In a plan, the previous steps determine the parameters that a call hides. A composition has no such steps, so its
 /// calls name them.
-pub(super) fn asked_of(action: &Action) -> Vec<usize> {
+pub(super) fn sensing_parameters(action: &Action) -> Vec<usize> {
     let mut all = action.explicit.clone();
     for term in action.senses.iter().flat_map(|outcome| &outcome.terms) {
         if let Term::Variable(parameter) = term
@@ -36,9 +36,14 @@ pub(super) fn spelled_out(world: &World, step: &WrittenStep) -> WrittenStep {
     let Some(action) = world.domain().actions.iter().find(named) else {
         return step;
     };
-    let (asked, shown) = (asked_of(action), action.explicit.len());
-    if step.call.arguments.len() == asked.len() && asked.len() > shown {
-        let hidden = step.call.arguments.split_off(shown).into_iter().zip(&asked[shown..]);
+    let (parameters, shown) = (sensing_parameters(action), action.explicit.len());
+    if step.call.arguments.len() == parameters.len() && parameters.len() > shown {
+        let hidden = step
+            .call
+            .arguments
+            .split_off(shown)
+            .into_iter()
+            .zip(&parameters[shown..]);
         let by_name = hidden.map(|(argument, parameter)| (action.parameters[*parameter].name.clone(), argument));
         step.implicit.extend(by_name);
     }
@@ -64,7 +69,7 @@ pub(super) fn checks(world: &World, worth: impl Fn(Fact) -> bool) -> Vec<Check> 
     let mut all = Vec::new();
     for action in world.domain().actions.iter().filter(|action| !action.senses.is_empty()) {
         let mut choices: Vec<Vec<(usize, EntityId)>> = vec![Vec::new()];
-        for parameter in asked_of(action) {
+        for parameter in sensing_parameters(action) {
             let longer = |given: &Vec<(usize, EntityId)>| {
                 let fitting = world.of_kind(action.parameters[parameter].kind).iter();
                 fitting
