@@ -79,8 +79,8 @@ fn request(messages: Vec<Message>) -> ChatRequest {
 fn turn(line: &str) -> Option<(ChatRequest, String)> {
     let value: Value = serde_json::from_str(line).ok()?;
     let turn = value.get("turn")?;
-    let asked = turn.get("request")?;
-    if asked.get("constraint")? != "free" {
+    let recorded = turn.get("request")?;
+    if recorded.get("constraint")? != "free" {
         return None;
     }
     let role = |text: &str| match text {
@@ -95,10 +95,10 @@ fn turn(line: &str) -> Option<(ChatRequest, String)> {
             record.get("text")?.as_str()?,
         ))
     };
-    let messages: Option<Vec<Message>> = asked.get("messages")?.as_array()?.iter().map(message).collect();
+    let messages: Option<Vec<Message>> = recorded.get("messages")?.as_array()?.iter().map(message).collect();
     let made = ChatRequest {
-        answer_so_far: asked.get("answer_so_far")?.as_str()?.to_owned(),
-        max_tokens: u32::try_from(asked.get("max_tokens")?.as_u64()?).ok()?,
+        answer_so_far: recorded.get("answer_so_far")?.as_str()?.to_owned(),
+        max_tokens: u32::try_from(recorded.get("max_tokens")?.as_u64()?).ok()?,
         ..request(messages?)
     };
     Some((made, turn.get("reply")?.get("text")?.as_str()?.to_owned()))

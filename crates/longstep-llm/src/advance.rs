@@ -45,11 +45,11 @@ pub fn advance(
         let Some(prepared) = request? else {
             return Ok(());
         };
-        let asked = Instant::now();
+        let started = Instant::now();
         // The session waits for a model in both arms, so `supply`, `cancel` and `failed` are never out of turn.
         match model.chat(&prepared.request, watch) {
             Ok(reply) => {
-                let milliseconds = asked.elapsed().as_secs_f64() * 1000.0;
+                let milliseconds = started.elapsed().as_secs_f64() * 1000.0;
                 let _ = session.supply(&reply, (milliseconds * 1000.0).round() / 1000.0);
             }
             Err(error) => {

@@ -6,11 +6,11 @@ use super::wire::{WireConstraint, WireMessage, WireRequest};
 const SHOWN: usize = 40;
 
 /// The difference from the most similar recorded request, in one line.
-pub(super) fn nearest<'a>(asked: &WireRequest, recorded: impl Iterator<Item = &'a WireRequest>) -> String {
+pub(super) fn nearest<'a>(requested: &WireRequest, recorded: impl Iterator<Item = &'a WireRequest>) -> String {
     // On a tie, the first one.
     let nearest = recorded
         .enumerate()
-        .map(|(number, request)| (common(asked, request), number, request))
+        .map(|(number, request)| (common(requested, request), number, request))
         .max_by(|left, right| left.0.cmp(&right.0).then(right.1.cmp(&left.1)));
     match nearest {
         None => "no request is recorded".into(),
@@ -18,22 +18,22 @@ pub(super) fn nearest<'a>(asked: &WireRequest, recorded: impl Iterator<Item = &'
             format!(
                 "the most similar one is request {}, which differs in {}",
                 number + 1,
-                difference(asked, request)
+                difference(requested, request)
             )
         }
     }
 }
 
 /// Similarity of two requests: the common prefixes of their texts in characters, then the number of equal properties.
-fn common(asked: &WireRequest, recorded: &WireRequest) -> (usize, usize) {
-    let pairs = asked.messages.iter().zip(&recorded.messages);
+fn common(requested: &WireRequest, recorded: &WireRequest) -> (usize, usize) {
+    let pairs = requested.messages.iter().zip(&recorded.messages);
     let characters = pairs
-        .map(|(asked, recorded)| same(&asked.text, &recorded.text))
+        .map(|(requested, recorded)| same(&requested.text, &recorded.text))
         .sum::<usize>()
-        + same(&asked.answer_so_far, &recorded.answer_so_far);
-    let rest = usize::from(asked.constraint == recorded.constraint)
-        + usize::from(asked.max_tokens == recorded.max_tokens)
-        + usize::from(asked.messages.len() == recorded.messages.len());
+        + same(&requested.answer_so_far, &recorded.answer_so_far);
+    let rest = usize::from(requested.constraint == recorded.constraint)
+        + usize::from(requested.max_tokens == recorded.max_tokens)
+        + usize::from(requested.messages.len() == recorded.messages.len());
     (characters, rest)
 }
 
@@ -45,32 +45,35 @@ fn same(left: &str, right: &str) -> usize {
         .count()
 }
 
-fn difference(asked: &WireRequest, recorded: &WireRequest) -> String {
-    let pairs = asked.messages.iter().zip(&recorded.messages);
-    if let Some((number, (asked, recorded))) = pairs.enumerate().find(|(_, (asked, recorded))| asked != recorded) {
-        return format!("message {}: {}", number + 1, message(asked, recorded));
+fn difference(requested: &WireRequest, recorded: &WireRequest) -> String {
+    let pairs = requested.messages.iter().zip(&recorded.messages);
+    if let Some((number, (requested, recorded))) = pairs
+        .enumerate()
+        .find(|(_, (requested, recorded))| requested != recorded)
+    {
+        return format!("message {}: {}", number + 1, message(requested, recorded));
     }
-    let (many, few) = (asked.messages.len(), recorded.messages.len());
+    let (many, few) = (requested.messages.len(), recorded.messages.len());
     if many != few {
         return format!("the number of messages: recorded {few}, requested {many}");
     }
-    if asked.answer_so_far != recorded.answer_so_far {
-        let texts = texts(&asked.answer_so_far, &recorded.answer_so_far);
+    if requested.answer_so_far != recorded.answer_so_far {
+        let texts = texts(&requested.answer_so_far, &recorded.answer_so_far);
         return format!("the beginning of the answer: {texts}");
     }
-    if asked.constraint != recorded.constraint {
-        let texts = texts(&constraint(&asked.constraint), &constraint(&recorded.constraint));
+    if requested.constraint != recorded.constraint {
+        let texts = texts(&constraint(&requested.constraint), &constraint(&recorded.constraint));
         return format!("the constraint: {texts}");
     }
-    let (now, then) = (asked.max_tokens, recorded.max_tokens);
+    let (now, then) = (requested.max_tokens, recorded.max_tokens);
     format!("the token limit of the answer: recorded {then}, requested {now}")
 }
 
-fn message(asked: &WireMessage, recorded: &WireMessage) -> String {
-    if asked.role != recorded.role {
-        return format!("recorded from {:?}, requested from {:?}", recorded.role, asked.role);
+fn message(requested: &WireMessage, recorded: &WireMessage) -> String {
+    if requested.role != recorded.role {
+        return format!("recorded from {:?}, requested from {:?}", recorded.role, requested.role);
     }
-    texts(&asked.text, &recorded.text)
+    texts(&requested.text, &recorded.text)
 }
 
 fn constraint(constraint: &WireConstraint) -> String {
@@ -82,8 +85,8 @@ fn constraint(constraint: &WireConstraint) -> String {
 }
 
 /// Excerpts of two texts around the first difference.
-fn texts(asked: &str, recorded: &str) -> String {
-    let from = same(asked, recorded).saturating_sub(SHOWN / 2);
+fn texts(requested: &str, recorded: &str) -> String {
+    let from = same(requested, recorded).saturating_sub(SHOWN / 2);
     let part = |text: &str| -> String {
         let shown: String = text.chars().skip(from).take(SHOWN).collect();
         let before = if from > 0 { "..." } else { "" };
@@ -94,5 +97,5 @@ fn texts(asked: &str, recorded: &str) -> String {
         };
         format!("{:?}", format!("{before}{shown}{after}"))
     };
-    format!("recorded {}, requested {}", part(recorded), part(asked))
+    format!("recorded {}, requested {}", part(recorded), part(requested))
 }

@@ -40,15 +40,15 @@ impl Replay {
         let (mut counts, mut frame) = (HashMap::new(), None);
         for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
             match serde_json::from_str(line).map_err(|error| bad(number, error.to_string()))? {
-                Line::Recording(said) if said.version != VERSION => {
-                    let version = said.version;
+                Line::Recording(recording) if recording.version != VERSION => {
+                    let version = recording.version;
                     return Err(bad(
                         number,
                         format!("version {version} is not supported, only {VERSION}"),
                     ));
                 }
-                Line::Recording(said) => {
-                    head.get_or_insert(said);
+                Line::Recording(recording) => {
+                    head.get_or_insert(recording);
                 }
                 Line::Turn { request, reply } => turns.push(Turn {
                     request,
@@ -86,16 +86,16 @@ impl ChatModel for Replay {
         if watch.stop() {
             return Err(ModelError::Stopped);
         }
-        let asked = WireRequest::of(request);
-        let mut equal = self.turns.iter_mut().filter(|turn| turn.request == asked);
+        let requested = WireRequest::of(request);
+        let mut equal = self.turns.iter_mut().filter(|turn| turn.request == requested);
         if let Some(turn) = equal.find(|turn| !turn.given) {
             turn.given = true;
             return Ok((&turn.reply).into());
         }
-        let times = self.turns.iter().filter(|turn| turn.request == asked).count();
+        let times = self.turns.iter().filter(|turn| turn.request == requested).count();
         let recorded = self.turns.iter().map(|turn| &turn.request);
         let difference = match times {
-            0 => difference::nearest(&asked, recorded),
+            0 => difference::nearest(&requested, recorded),
             1 => "it was recorded once and already used".to_owned(),
             _ => format!("it was recorded {times} times and already used as often"),
         };

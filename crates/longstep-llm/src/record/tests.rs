@@ -130,7 +130,7 @@ fn what_differs_is_told() {
         request
     };
     let mut model = replay(&path).unwrap();
-    for (request, told) in [
+    for (request, expected) in [
         (
             request("Open the doors."),
             "request 2, which differs in message 2: recorded \"Open the door.\", requested \"Open the doors.\"",
@@ -158,7 +158,7 @@ fn what_differs_is_told() {
     ] {
         let error = model.chat(&request, &mut quiet).unwrap_err();
         assert!(matches!(error, ModelError::NotRecorded { .. }));
-        assert!(error.to_string().ends_with(told), "{error}");
+        assert!(error.to_string().ends_with(expected), "{error}");
         assert!(error.hint().is_some());
     }
 }
@@ -169,7 +169,7 @@ fn what_is_no_recording_is_refused() {
     let path = folder.path().join("talk.jsonl");
     assert!(matches!(replay(&path), Err(ModelError::File { .. })));
     let head = r#"{"recording": {"version": 2, "name": "m", "constraint_kind": "grammar", "counting": {"exact": ""}}}"#;
-    for (text, told) in [
+    for (text, expected) in [
         ("", "line 1: the first line with the model is missing"),
         ("\nhello", "line 2: expected value"),
         ("{\"frame\": 3}\n{\"other\": 1}", "line 2: unknown variant `other`"),
@@ -179,6 +179,6 @@ fn what_is_no_recording_is_refused() {
         let Err(error) = replay(&path) else {
             panic!("{text} was read")
         };
-        assert!(error.to_string().contains(told), "{error}");
+        assert!(error.to_string().contains(expected), "{error}");
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct Counter {
     counted: HashMap<Message, u64>,
     estimate: Calibrated,
     /// Total time of the token requests to the server.
-    asked: Duration,
+    counting_time: Duration,
 }
 
 #[derive(Debug)]
@@ -55,7 +55,7 @@ impl Counter {
             way,
             counted: HashMap::new(),
             estimate: Calibrated::default(),
-            asked: Duration::ZERO,
+            counting_time: Duration::ZERO,
         }
     }
 
@@ -89,8 +89,8 @@ impl Counter {
             }
             Way::Unasked | Way::Estimate => None,
         };
-        self.asked += began.elapsed();
-        let given_up = count.is_none() || self.asked > COUNTING_TIME;
+        self.counting_time += began.elapsed();
+        let given_up = count.is_none() || self.counting_time > COUNTING_TIME;
         if matches!(self.way, Way::Server(_)) && given_up && !connection.stop.is_set() {
             // If one count fails or is slow, every further message would wait for the server, too.
             self.way = Way::Estimate;
@@ -209,10 +209,10 @@ mod tests {
         assert_eq!(estimate.now().characters, 4.0);
         assert_eq!(estimate.now().message_tokens(&message), 104);
         estimate.learn(std::slice::from_ref(&message), 208);
-        let Counting::Estimate(said) = estimate.counting() else {
+        let Counting::Estimate(description) = estimate.counting() else {
             panic!("exact")
         };
-        assert!(said.contains("calibrated on 2 replies: 2.67"), "{said}");
+        assert!(description.contains("calibrated on 2 replies: 2.67"), "{description}");
     }
 
     #[test]

@@ -68,8 +68,8 @@ impl Dialect {
     ) -> Option<(Self, Option<&'static str>)> {
         let complaint = complaint.to_lowercase();
         let names = |words: &[&str]| words.iter().any(|word| complaint.contains(word));
-        let asked = matches!(request.constraint, Constraint::JsonSchema(_)) && self.sends_schema();
-        if asked && names(&["response_format", "json_schema", "output_config", "responsejsonschema"]) {
+        let has_schema = matches!(request.constraint, Constraint::JsonSchema(_)) && self.sends_schema();
+        if has_schema && names(&["response_format", "json_schema", "output_config", "responsejsonschema"]) {
             // OpenAI and Azure have no second form of a schema; other servers may.
             if self.schema == SchemaForm::Schema && matches!(self.kind, Kind::Other | Kind::Ollama) {
                 let schema = SchemaForm::Object;

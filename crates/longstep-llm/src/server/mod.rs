@@ -39,7 +39,7 @@ pub(crate) struct ServerModel {
     /// The request format, reduced by the parameters that the server rejects.
     dialect: Dialect,
     /// True if a warning about ignored schemas was given.
-    ignoring_told: bool,
+    warned_of_ignored_schema: bool,
     counter: Counter,
     /// The user's value for the size of the context, if the server reports none.
     given_context: Option<u64>,
@@ -90,7 +90,7 @@ impl ServerModel {
             counter: Counter::of(&endpoint),
             connection,
             sampling: options.sampling.clone(),
-            ignoring_told: false,
+            warned_of_ignored_schema: false,
             given_context: options.context_tokens.map(u64::from),
             context: OnceCell::new(),
             endpoint,
@@ -150,18 +150,18 @@ impl ChatModel for ServerModel {
     }
 
     fn context_tokens(&self) -> Option<u64> {
-        let told = match self.context.get() {
+        let reported = match self.context.get() {
             Some(known) => *known,
             None => {
-                let told = probe::context(&self.endpoint, &self.connection);
+                let reported = probe::context(&self.endpoint, &self.connection);
                 // A cancelled request has no answer, and is repeated later.
                 if !self.connection.stop.is_set() {
-                    let _ = self.context.set(told);
+                    let _ = self.context.set(reported);
                 }
-                told
+                reported
             }
         };
-        told.or(self.given_context)
+        reported.or(self.given_context)
     }
 }
 
@@ -250,10 +250,10 @@ impl ServerModel {
         if let Constraint::JsonSchema(schema) = &request.constraint
             && reply.finish == Finish::Stop
             && self.dialect.sends_schema()
-            && !self.ignoring_told
+            && !self.warned_of_ignored_schema
             && !dialect::fits(&reply.text, schema)
         {
-            self.ignoring_told = true;
+            self.warned_of_ignored_schema = true;
             let warning = "the server ignored the schema: its answer has another form";
             tell(Progress::Warning(warning.into()));
         }

@@ -122,13 +122,13 @@ impl<'de> Visitor<'de> for WholeVisitor {
 impl About {
     /// The configured context (`num_ctx 8192` in a list of parameters), else the context of the model's training.
     fn context(&self) -> Option<u64> {
-        let told = self.parameters.lines().find_map(|line| {
+        let configured = self.parameters.lines().find_map(|line| {
             let (name, value) = line.trim().split_once(char::is_whitespace)?;
             (name == "num_ctx").then(|| value.trim().parse().ok())?
         });
         let mut sizes = self.model_info.iter();
         let trained = sizes.find(|(name, _)| name.ends_with(".context_length"));
-        told.or_else(|| trained?.1.0)
+        configured.or_else(|| trained?.1.0)
     }
 }
 

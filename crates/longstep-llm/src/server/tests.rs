@@ -297,14 +297,14 @@ fn limits_and_temperatures_are_asked_for_as_the_server_likes() {
 fn an_answer_that_is_no_answer_is_an_error() {
     let events = sse(&[says("{\"goal\""), ends("stop")]);
     let unmarked = events.strip_suffix("data: [DONE]\n\n").unwrap();
-    let said = "it ended early";
+    let early = "it ended early";
     for (body, expected) in [
-        (&b"<html>hello</html>"[..], said),
-        (b"{\"choices\": []}", said),
+        (&b"<html>hello</html>"[..], early),
+        (b"{\"choices\": []}", early),
         (b"data: {\"choices\": [\n\n", "not JSON: EOF"),
         (b"data: [DONE]\n\n", "no content"),
         (b"data: \xff\xfe\n\n", "utf-8"),
-        (unmarked.as_bytes(), said),
+        (unmarked.as_bytes(), early),
         (
             b"data: {\"error\": {\"message\": \"out of memory\"}}\n\n",
             "out of memory",
@@ -319,7 +319,7 @@ fn an_answer_that_is_no_answer_is_an_error() {
     }
     let cut = announced("200 OK", &[], events.len() + 1, unmarked.as_bytes());
     let (outcome, _, requests) = ask(vec![cut]);
-    assert!(outcome.unwrap_err().to_string().contains(said));
+    assert!(outcome.unwrap_err().to_string().contains(early));
     assert_eq!(requests.len(), 1);
 }
 
@@ -381,11 +381,11 @@ fn what_a_server_cannot_do_is_said_before_it_is_asked() {
 #[test]
 fn what_is_written_is_told_as_it_comes() {
     let server = TestServer::new(vec![success()]);
-    let mut told = Vec::new();
-    let reply = model(&server, Kind::OpenAi).chat(&request(), &mut |progress: Progress| told.push(progress));
+    let mut reports = Vec::new();
+    let reply = model(&server, Kind::OpenAi).chat(&request(), &mut |progress: Progress| reports.push(progress));
     assert!(reply.is_ok());
     assert_eq!(
-        told,
+        reports,
         [
             Progress::Waiting,
             Progress::Writing { tokens: 1 },
@@ -449,8 +449,8 @@ fn a_server_that_falls_silent_is_not_waited_for() {
 
 #[test]
 fn an_ignored_schema_is_told_once() {
-    let mut asked = request();
-    asked.constraint = Constraint::JsonSchema(json!({"type": "object", "required": ["goals", "question"]}));
+    let mut request = request();
+    request.constraint = Constraint::JsonSchema(json!({"type": "object", "required": ["goals", "question"]}));
     for (text, heeded) in [
         ("{\"goals\": [], \"question\": \"\"}", true),
         ("{\"goals\": []}", false),
@@ -462,7 +462,7 @@ fn an_ignored_schema_is_told_once() {
         let mut model = model(&server, Kind::OpenAi);
         let mut warnings = Vec::new();
         for _ in 0..2 {
-            let reply = model.chat(&asked, &mut |progress: Progress| {
+            let reply = model.chat(&request, &mut |progress: Progress| {
                 if let Progress::Warning(warning) = progress {
                     warnings.push(warning);
                 }

