@@ -52,7 +52,7 @@ impl Changes {
     ///
     /// When there is no such call, or when the examples are not TOML.
     pub fn apply(&self, files: &mut Files) -> Result<Vec<String>, AblationError> {
-        let mut told = Vec::new();
+        let mut changes = Vec::new();
         for (from, to) in &self.renamed {
             if !is_word(to) {
                 return Err(AblationError::NoWord(to.clone()));
@@ -66,7 +66,7 @@ impl Changes {
             {
                 *text = renamed(text, from, to);
             }
-            told.push(format!("{from} is called {to}"));
+            changes.push(format!("{from} is called {to}"));
         }
         if let Some(most) = self.examples {
             files.examples = first_examples("prompt/examples.toml", &files.examples, most)?;
@@ -74,9 +74,9 @@ impl Changes {
                 *plans = first_examples("prompt/plans.toml", plans, most)?;
             }
             let examples = if most == 1 { "example" } else { "examples" };
-            told.push(format!("{most} {examples} at most"));
+            changes.push(format!("{most} {examples} at most"));
         }
-        Ok(told)
+        Ok(changes)
     }
 }
 

@@ -84,7 +84,7 @@ impl Attempt {
     }
 
     /// Returns true if the result is a clarifying question.
-    pub fn asked(&self) -> bool {
+    pub fn is_question(&self) -> bool {
         self.outcome == Outcome::Question
     }
 }

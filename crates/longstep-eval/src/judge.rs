@@ -15,16 +15,16 @@ pub(crate) struct Amiss {
     /// Parts of the goal that do not hold at the end.
     pub(crate) unreached: Vec<String>,
     /// Changes that the goal does not require.
-    pub(crate) unasked: Vec<String>,
+    pub(crate) unexpected: Vec<String>,
 }
 
 impl Amiss {
     fn len(&self) -> usize {
-        self.unreached.len() + self.unasked.len()
+        self.unreached.len() + self.unexpected.len()
     }
 
     pub(crate) fn sentences(&self) -> Vec<String> {
-        [&self.unreached[..], &self.unasked].concat()
+        [&self.unreached[..], &self.unexpected].concat()
     }
 }
 
@@ -91,14 +91,14 @@ impl<'a> Standard<'a> {
         let unreached = unreached
             .map(|violation| violation.message(world, report.plan.steps(), Some(goal)))
             .collect();
-        let mut asked: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(domain)).collect();
-        asked.extend(reference.iter().flat_map(|plan| self.changed(plan.endings())));
-        let mut unasked: Vec<EntityId> = self.changed(&report.endings);
-        unasked.retain(|entity| !asked.contains(entity));
-        let told = |entity: EntityId| format!("{} ends as nobody asked for", world.entity(entity).with_article());
+        let mut concerned: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(domain)).collect();
+        concerned.extend(reference.iter().flat_map(|plan| self.changed(plan.endings())));
+        let mut unexpected: Vec<EntityId> = self.changed(&report.endings);
+        unexpected.retain(|entity| !concerned.contains(entity));
+        let deviation = |entity: EntityId| format!("{} ends as nobody asked for", world.entity(entity).with_article());
         Amiss {
             unreached,
-            unasked: unasked.into_iter().map(told).collect(),
+            unexpected: unexpected.into_iter().map(deviation).collect(),
         }
     }
 

@@ -168,21 +168,24 @@ fn goals_are_compared_with_the_nearest_that_is_expected() {
 #[test]
 fn questions_are_right_where_they_are_expected() {
     let asks = json!({"question": "Which one?", "goals": []});
-    let asked = attempt(
+    let questioned = attempt(
         Strategy::Goal,
         "Put the mug on the sofa.",
         "goal = 'put(mug, sofa)'",
         &asks,
     );
-    assert_eq!((asked.correct, kinds(&asked)), (false, vec!["asked needlessly"]));
-    let asked = attempt(
+    assert_eq!(
+        (questioned.correct, kinds(&questioned)),
+        (false, vec!["asked needlessly"])
+    );
+    let questioned = attempt(
         Strategy::Goal,
         "Put the vase on the sofa.",
         "expect = 'question'",
         &asks,
     );
     assert_eq!(
-        (asked.correct, asked.question.as_str(), kinds(&asked)),
+        (questioned.correct, questioned.question.as_str(), kinds(&questioned)),
         (true, "Which one?", vec![])
     );
     let refused = attempt(Strategy::Goal, "Put the vase on the sofa.", "expect = 'refusal'", &asks);

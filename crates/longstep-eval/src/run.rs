@@ -293,7 +293,7 @@ impl Observed<'_> {
                 found.extend(failure::of_draft(self.world, reply, &attempt.says));
             }
             if attempt.outcome == Outcome::Verified && !attempt.correct {
-                found.extend((!amiss.unasked.is_empty()).then_some(Failure::ExtraGoal));
+                found.extend((!amiss.unexpected.is_empty()).then_some(Failure::ExtraGoal));
                 found.extend((!amiss.unreached.is_empty()).then_some(Failure::MissingGoal));
             }
         }

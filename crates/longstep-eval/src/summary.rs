@@ -92,7 +92,7 @@ impl Summary {
                 .map(|most| Rate::count(plans(), |attempt| unaided(attempt) && attempt.rounds <= most))
                 .collect(),
             asked_rightly: Rate::count(asks(), |attempt| attempt.correct),
-            asked_needlessly: Rate::count(plans(), |attempt| attempt.asked()),
+            asked_needlessly: Rate::count(plans(), |attempt| attempt.is_question()),
             chains: chains(&all),
             claims_right: Rate::count(all.iter().filter_map(|attempt| attempt.claim_right), |right| *right),
             edits: edits as f64 / with_plan.max(1) as f64,

@@ -22,7 +22,7 @@ impl Mark {
     ];
 
     pub(super) fn of(attempt: &Attempt) -> Self {
-        match (attempt.correct, attempt.asked()) {
+        match (attempt.correct, attempt.is_question()) {
             (true, true) => Self::AskedRightly,
             (true, false) => Self::Correct,
             (false, true) => Self::AskedNeedlessly,

@@ -137,16 +137,16 @@ fn mixed() -> Results {
     let mut run = results(evil, evil, vec![right("pen", 1), wrong("cup", 1), hostile()]);
     run.plan.changes = vec![evil.to_owned()];
     run.attempts[0].tags = vec!["two-goals".to_owned()];
-    let mut asked = right("which", 1);
-    asked.expected = Wanted::Question;
-    asked.outcome = Outcome::Question;
-    asked.executable = false;
-    asked.question = evil.to_owned();
-    run.attempts.push(asked.clone());
-    asked.key.case = "needless".to_owned();
-    asked.expected = Wanted::Plan(vec!["on(lamp)".to_owned()]);
-    asked.correct = false;
-    run.attempts.push(asked);
+    let mut attempt = right("which", 1);
+    attempt.expected = Wanted::Question;
+    attempt.outcome = Outcome::Question;
+    attempt.executable = false;
+    attempt.question = evil.to_owned();
+    run.attempts.push(attempt.clone());
+    attempt.key.case = "needless".to_owned();
+    attempt.expected = Wanted::Plan(vec!["on(lamp)".to_owned()]);
+    attempt.correct = false;
+    run.attempts.push(attempt);
     run
 }
 

@@ -76,7 +76,7 @@ pub(super) fn expected(wanted: &Wanted) -> String {
 
 /// The actual result: a question, the goals, or the outcome.
 pub(crate) fn came(attempt: &Attempt) -> String {
-    if attempt.asked() {
+    if attempt.is_question() {
         return format!("the question \u{201c}{}\u{201d}", attempt.question);
     }
     match attempt.understood.is_empty() {

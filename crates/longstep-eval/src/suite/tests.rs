@@ -28,11 +28,11 @@ fn household() -> Domain {
 #[track_caller]
 fn check(cases: &str, expected: &[&str]) {
     let suite = "name = 'mine'\nabout = 'A pen.'\ndomain = 'household'";
-    let told = match load(&files(suite, cases, &[("desk", DESK)]), &household()) {
+    let faults = match load(&files(suite, cases, &[("desk", DESK)]), &household()) {
         Ok(_) => Vec::new(),
         Err(faults) => faults.0.iter().map(ToString::to_string).collect(),
     };
-    assert_eq!(told, expected, "{cases}");
+    assert_eq!(faults, expected, "{cases}");
 }
 
 #[test]
@@ -90,8 +90,8 @@ fn broken_files_are_told_together() {
         "[[case]",
         &[("desk", "{"), ("hall", "{\"assets\": 1}")],
     );
-    let told = load(&broken, &household()).unwrap_err();
-    let places: Vec<String> = told.0.iter().map(|fault| fault.file.clone()).collect();
+    let faults = load(&broken, &household()).unwrap_err();
+    let places: Vec<String> = faults.0.iter().map(|fault| fault.file.clone()).collect();
     assert_eq!(
         places,
         [
