@@ -46,7 +46,7 @@ struct Chat<'a> {
     model_name: String,
     arguments: &'a ModelArguments,
     /// Number of accepted plans that have been shown.
-    told: usize,
+    shown: usize,
 }
 
 /// Continues or ends the conversation.
@@ -107,7 +107,7 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
         model: Some(model),
         model_name: name.clone(),
         arguments: &arguments.model,
-        told: 0,
+        shown: 0,
     };
     chat.folder.keep(&mut chat.session)?;
     Ok(chat)
@@ -146,14 +146,14 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
         };
         session.set_settings(settings);
     }
-    let told = session.accepted().len();
+    let shown = session.accepted().len();
     let mut chat = Chat {
         session,
         folder,
         model: None,
         model_name: arguments.model.model.clone(),
         arguments: &arguments.model,
-        told,
+        shown,
     };
     chat.folder.keep(&mut chat.session)?;
     screen::where_we_are(&chat.session, interactive);
@@ -214,16 +214,16 @@ impl Chat<'_> {
                     self.session.cancel()?;
                     screen::notice("Cancelled; nothing has changed");
                 }
-                _ => self.session.feedback(plan::said(line)?)?,
+                _ => self.session.feedback(plan::checked_instruction(line)?)?,
             }
         } else if line.is_empty() {
             return Ok(Next::GoOn);
         } else if !self.session.endings().is_empty() {
             self.ended(&plain)?;
         } else if self.session.question().is_some() {
-            self.session.answer(plan::said(line)?)?;
+            self.session.answer(plan::checked_instruction(line)?)?;
         } else {
-            self.session.instruct(plan::said(line)?)?;
+            self.session.instruct(plan::checked_instruction(line)?)?;
         }
         Ok(Next::GoOn)
     }
@@ -272,10 +272,10 @@ impl Chat<'_> {
         } else {
             self.folder.keep(&mut self.session)?;
         }
-        if self.session.accepted().len() > self.told {
+        if self.session.accepted().len() > self.shown {
             screen::accepted(&self.session);
         }
-        self.told = self.session.accepted().len();
+        self.shown = self.session.accepted().len();
         Ok(())
     }
 

@@ -13,7 +13,7 @@ use crate::arguments::ComposeArguments;
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::failure::{Failure, UNREADABLE};
-use crate::plan::said;
+use crate::plan::checked_instruction;
 use crate::solve::finish;
 use crate::{inputs, output, show};
 
@@ -25,12 +25,12 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     compose::check_names(&domain, &stored).map_err(|clash| {
         Failure::unreadable(clash.to_string()).hint("the file name is the name of a plan: rename one of the files")
     })?;
-    let wish = arguments.instruction.as_deref().map(said).transpose()?;
+    let wish = arguments.instruction.as_deref().map(checked_instruction).transpose()?;
     let composition = match &arguments.script {
         Some(path) => written(path)?,
-        None => asked(arguments, &world, &stored, wish.unwrap_or_default())?,
+        None => request_composition(arguments, &world, &stored, wish.unwrap_or_default())?,
     };
-    let asked = stopwatch();
+    let received = stopwatch();
     let summary = match wish {
         Some(wish) => wish.to_owned(),
         None => summary(&composition, &stored),
@@ -49,9 +49,9 @@ pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
         },
     };
     answer.usage = composition.usage.into();
-    answer.timings_ms.verify = stopwatch() - asked;
+    answer.timings_ms.verify = stopwatch() - received;
     if arguments.script.is_none() {
-        answer.timings_ms.model = asked - started;
+        answer.timings_ms.model = received - started;
     }
     answer.timings_ms.total = stopwatch() - started;
     if !arguments.json && answer.status != Status::Question {
@@ -82,7 +82,12 @@ fn written(path: &Path) -> Result<Composition> {
 }
 
 /// Requests a composition from a model.
-fn asked(arguments: &ComposeArguments, world: &World, stored: &[Stored], wish: &str) -> Result<Composition> {
+fn request_composition(
+    arguments: &ComposeArguments,
+    world: &World,
+    stored: &[Stored],
+    wish: &str,
+) -> Result<Composition> {
     let mut model = ask::model(&arguments.model.model, &arguments.model)?;
     let mut dialogue = CompositionDialogue::new(CompositionInput {
         world,

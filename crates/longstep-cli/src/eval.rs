@@ -126,7 +126,7 @@ fn task(
     recorded: Option<&(Recorded, String)>,
 ) -> Result<Task> {
     let mut files = Files::default();
-    let mut told = Vec::new();
+    let mut applied = Vec::new();
     let changes = Changes {
         renamed: arguments.renamed.clone(),
         examples: arguments.examples,
@@ -136,7 +136,7 @@ fn task(
         if let Some(prompt) = &arguments.strategy.prompt {
             overlay_prompt(&mut files, prompt)?;
         }
-        told = changes.apply(&mut files).map_err(|error| {
+        applied = changes.apply(&mut files).map_err(|error| {
             Failure::unreadable(error.to_string()).hint("`longstep domain show DOMAIN` lists the actions")
         })?;
         Ok(longstep::domain::load(&files)?)
@@ -181,7 +181,7 @@ fn task(
         tags: choice.tags.clone(),
         cases: choice.cases.clone(),
         wordings: choice.wordings.clone(),
-        changes: told,
+        changes: applied,
     };
     Ok(Task {
         suite,

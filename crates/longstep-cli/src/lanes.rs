@@ -39,7 +39,7 @@ fn shown(world: &World, plan: &Plan) -> Vec<Line> {
         match node {
             Node::Step(id) => {
                 unit += 1;
-                let texts = wrapped(&told(plan, *id), WIDTH - MARGIN);
+                let texts = wrapped(&explanation(plan, *id), WIDTH - MARGIN);
                 lines.extend(line(unit, &[texts], WIDTH - MARGIN));
             }
             Node::Parallel { lanes } => lines.extend(beside(world, plan, lanes, &mut unit)),
@@ -51,7 +51,7 @@ fn shown(world: &World, plan: &Plan) -> Vec<Line> {
 }
 
 /// The explanation of a step.
-fn told(plan: &Plan, id: StepId) -> String {
+fn explanation(plan: &Plan, id: StepId) -> String {
     visible::line(&plan.step(id).explanation).into_owned()
 }
 
@@ -74,7 +74,7 @@ fn beside(world: &World, plan: &Plan, lanes: &[Lane], unit: &mut usize) -> Vec<L
             Row::Unit(steps) => {
                 *unit += 1;
                 let cells = steps.iter().map(|step| match step {
-                    Some(id) => wrapped(&told(plan, *id), column),
+                    Some(id) => wrapped(&explanation(plan, *id), column),
                     None => vec![String::new()],
                 });
                 lines.extend(line(*unit, &cells.collect::<Vec<_>>(), column));

@@ -18,13 +18,13 @@ const INSTRUCTION_LIMIT: usize = 2000;
 
 pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let started = stopwatch();
-    let instruction = said(&arguments.instruction)?;
+    let instruction = checked_instruction(&arguments.instruction)?;
     let named = &arguments.world.domain;
     let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
     let world = inputs::world(&domain, &arguments.world.env)?;
-    let asked = stopwatch();
+    let opening = stopwatch();
     let mut model = ask::model(&arguments.model.model, &arguments.model)?;
-    let opened = stopwatch() - asked;
+    let opened = stopwatch() - opening;
     let facts = model.facts();
     let mut session = Session::new(named, domain, world, arguments.strategy.settings(), facts, stopwatch);
     // A new session waits for an instruction.
@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
 }
 
 /// Returns the trimmed instruction, if it is neither empty nor too long.
-pub(crate) fn said(text: &str) -> Result<&str> {
+pub(crate) fn checked_instruction(text: &str) -> Result<&str> {
     let instruction = text.trim();
     if instruction.is_empty() {
         let failure = Failure::unreadable("the instruction is empty");

@@ -70,12 +70,12 @@ fn print(answer: &Answer) {
     {
         print_line!("; {note}");
     }
-    let said = match answer.status {
+    let verdict = match answer.status {
         Status::Verified => format!("verified, {} step(s)", answer.steps.len()),
         Status::Unsolvable => "unsolvable: no plan reaches this goal".to_owned(),
         Status::GaveUp => "gave up: no plan found within the limits".to_owned(),
         Status::Invalid | Status::Question => "not valid".to_owned(),
     };
     let (search, verify) = (answer.timings_ms.search, answer.timings_ms.verify);
-    print_line!("; {said} (search {search:.2} ms, verification {verify:.2} ms)");
+    print_line!("; {verdict} (search {search:.2} ms, verification {verify:.2} ms)");
 }

@@ -206,17 +206,17 @@ fn replayed(folder: &Path) -> Result<u8> {
     if !outcome.differing.is_empty() {
         output::blank();
     }
-    let told = format!(
+    let summary = format!(
         "{}, {} accepted",
         plural(outcome.instructions, "instruction"),
         plural(outcome.accepted, "plan")
     );
     if outcome.differing.is_empty() {
-        print_line!("{} {told}", "Identical:".green().bold());
+        print_line!("{} {summary}", "Identical:".green().bold());
         Ok(0)
     } else {
         let many = plural(outcome.differing.len(), "event");
-        print_line!("{} {many} ({told})", "Different:".red().bold());
+        print_line!("{} {many} ({summary})", "Different:".red().bold());
         Ok(10)
     }
 }

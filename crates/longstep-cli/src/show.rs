@@ -215,16 +215,19 @@ fn verdict(answer: &Answer) {
             print_line!("{} {found} ({time})", "Not valid:".red().bold());
         }
         Status::Unsolvable => {
-            let told = if repaired {
+            let reason = if repaired {
                 "no edits make this plan valid"
             } else {
                 "no plan reaches this goal"
             };
-            print_line!("{} {told} ({time})", "Unsolvable:".red().bold());
+            print_line!("{} {reason} ({time})", "Unsolvable:".red().bold());
         }
         Status::GaveUp => {
-            let told = if repaired { "no repair" } else { "no plan" };
-            print_line!("{} {told} found within the limits ({time})", "Gave up:".yellow().bold());
+            let reason = if repaired { "no repair" } else { "no plan" };
+            print_line!(
+                "{} {reason} found within the limits ({time})",
+                "Gave up:".yellow().bold()
+            );
         }
         Status::Question => {}
     }

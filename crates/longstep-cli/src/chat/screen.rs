@@ -59,8 +59,8 @@ pub(super) fn response(session: &Session, interactive: bool) {
 /// Without a terminal there is no prompt, so a line says that the plan waits for a decision.
 fn waiting(interactive: bool) {
     if !interactive {
-        let told = "Waiting for a decision: an empty line accepts the plan, `no` cancels it.";
-        print_line!("{}", told.dimmed());
+        let line = "Waiting for a decision: an empty line accepts the plan, `no` cancels it.";
+        print_line!("{}", line.dimmed());
         output::blank();
     }
 }
@@ -180,17 +180,17 @@ pub(super) fn environment(session: &Session) {
     for (title, list) in [("Assets", &environment.assets), ("Objects", &environment.objects)] {
         show::heading(title);
         for identifier in list {
-            let said = said(environment, identifier);
+            let states = states(environment, identifier);
             let identifier = visible::line(identifier);
-            match said {
+            match states {
                 nothing if nothing.is_empty() => print_line!("  {identifier}"),
-                said => print_line!("  {identifier:width$}  {}", said.dimmed()),
+                states => print_line!("  {identifier:width$}  {}", states.dimmed()),
             }
         }
     }
 }
 
-fn said(environment: &Environment, identifier: &str) -> String {
+fn states(environment: &Environment, identifier: &str) -> String {
     let states = [&environment.asset_states, &environment.object_states];
     let words = states.iter().find_map(|states| states.get(identifier));
     words.map_or_else(String::new, |words| words.as_slice().join(", "))
