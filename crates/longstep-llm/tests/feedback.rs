@@ -135,7 +135,7 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
                     let edits: Vec<String> = amendment
                         .edits
                         .iter()
-                        .map(|edit| edit.told(plan.steps().len()))
+                        .map(|edit| edit.description(plan.steps().len()))
                         .collect();
                     told = format!("{told} [done {}]", edits.join("; "));
                     let says = |sentence: &str| amendment.plan.steps().iter().any(|step| step.explanation == sentence);

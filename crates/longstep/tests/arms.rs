@@ -46,7 +46,7 @@ fn diagnosed(written: &Value) -> (Vec<String>, Vec<String>) {
         RepairOutcome::Valid(_) => Vec::new(),
         RepairOutcome::Repaired(repaired) => {
             assert!(repaired.given_up.is_empty(), "{:?}", repaired.given_up);
-            let told = |edit: &longstep_core::repair::Edit| format!("{}: {}", edit.told(length), edit.why);
+            let told = |edit: &longstep_core::repair::Edit| format!("{}: {}", edit.description(length), edit.why);
             repaired.edits.iter().map(told).collect()
         }
         other => panic!("{other:?}"),

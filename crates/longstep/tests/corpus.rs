@@ -377,7 +377,7 @@ fn damaged_programs_are_mended() {
                         repaired
                             .edits
                             .iter()
-                            .for_each(|edit| println!("    {}", edit.told(calls.len())));
+                            .for_each(|edit| println!("    {}", edit.description(calls.len())));
                     }
                     other => println!("    {}", format!("{other:?}").chars().take(60).collect::<String>()),
                 }
@@ -437,7 +437,7 @@ fn damaged_household_plans_are_mended() {
                         repaired
                             .edits
                             .iter()
-                            .for_each(|edit| println!("    {}", edit.told(length)));
+                            .for_each(|edit| println!("    {}", edit.description(length)));
                     }
                     other => println!("    {}", format!("{other:?}").chars().take(90).collect::<String>()),
                 }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::{Cursor, CursorError};
 use crate::model::{Fact, World, unmet};
 use crate::plan::{Plan, StepId};
-use crate::verify::tests::bench::{Ask, Part, does, domain, fact, not, plan, world};
+use crate::verify::tests::bench::{Guard, Part, does, domain, fact, not, plan, world};
 use crate::verify::tests::enumerated::{lane, parts};
 use crate::verify::{Purpose, VerifiedPlan, check};
 
@@ -34,11 +34,11 @@ fn run(mut cursor: Cursor, outcome: usize) -> Vec<usize> {
 
 #[test]
 fn the_steps_of_a_run_follow_what_is_observed() {
-    let feel = || Ask::Feel(1);
-    let is = |predicate| Ask::Is(predicate, 1);
-    let branch = |ask| {
+    let feel = || Guard::Feel(1);
+    let is = |predicate| Guard::Is(predicate, 1);
+    let branch = |guard| {
         vec![
-            Part::If(ask, vec![does("cool 1")], vec![does("press left 2")]),
+            Part::If(guard, vec![does("cool 1")], vec![does("press left 2")]),
             does("link left 1 2"),
         ]
     };
@@ -50,11 +50,11 @@ fn the_steps_of_a_run_follow_what_is_observed() {
         (branch(feel()), [vec![1, 2, 4], vec![1, 3, 4]]),
         (branch(not(not(feel()))), [vec![1, 2, 4], vec![1, 3, 4]]),
         (
-            branch(Ask::All(vec![feel(), is("warm")])),
+            branch(Guard::All(vec![feel(), is("warm")])),
             [vec![1, 2, 4], vec![1, 3, 4]],
         ),
         (
-            branch(Ask::Any(vec![feel(), is("lit")])),
+            branch(Guard::Any(vec![feel(), is("lit")])),
             [vec![1, 2, 4], vec![1, 3, 4]],
         ),
         (
@@ -120,7 +120,7 @@ fn lanes_offer_a_step_each_and_wait_for_each_other() {
 fn an_observation_that_does_not_fit_leaves_the_cursor_where_it_was() {
     let domain = domain();
     let world = world(&domain, 2, &[]);
-    let feel = |lamp| Part::If(Ask::Feel(lamp), vec![], vec![]);
+    let feel = |lamp| Part::If(Guard::Feel(lamp), vec![], vec![]);
     let mut cursor = cursor(&world, &[feel(1), feel(1)]);
     let (first, second) = (StepId::new(0), StepId::new(1));
     let (warm, cold) = (fact(&world, "warm", 1), fact(&world, "cold", 1));

@@ -16,7 +16,7 @@ pub struct Claim {
     pub state: State,
     /// The unreadable parts of the claim, as sentences.
     pub ignored: Vec<String>,
-    spoken_of: FxHashSet<EntityId>,
+    mentioned: FxHashSet<EntityId>,
 }
 
 impl Claim {
@@ -26,20 +26,20 @@ impl Claim {
         let mut claim = Self {
             state: world.state.clone(),
             ignored: Vec::new(),
-            spoken_of: FxHashSet::default(),
+            mentioned: FxHashSet::default(),
         };
         let listed = claimed.assets.iter().chain(&claimed.objects);
         let entries = claimed.asset_states.iter().chain(&claimed.object_states);
         for identifier in listed.chain(entries.clone().map(|(identifier, _)| identifier)) {
             match world.find(identifier) {
                 Some(entity) => {
-                    claim.spoken_of.insert(entity);
+                    claim.mentioned.insert(entity);
                 }
                 None => claim.ignore(format!("`{identifier}`, which the environment before does not list")),
             }
         }
-        for fact in said(domain, &world.state) {
-            if claim.spoken_of.contains(&subject_of(domain, fact)) {
+        for fact in expressible(domain, &world.state) {
+            if claim.mentioned.contains(&subject_of(domain, fact)) {
                 claim.state.set(fact, false);
             }
         }
@@ -57,7 +57,7 @@ impl Claim {
             }
         }
         for default in &domain.defaults {
-            for entity in claim.spoken_of.iter().copied() {
+            for entity in claim.mentioned.iter().copied() {
                 let mut bindings: Bindings = vec![entity];
                 let moment = Moment {
                     world,
@@ -89,14 +89,14 @@ impl Claim {
     }
 
     /// Returns true if the claim mentions the entity.
-    pub fn speaks_of(&self, entity: EntityId) -> bool {
-        self.spoken_of.contains(&entity)
+    pub fn mentions(&self, entity: EntityId) -> bool {
+        self.mentioned.contains(&entity)
     }
 
     /// Returns the facts in which a state differs from the claim, sorted.
     pub fn differences(&self, domain: &Domain, state: &State) -> Vec<Difference> {
         let mut all = differences(domain, state, &self.state);
-        all.retain(|difference| self.spoken_of.contains(&subject_of(domain, difference.fact)));
+        all.retain(|difference| self.mentioned.contains(&subject_of(domain, difference.fact)));
         all
     }
 
@@ -110,14 +110,14 @@ impl Claim {
     /// Returns the claimed facts that held initially, in order.
     pub fn kept(&self, world: &World) -> Vec<Fact> {
         let domain = world.domain();
-        let mut kept = said(domain, &self.state);
-        kept.retain(|fact| world.state.holds(*fact) && self.spoken_of.contains(&subject_of(domain, *fact)));
+        let mut kept = expressible(domain, &self.state);
+        kept.retain(|fact| world.state.holds(*fact) && self.mentioned.contains(&subject_of(domain, *fact)));
         kept
     }
 }
 
 /// Returns the facts of a state that an environment can express, in order.
-fn said(domain: &Domain, state: &State) -> Vec<Fact> {
+fn expressible(domain: &Domain, state: &State) -> Vec<Fact> {
     differences(domain, &State::default(), state)
         .into_iter()
         .map(|difference| difference.fact)

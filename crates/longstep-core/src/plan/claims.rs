@@ -8,7 +8,7 @@ use crate::call::Call;
 
 /// Parts of an explanation.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Told<'t> {
+pub(crate) struct ExplanationParts<'t> {
     /// Description of the step for the user.
     pub(crate) sentence: &'t str,
     /// Claimed state words with the entity that each applies to, in order.
@@ -16,7 +16,7 @@ pub(crate) struct Told<'t> {
 }
 
 /// Splits an explanation into the sentence and the claims.
-pub(crate) fn told(explanation: &str) -> Told<'_> {
+pub(crate) fn split_claims(explanation: &str) -> ExplanationParts<'_> {
     let mut sentence = explanation;
     let mut parts = Vec::new();
     loop {
@@ -33,7 +33,7 @@ pub(crate) fn told(explanation: &str) -> Told<'_> {
             break;
         }
     }
-    Told {
+    ExplanationParts {
         sentence: sentence.trim(),
         claims: parts.into_iter().rev().flatten().collect(),
     }
@@ -64,14 +64,14 @@ mod tests {
 
     #[track_caller]
     fn check(explanation: &str, sentence: &str, claims: &[&str]) {
-        let told = told(explanation);
-        let found: Vec<String> = told
+        let split = split_claims(explanation);
+        let found: Vec<String> = split
             .claims
             .iter()
             .map(|(entity, call)| format!("{entity} {call}"))
             .collect();
         assert_eq!(
-            (told.sentence, found.as_slice()),
+            (split.sentence, found.as_slice()),
             (
                 sentence,
                 &claims.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>()[..]

@@ -1,7 +1,7 @@
 //! Plans: parsing of model replies and plan files, and resolution against a domain and a world.
 
-mod ask;
 pub(crate) mod claims;
+mod condition_call;
 mod fuzzy_names;
 pub(crate) mod lanes;
 mod outline;

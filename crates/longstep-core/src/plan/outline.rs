@@ -54,7 +54,7 @@ impl Writer<'_> {
                     then,
                     otherwise,
                 } => {
-                    self.asked("if", condition, depth);
+                    self.condition_line("if", condition, depth);
                     self.nodes(then, depth + 1);
                     if !otherwise.is_empty() {
                         self.lead("else", depth);
@@ -62,7 +62,7 @@ impl Writer<'_> {
                     }
                 }
                 Node::While { condition, body } => {
-                    self.asked("while", condition, depth);
+                    self.condition_line("while", condition, depth);
                     self.nodes(body, depth + 1);
                 }
                 Node::Repeat { times, body } => {
@@ -107,7 +107,7 @@ impl Writer<'_> {
         });
     }
 
-    fn asked(&mut self, word: &str, condition: &Test, depth: usize) {
+    fn condition_line(&mut self, word: &str, condition: &Test, depth: usize) {
         let steps: Vec<StepId> = condition.steps().collect();
         let explanations: Vec<&str> = steps
             .iter()

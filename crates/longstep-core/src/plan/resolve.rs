@@ -152,7 +152,7 @@ impl Rebuild<WrittenStep, String> for Resolver<'_> {
 
     /// Resolves the condition; its sensing steps are numbered in reading order.
     fn condition(&mut self, condition: &Test<WrittenStep>) -> Test {
-        condition.map(&mut Test::Sense, &mut |asked| self.asked(asked))
+        condition.map(&mut Test::Sense, &mut |call| self.condition_call(call))
     }
 
     fn lane(&mut self, lane: &Lane<String>) -> Lane {
@@ -221,7 +221,7 @@ impl Resolver<'_> {
     /// Sets the objects of a plan that lists none to the objects that its claims are about.
     fn objects_of_claims<'t>(&mut self, explanations: impl Iterator<Item = &'t str>) {
         for explanation in explanations {
-            for (name, _) in claims::told(explanation).claims {
+            for (name, _) in claims::split_claims(explanation).claims {
                 let handled = self
                     .world
                     .find(name)
@@ -344,7 +344,7 @@ impl Resolver<'_> {
 
     /// Collects the claims in the explanation of a step.
     fn claims(&mut self, step: usize, explanation: &str) {
-        for (name, word) in claims::told(explanation).claims {
+        for (name, word) in claims::split_claims(explanation).claims {
             let subject = self.world.find(name);
             let fact = subject.and_then(|subject| fact_of(self.world, subject, &word.to_string()));
             match fact {

@@ -330,9 +330,9 @@ mod tests {
     use super::*;
 
     #[track_caller]
-    fn refused(tree: Value, told: &str) {
+    fn refused(tree: Value, message: &str) {
         let error = read_tree(&tree, Vec::new(), &Path::key("task_tree")).unwrap_err();
-        assert_eq!(error.to_string(), told);
+        assert_eq!(error.to_string(), message);
     }
 
     #[test]

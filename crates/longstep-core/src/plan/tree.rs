@@ -324,8 +324,8 @@ impl Rebuild<Fact, EntityId> for Without {
 
 /// Removes a step and renumbers the later ones; none if a condition contains the removed step.
 pub(super) fn without(nodes: &[Node], gone: StepId) -> Option<Vec<Node>> {
-    let mut asked = iter(nodes).filter_map(Node::condition).flat_map(Test::steps);
-    (!asked.any(|step| step == gone)).then(|| Without(gone).nodes(nodes))
+    let mut sensing = iter(nodes).filter_map(Node::condition).flat_map(Test::steps);
+    (!sensing.any(|step| step == gone)).then(|| Without(gone).nodes(nodes))
 }
 
 /// Returns the nesting depth of branches, loops and conditions.

@@ -368,7 +368,7 @@ impl Violation {
     }
 
     /// The sensing outcomes that lead to the violation; empty if it occurs in any case.
-    pub fn told(&self) -> &[Fact] {
+    pub fn outcomes(&self) -> &[Fact] {
         match self {
             Self::When { facts, .. } => facts,
             _ => &[],

@@ -83,7 +83,7 @@ impl Rebuild<Fact, EntityId> for Writer<'_> {
     fn condition(&mut self, condition: &Test) -> Test<WrittenStep> {
         condition.map(&mut |step| Test::Holds(self.words(step, None)), &mut |fact| {
             Test::Holds(WrittenStep {
-                call: self.asked(*fact),
+                call: self.state_call(*fact),
                 implicit: Vec::new(),
                 explanation: String::new(),
             })
@@ -128,7 +128,7 @@ impl Writer<'_> {
 
     /// Returns the call for a state predicate. It has the environment's state word with the entity of the entry first,
     /// or the predicate's own name if no state word exists.
-    fn asked(&self, fact: Fact) -> Call {
+    fn state_call(&self, fact: Fact) -> Call {
         let Some(word) = state_word(self.domain, fact.predicate()) else {
             return Call {
                 name: predicate_word(&self.domain.predicate(fact.predicate()).name),

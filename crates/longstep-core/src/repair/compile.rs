@@ -9,7 +9,9 @@ use super::target::Meant;
 use crate::effort;
 use crate::model::{ActionId, Domain, EntityId, Fact, Wanted, World, plain_words, singular, subject_of};
 use crate::plan::{DraftStep, Resolved};
-use crate::search::{Always, Asked, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Scope, Task};
+use crate::search::{
+    Always, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Requirements, Scope, Task,
+};
 use crate::verify::{Candidate, Purpose, can_apply, candidates, claimed_places};
 
 /// Meaning of an operator for the draft. Steps of the draft count from 0.
@@ -99,7 +101,7 @@ impl Compiled<'_> {
             step: nothing(),
             cost,
             tag: self.moves.len() as u32,
-            told: None,
+            outcome: None,
             precondition: self.arrived.clone(),
             effects: vec![effect(forgone, true)],
         });
@@ -109,30 +111,30 @@ impl Compiled<'_> {
 }
 
 /// Returns the requirements of a repair, and the entities that the draft and its target mention.
-pub(super) fn asked(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Asked, Vec<EntityId>) {
-    let mut asked = Asked::of(domain, &meant.required);
+pub(super) fn requirements(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Requirements, Vec<EntityId>) {
+    let mut requirements = Requirements::of(domain, &meant.required);
     let mut about = draft.objects.clone();
     about.extend(meant.required.iter().flat_map(|wanted| &wanted.bindings));
     for fact in meant.kept.iter().chain(meant.promised()) {
-        asked.literal(fact.predicate(), true);
+        requirements.literal(fact.predicate(), true);
     }
     about.extend(meant.promised().flat_map(|fact| domain.arguments(*fact)));
     for step in draft.steps.iter().flatten() {
         let action = domain.action(step.action);
         for (atom, holds) in action.precondition.atoms() {
-            asked.literal(atom.predicate, holds);
+            requirements.literal(atom.predicate, holds);
         }
         // A replacement for the step changes some of the same facts.
         for effect in &action.effects {
-            asked.literal(effect.atom.predicate, effect.adds);
+            requirements.literal(effect.atom.predicate, effect.adds);
             for (atom, _) in effect.condition.atoms() {
-                asked.literal(atom.predicate, true);
-                asked.literal(atom.predicate, false);
+                requirements.literal(atom.predicate, true);
+                requirements.literal(atom.predicate, false);
             }
         }
         about.extend(step.arguments.iter().flatten());
     }
-    (asked, about)
+    (requirements, about)
 }
 
 /// Work units for an operator besides its effects, for its step and its condition.
@@ -155,8 +157,8 @@ pub(super) fn compile<'a>(
         .flatten()
         .flat_map(|step| step.arguments.iter().flatten());
     let places = claimed_places(world, purpose.claim.as_ref(), &draft.objects);
-    let spoken_of: FxHashSet<EntityId> = in_draft.chain(&draft.objects).chain(&places).copied().collect();
-    let mut inserted = grounder.operators(&spoken_of);
+    let mentioned: FxHashSet<EntityId> = in_draft.chain(&draft.objects).chain(&places).copied().collect();
+    let mut inserted = grounder.operators(&mentioned);
     inserted.retain(|operator| {
         let step = &operator.step;
         let forbids = |unwanted: &Unwanted| unwanted.forbids(step.action, &step.arguments);
@@ -229,7 +231,7 @@ pub(super) fn compile<'a>(
 }
 
 /// Compares how well a step's explanation matches two entities; greater if it prefers `one`.
-pub(super) fn spoken_of(world: &World, explanation: &str, one: EntityId, other: EntityId) -> Ordering {
+pub(super) fn compare_mentions(world: &World, explanation: &str, one: EntityId, other: EntityId) -> Ordering {
     let words: Vec<String> = plain_words(explanation).iter().map(|word| singular(word)).collect();
     let named = |entity: EntityId| world.entity(entity).words_in(&words);
     named(one).cmp(&named(other))
@@ -325,7 +327,7 @@ impl Writer<'_, '_> {
             step: nothing(),
             cost: 0,
             tag: 0,
-            told: None,
+            outcome: None,
             precondition: condition,
             effects: Vec::new(),
         };
@@ -355,7 +357,7 @@ impl Writer<'_, '_> {
                 .filter(|effect| effect.condition.is_true())
                 .map(|effect| effect.literal)
                 .collect();
-            if !choice.unspoken {
+            if !choice.mismatch {
                 brings.extend(&always);
                 handles.extend(&choice.arguments);
                 if !always.is_empty() {
@@ -363,7 +365,7 @@ impl Writer<'_, '_> {
                 }
             }
             if can_apply(self.world, step.action, &choice.arguments) {
-                let cost = if choice.unspoken { costs.rebind } else { 0 };
+                let cost = if choice.mismatch { costs.rebind } else { 0 };
                 kept.push((operator, cost));
             }
         }
@@ -429,14 +431,14 @@ impl Writer<'_, '_> {
             }
             let costs = self.domain.repair;
             let (written, other) = (choice.arguments[actor], operator.step.arguments[actor]);
-            let changed = match spoken_of(self.world, &step.explanation, other, written) {
+            let changed = match compare_mentions(self.world, &step.explanation, other, written) {
                 Ordering::Greater => costs.rebind,
                 Ordering::Equal => costs.other_actor,
                 Ordering::Less => costs.other_actor + costs.rebind,
             };
-            let unspoken = if choice.unspoken { costs.rebind } else { 0 };
+            let rebound = if choice.mismatch { costs.rebind } else { 0 };
             let meaning = Move::Replace(index, operator.step.clone());
-            self.push(self.reading(index, operator.clone()), changed + unspoken, meaning);
+            self.push(self.reading(index, operator.clone()), changed + rebound, meaning);
         }
     }
 

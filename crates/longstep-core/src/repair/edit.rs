@@ -1,6 +1,6 @@
 //! Edits of a repair with their reasons.
 
-use super::compile::{Move, Reason, spoken_of};
+use super::compile::{Move, Reason, compare_mentions};
 use super::target::Meant;
 use crate::model::{Domain, Fact, Moment, State, World, fact_text, holds};
 use crate::plan::{Plan, Resolved, Step};
@@ -55,7 +55,7 @@ impl EditKind {
 impl Edit {
     /// Describes the change in a few words; `length` is the number of steps in the draft. Steps in the text count from
     /// 1.
-    pub fn told(&self, length: usize) -> String {
+    pub fn description(&self, length: usize) -> String {
         let before = self.before.as_deref().unwrap_or("");
         let about = self.about.as_ref().map_or(String::new(), |about| format!(" ({about})"));
         let after = format!("{}{about}", self.after.as_deref().unwrap_or(""));
@@ -106,7 +106,7 @@ impl Script {
             let actor = domain.action(ground.action).actor;
             let named = written.zip(actor).is_some_and(|(written, actor)| {
                 let before = written.arguments[actor].unwrap_or(ground.arguments[actor]);
-                spoken_of(world, &written.explanation, ground.arguments[actor], before).is_gt()
+                compare_mentions(world, &written.explanation, ground.arguments[actor], before).is_gt()
             });
             if named {
                 own(index, ground)
@@ -244,11 +244,11 @@ impl Reasons<'_> {
                 // Prefer facts that alone decide whether the later step is applicable.
                 let decides = |change: &&Change| !self.lacking(step, &undo(before, &[**change])).is_empty();
                 let decisive = changes.iter().filter(decides);
-                let told: Vec<String> = decisive
+                let needed: Vec<String> = decisive
                     .map(|change| fact_text(self.world, change.fact, change.holds))
                     .collect();
                 let call = step.call(self.world);
-                let needs = if told.is_empty() { missing } else { told };
+                let needs = if needed.is_empty() { missing } else { needed };
                 return format!("{call} needs that {}", needs.join(", and that "));
             }
         }
@@ -275,8 +275,8 @@ impl Reasons<'_> {
         let moment = Moment { world, state };
         let unreached =
             |wanted: &&crate::search::Wanted| !holds(moment, &wanted.condition, &mut wanted.bindings.clone());
-        let asked = self.purpose.wanted.iter().any(|wanted| unreached(&wanted));
-        asked.then(|| "the goal asks for it".to_owned())
+        let is_unmet = self.purpose.wanted.iter().any(|wanted| unreached(&wanted));
+        is_unmet.then(|| "the goal asks for it".to_owned())
     }
 
     fn lacking(&self, step: &Step, state: &State) -> Vec<String> {
@@ -328,8 +328,8 @@ impl Reasons<'_> {
             Reason::Unknown => {
                 let about = |issue: &&Violation| issue.step() == Some(index);
                 let issue = draft.issues.iter().find(about);
-                let told = issue.map(|issue| issue.message(self.world, &[], None));
-                told.unwrap_or_else(|| "its words mean nothing here".to_owned())
+                let message = issue.map(|issue| issue.message(self.world, &[], None));
+                message.unwrap_or_else(|| "its words mean nothing here".to_owned())
             }
             Reason::Impossible => format!("it can never be done here{needs}"),
             Reason::Idle => "it would change nothing here".to_owned(),

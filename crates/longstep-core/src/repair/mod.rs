@@ -25,7 +25,7 @@ use crate::effort;
 use crate::model::Domain;
 use crate::model::{EntityId, Fact, World};
 use crate::plan::{Plan, Resolved};
-use crate::search::{Asked, Found, Scope, cheapest, greedy, reduce};
+use crate::search::{Found, Requirements, Scope, cheapest, greedy, reduce};
 use crate::verify::{Purpose, VerifiedPlan, Violation, bind_as_far, check};
 
 /// Maximum number of evaluated states for the cheapest repair, and again for any repair. Counting states makes the
@@ -164,7 +164,7 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
         };
     }
     let meant = target::meant(world, draft, purpose, &as_if);
-    let (asked, about) = compile::asked(domain, draft, &meant);
+    let (requirements, about) = compile::requirements(domain, draft, &meant);
     let mut search = Search {
         domain,
         world,
@@ -175,7 +175,7 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
         expanded: 0,
         exhausted: false,
     };
-    let way = search.way(limit, &asked, &about);
+    let way = search.way(limit, &requirements, &about);
     let (expanded, exhausted) = (search.expanded, search.exhausted);
     match way {
         Found::Path(way) => match follow(world, draft, purpose, &meant, way, expanded) {
@@ -200,15 +200,15 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
 /// Returns the reason why a repair would be a guess: the handled object is unknown, or steps cannot be resolved and no
 /// claim shows their purpose.
 fn unclear(world: &World, draft: &Resolved, purpose: &Purpose) -> Option<String> {
-    let unspoken = purpose.claim.is_none() && purpose.wanted.is_empty();
+    let without_aim = purpose.claim.is_none() && purpose.wanted.is_empty();
     let issue = draft.issues.iter().find(|issue| match issue {
         Violation::UnknownEntity { step: None, .. } => true,
-        issue => unspoken && issue.step().is_some(),
+        issue => without_aim && issue.step().is_some(),
     })?;
-    let told = issue.message(world, &[], None);
+    let message = issue.message(world, &[], None);
     Some(match issue.step() {
-        Some(_) => format!("{told}; and the plan does not claim what the world is to be afterwards"),
-        None => told,
+        Some(_) => format!("{message}; and the plan does not claim what the world is to be afterwards"),
+        None => message,
     })
 }
 
@@ -227,9 +227,9 @@ struct Search<'a> {
 impl Search<'_> {
     /// Finds a cheap repair with entities near the plan, then uses the whole world to prove that none is cheaper or to
     /// find a cheaper one.
-    fn way(&mut self, limit: usize, asked: &Asked, about: &[EntityId]) -> Found<Way> {
-        let whole = Scope::whole(self.world, asked);
-        let near = whole.around(self.world, asked, about, false);
+    fn way(&mut self, limit: usize, requirements: &Requirements, about: &[EntityId]) -> Found<Way> {
+        let whole = Scope::whole(self.world, requirements);
+        let near = whole.around(self.world, requirements, about, false);
         // In a small world, the first search would save nothing.
         let small = 2 * near.len() >= whole.len();
         let mut best = match small {
@@ -238,7 +238,7 @@ impl Search<'_> {
         };
         if !whole.is_bearable(self.domain) {
             if !matches!(best, Found::Path(_)) {
-                let far = whole.around(self.world, asked, about, true);
+                let far = whole.around(self.world, requirements, about, true);
                 if far.is_bearable(self.domain) {
                     best = self.within(&far, limit, None);
                 }

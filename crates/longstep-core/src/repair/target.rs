@@ -65,12 +65,10 @@ pub(super) fn meant(world: &World, draft: &Resolved, purpose: &Purpose, as_if: &
     // The entity and the aspect of a fact.
     let respect = |fact: &Fact| (subject_of(domain, *fact), domain.is_relation(*fact));
     // If the claim covers an entity's final state, or is outdated for it, the effects of the draft's steps are ignored.
-    let mut spoken_of: FxHashSet<EntityId> = claimed.iter().map(|fact| subject_of(domain, *fact)).collect();
+    let mut stated: FxHashSet<EntityId> = claimed.iter().map(|fact| subject_of(domain, *fact)).collect();
     let contradicted = stays.iter().filter(|fact| !as_if.holds(**fact));
-    spoken_of.extend(contradicted.map(|fact| subject_of(domain, *fact)));
-    let unclaimed = done
-        .iter()
-        .filter(|fact| !spoken_of.contains(&subject_of(domain, **fact)));
+    stated.extend(contradicted.map(|fact| subject_of(domain, *fact)));
+    let unclaimed = done.iter().filter(|fact| !stated.contains(&subject_of(domain, **fact)));
     let possible = |fact: &Fact| can_be_brought_about(world, *fact);
     // A fact that violates a rule in the final state is not promised: a hand that still holds an object is an
     // oversight.

@@ -58,12 +58,16 @@ fn check(calls: &[&str], claimed: &[(&str, &str)], expected: &[&str]) {
         ..Purpose::default()
     };
     let draft = resolve(&world, &written(calls));
-    let told: Vec<String> = match repair(&world, &draft, &purpose) {
+    let found: Vec<String> = match repair(&world, &draft, &purpose) {
         RepairOutcome::Valid(_) => vec!["valid".to_owned()],
-        RepairOutcome::Repaired(repaired) => repaired.edits.iter().map(|edit| edit.told(calls.len())).collect(),
+        RepairOutcome::Repaired(repaired) => repaired
+            .edits
+            .iter()
+            .map(|edit| edit.description(calls.len()))
+            .collect(),
         other => vec![format!("{other:?}")],
     };
-    assert_eq!(told, expected);
+    assert_eq!(found, expected);
 }
 
 #[test]
@@ -232,7 +236,7 @@ fn plans_with_hidden_arguments_are_repaired_too() {
     let RepairOutcome::Repaired(repaired) = repair(&world, &draft, &purpose) else {
         panic!("it can be repaired");
     };
-    let inserted: Vec<_> = repaired.edits.iter().map(|edit| edit.told(6)).collect();
+    let inserted: Vec<_> = repaired.edits.iter().map(|edit| edit.description(6)).collect();
     assert_eq!(inserted.len(), 8, "{inserted:?}");
     let after = environment::write(&world, &repaired.plan.ending().after);
     assert_eq!(after.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);

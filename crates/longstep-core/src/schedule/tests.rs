@@ -147,18 +147,18 @@ fn check_lanes(things: &[&str], steps: &[(&str, &str)], expected: &str) {
     let (plan, _) = bind(&world, &resolved.complete().unwrap(), &resolved.objects, None).unwrap();
     let plan = check(&world, plan, &Purpose::default()).into_verified();
     let plan = plan.unwrap_or_else(|report| panic!("{:?}", report.violations));
-    let told = match compact(&world, &plan, &Purpose::default()) {
+    let outline = match compact(&world, &plan, &Purpose::default()) {
         None => "as it was".to_owned(),
         Some(compacted) => {
             let same = compacted.plan.ending().after == plan.ending().after;
             assert!(same);
-            told(&world, compacted.plan.plan())
+            outline(&world, compacted.plan.plan())
         }
     };
-    assert_eq!(told, expected);
+    assert_eq!(outline, expected);
 }
 
-fn told(world: &World, plan: &Plan) -> String {
+fn outline(world: &World, plan: &Plan) -> String {
     let call = |id: &StepId| plan.step(*id).call(world).name;
     let node = |node: &Node| match node {
         Node::Step(id) => call(id),

@@ -83,23 +83,23 @@ impl Dominance {
 
 fn helps(task: &Task) -> Vec<Helps> {
     let mut helps = vec![Helps::Anyhow; task.initial.len()];
-    let mut asked = |literal: Literal| {
+    let mut require = |literal: Literal| {
         let helps = &mut helps[literal.fact as usize];
         *helps = helps.and(literal.holds);
     };
-    task.goal.for_each(&mut asked);
+    task.goal.for_each(&mut require);
     // A state that breaks a rule permits successors that break it, so neither polarity of the rule's facts dominates.
     for rule in task.always.iter() {
         rule.for_each(&mut |literal| {
-            asked(literal);
-            asked(Literal {
+            require(literal);
+            require(Literal {
                 holds: !literal.holds,
                 ..literal
             });
         });
     }
     for operator in &task.operators {
-        operator.precondition.for_each(&mut asked);
+        operator.precondition.for_each(&mut require);
     }
     // A literal in an effect's condition helps as the effect does; if the effect has both polarities, so does the
     // literal.

@@ -23,7 +23,7 @@ use forward::Straight;
 pub(crate) use forward::{Found, cheapest, greedy};
 pub use outcome::Outcome;
 pub(crate) use relevance::reduce;
-pub(crate) use scope::{Asked, Scope};
+pub(crate) use scope::{Requirements, Scope};
 pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
 
 use crate::effort;
@@ -95,13 +95,13 @@ fn straight(world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
 
 fn straight_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
     let domain = world.domain();
-    let asked = Asked::of(domain, wanted);
+    let requirements = Requirements::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
         .collect();
-    let whole = Scope::whole(world, &asked);
-    let around = |far: &bool| whole.around(world, &asked, &about, *far);
+    let whole = Scope::whole(world, &requirements);
+    let around = |far: &bool| whole.around(world, &requirements, &about, *far);
     let scopes = match whole.is_bearable(domain) {
         true => vec![whole],
         false => [false, true]

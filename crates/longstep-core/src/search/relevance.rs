@@ -122,8 +122,8 @@ fn simplify(task: &mut Task) {
 
 fn keep_relevant(task: &mut Task, focused: bool) {
     let mut search = Relevance::new(task, focused);
-    search.ask_for(&task.goal);
-    task.always.iter().for_each(|rule| search.ask_for(rule));
+    search.require_all(&task.goal);
+    task.always.iter().for_each(|rule| search.require_all(rule));
     while let Some(literal) = search.queue.pop_front() {
         search.expand(literal);
         if effort::is_exhausted() {
@@ -131,14 +131,14 @@ fn keep_relevant(task: &mut Task, focused: bool) {
         }
     }
     let mut tracked: Vec<bool> = search
-        .asked
+        .required
         .chunks(2)
         .map(|literals| literals[0] || literals[1])
         .collect();
     let kept = search.kept;
     for (operator, _) in task.operators.iter().zip(&kept).filter(|(_, kept)| **kept) {
         for effect in &operator.effects {
-            let matters = search.asked[index(effect.literal)] || search.asked[index(opposite(effect.literal))];
+            let matters = search.required[index(effect.literal)] || search.required[index(opposite(effect.literal))];
             if matters {
                 effect
                     .condition
@@ -164,7 +164,7 @@ struct Relevance<'a> {
     brought_about: Vec<(Vec<(u32, u32)>, usize)>,
     /// By sensing step: the operators of its outcomes, which are kept or removed together.
     siblings: FxHashMap<&'a GroundAction, Vec<u32>>,
-    asked: Vec<bool>,
+    required: Vec<bool>,
     /// Literals whose achievers have been processed.
     expanded: Vec<bool>,
     /// Literals to process, possibly again.
@@ -184,7 +184,7 @@ impl<'a> Relevance<'a> {
             }
         }
         let mut siblings: FxHashMap<&GroundAction, Vec<u32>> = FxHashMap::default();
-        for (number, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.told.is_some()) {
+        for (number, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.outcome.is_some()) {
             siblings.entry(&operator.step).or_default().push(number as u32);
         }
         Self {
@@ -194,7 +194,7 @@ impl<'a> Relevance<'a> {
             achievers,
             kept: vec![false; task.operators.len()],
             brought_about: vec![Default::default(); literals],
-            asked: vec![false; literals],
+            required: vec![false; literals],
             expanded: vec![false; literals],
             queue: VecDeque::new(),
             relied_on: FxHashMap::default(),
@@ -202,9 +202,9 @@ impl<'a> Relevance<'a> {
     }
 
     /// Requires the literals of a condition.
-    fn ask_for(&mut self, condition: &'a Formula) {
+    fn require_all(&mut self, condition: &'a Formula) {
         match condition {
-            Formula::And(parts) => parts.iter().for_each(|part| self.ask_for(part)),
+            Formula::And(parts) => parts.iter().for_each(|part| self.require_all(part)),
             Formula::Or(parts) => {
                 let literals = parts.iter().filter_map(|part| match part {
                     Formula::Literal(literal) => Some(*literal),
@@ -212,10 +212,10 @@ impl<'a> Relevance<'a> {
                 });
                 match literals.into_iter().find(|literal| self.is_safe(*literal)) {
                     Some(literal) => self.relied_on.entry(index(literal)).or_default().push(condition),
-                    None => parts.iter().for_each(|part| self.ask_for(part)),
+                    None => parts.iter().for_each(|part| self.require_all(part)),
                 }
             }
-            Formula::Literal(literal) => self.ask(*literal),
+            Formula::Literal(literal) => self.require(*literal),
         }
     }
 
@@ -225,8 +225,8 @@ impl<'a> Relevance<'a> {
         self.task.initial[literal.fact as usize] == literal.holds && takers.is_empty()
     }
 
-    fn ask(&mut self, literal: Literal) {
-        if !std::mem::replace(&mut self.asked[index(literal)], true) {
+    fn require(&mut self, literal: Literal) {
+        if !std::mem::replace(&mut self.required[index(literal)], true) {
             self.queue.push_back(literal);
         }
     }
@@ -253,7 +253,7 @@ impl<'a> Relevance<'a> {
                 let mut literals = 0;
                 self.condition(taker).for_each(&mut |literal| {
                     literals += 1;
-                    self.ask(opposite(literal));
+                    self.require(opposite(literal));
                 });
                 effort::spend(literals / 8);
             }
@@ -276,7 +276,7 @@ impl<'a> Relevance<'a> {
         }
         for achiever in achievers {
             if !(self.focused && self.fires(achiever)) {
-                self.condition(achiever).for_each(&mut |literal| self.ask(literal));
+                self.condition(achiever).for_each(&mut |literal| self.require(literal));
             }
             self.keep(achiever.0 as usize);
         }
@@ -292,21 +292,21 @@ impl<'a> Relevance<'a> {
             let (brought_about, _) = &mut self.brought_about[index(effect.literal)];
             brought_about.push((number as u32, at as u32));
         }
-        if operator.told.is_some() {
+        if operator.outcome.is_some() {
             for sibling in self.siblings.get(&operator.step).cloned().unwrap_or_default() {
                 self.keep(sibling as usize);
             }
         }
-        self.ask_for(&operator.precondition);
+        self.require_all(&operator.precondition);
         for effect in &operator.effects {
             for alternatives in self
                 .relied_on
                 .remove(&index(opposite(effect.literal)))
                 .unwrap_or_default()
             {
-                self.ask_for(alternatives);
+                self.require_all(alternatives);
             }
-            if self.asked[index(opposite(effect.literal))] {
+            if self.required[index(opposite(effect.literal))] {
                 self.queue.push_back(opposite(effect.literal));
             }
         }

@@ -34,19 +34,19 @@ pub(crate) struct Scope {
 
 impl Scope {
     /// Returns the scope with all entities, and the actions that may be relevant to the required conditions and facts.
-    pub(crate) fn whole(world: &World, asked: &Asked) -> Self {
+    pub(crate) fn whole(world: &World, requirements: &Requirements) -> Self {
         let domain = world.domain();
         let kinds = 0..domain.types.len();
         Self {
-            actions: asked.actions(domain),
+            actions: requirements.actions(domain),
             by_kind: kinds.map(|kind| world.of_kind(TypeId::new(kind)).to_vec()).collect(),
             whole: true,
         }
     }
 
     /// Returns the scope around the entities of the goal; if `far`, with the entities that share their places.
-    pub(crate) fn around(&self, world: &World, asked: &Asked, about: &[EntityId], far: bool) -> Self {
-        let mut things = asked.by_kind(world, &self.actions);
+    pub(crate) fn around(&self, world: &World, requirements: &Requirements, about: &[EntityId], far: bool) -> Self {
+        let mut things = requirements.by_kind(world, &self.actions);
         things.extend(about);
         let near = around(world, things, false);
         if far {
@@ -129,22 +129,22 @@ fn literals(condition: &Condition) -> impl Iterator<Item = (PredicateId, bool)> 
 
 /// The requirements of a goal: literals by predicate, and the conditions themselves.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Asked {
+pub(crate) struct Requirements {
     literals: FxHashSet<(PredicateId, bool)>,
     conditions: Vec<(Condition, Vec<EntityId>)>,
 }
 
-impl Asked {
+impl Requirements {
     /// Collects the requirements of the wanted conditions and of the `always` rules.
     pub(crate) fn of(domain: &Domain, wanted: &[Wanted]) -> Self {
-        let mut asked = Self::default();
+        let mut requirements = Self::default();
         for wanted in wanted {
-            asked.condition(&wanted.condition, &wanted.bindings);
+            requirements.condition(&wanted.condition, &wanted.bindings);
         }
         for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
-            asked.condition(&rule.everywhere(), &[]);
+            requirements.condition(&rule.everywhere(), &[]);
         }
-        asked
+        requirements
     }
 
     /// Adds a condition whose first slots are bound.
@@ -160,34 +160,37 @@ impl Asked {
 
     /// By action: true if it changes or senses a required literal, directly or for another relevant action.
     fn actions(&self, domain: &Domain) -> Vec<bool> {
-        let mut asked = self.literals.clone();
+        let mut required = self.literals.clone();
         let mut matters = vec![false; domain.actions.len()];
         loop {
-            let before = asked.len();
+            let before = required.len();
             for (action, matters) in domain.actions.iter().zip(&mut matters) {
                 for effect in &action.effects {
-                    if !asked.contains(&(effect.atom.predicate, effect.adds)) {
+                    if !required.contains(&(effect.atom.predicate, effect.adds)) {
                         continue;
                     }
-                    asked.extend(literals(&effect.condition));
+                    required.extend(literals(&effect.condition));
                     if !std::mem::replace(matters, true) {
-                        asked.extend(literals(&action.precondition));
+                        required.extend(literals(&action.precondition));
                     }
                 }
-                let told = action.senses.iter().any(|atom| asked.contains(&(atom.predicate, true)));
-                if told && !std::mem::replace(matters, true) {
-                    asked.extend(literals(&action.precondition));
+                let senses = action
+                    .senses
+                    .iter()
+                    .any(|atom| required.contains(&(atom.predicate, true)));
+                if senses && !std::mem::replace(matters, true) {
+                    required.extend(literals(&action.precondition));
                     // Sensing is applicable only while none of its outcomes is known.
-                    asked.extend(action.senses.iter().map(|atom| (atom.predicate, false)));
+                    required.extend(action.senses.iter().map(|atom| (atom.predicate, false)));
                 }
                 // The conditions under which an effect deletes a required literal are relevant too.
                 for effect in action.effects.iter().filter(|_| *matters) {
-                    if asked.contains(&(effect.atom.predicate, !effect.adds)) {
-                        asked.extend(literals(&effect.condition).map(|(predicate, holds)| (predicate, !holds)));
+                    if required.contains(&(effect.atom.predicate, !effect.adds)) {
+                        required.extend(literals(&effect.condition).map(|(predicate, holds)| (predicate, !holds)));
                     }
                 }
             }
-            if asked.len() == before {
+            if required.len() == before {
                 return matters;
             }
         }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::formula::{Formula, Literal};
-use super::scope::{Asked, Scope};
+use super::scope::{Requirements, Scope};
 use super::{GroundAction, Wanted};
 use crate::effort;
 use crate::model::{
@@ -33,7 +33,7 @@ pub(crate) struct Operator {
     pub(crate) tag: u32,
     /// Outcome of a sensing step. The search cannot choose it: the operators of the step's other outcomes are
     /// alternatives.
-    pub(crate) told: Option<Fact>,
+    pub(crate) outcome: Option<Fact>,
     pub(crate) precondition: Formula,
     pub(crate) effects: Vec<GroundEffect>,
 }
@@ -105,7 +105,7 @@ pub(crate) struct GroundCondition {
 
 /// Grounds a condition under `bindings`; static facts and `initially` atoms are replaced by their values.
 pub(crate) fn ground_condition(world: &World, condition: &Condition, bindings: &[EntityId]) -> GroundCondition {
-    let scope = Scope::whole(world, &Asked::default());
+    let scope = Scope::whole(world, &Requirements::default());
     let mut grounder = Grounder::new(world, &scope);
     let formula = grounder.formula(condition, &mut bindings.to_vec());
     GroundCondition {
@@ -116,7 +116,7 @@ pub(crate) fn ground_condition(world: &World, condition: &Condition, bindings: &
 
 /// Grounds one step; returns the operator and the facts by number.
 pub(crate) fn ground_step(world: &World, step: GroundAction) -> (Operator, Vec<Fact>) {
-    let scope = Scope::whole(world, &Asked::default());
+    let scope = Scope::whole(world, &Requirements::default());
     let mut grounder = Grounder::new(world, &scope);
     let operator = grounder.operator(step);
     (operator, grounder.facts())
@@ -137,11 +137,11 @@ fn ground_with(world: &World, scope: &Scope, wanted: &[Wanted], sensing: bool) -
     let goal = grounder.goal(wanted);
     let always = grounder.always();
     // Among equally short plans, prefer those with entities of the goal: walk to the sink rather than to its tap.
-    let spoken_of: FxHashSet<EntityId> = wanted
+    let mentioned: FxHashSet<EntityId> = wanted
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
         .collect();
-    let mut operators = grounder.operators(&spoken_of);
+    let mut operators = grounder.operators(&mentioned);
     if sensing {
         operators.extend(grounder.sensing());
     }
@@ -232,8 +232,8 @@ impl<'a> Grounder<'a> {
     }
 
     /// Grounds every action in scope with all arguments that satisfy its static preconditions. Operators with the
-    /// fewest arguments outside of `spoken_of` come first, and the search tries them first.
-    pub(crate) fn operators(&mut self, spoken_of: &FxHashSet<EntityId>) -> Vec<Operator> {
+    /// fewest arguments outside of `mentioned` come first, and the search tries them first.
+    pub(crate) fn operators(&mut self, mentioned: &FxHashSet<EntityId>) -> Vec<Operator> {
         let mut operators: Vec<Operator> = Vec::new();
         let matters = self.domain.action_ids().zip(&self.scope.actions);
         for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && action.senses.is_empty()) {
@@ -247,14 +247,14 @@ impl<'a> Grounder<'a> {
                     step,
                     cost: 1,
                     tag: 0,
-                    told: None,
+                    outcome: None,
                     precondition,
                 });
             });
         }
         operators.sort_by_key(|operator| {
             let arguments = operator.step.arguments.iter();
-            arguments.filter(|entity| !spoken_of.contains(entity)).count()
+            arguments.filter(|entity| !mentioned.contains(entity)).count()
         });
         operators
     }
@@ -283,7 +283,7 @@ impl<'a> Grounder<'a> {
                         },
                         cost: 1,
                         tag: 0,
-                        told: Some(*outcome),
+                        outcome: Some(*outcome),
                         precondition: precondition.clone(),
                         effects: vec![GroundEffect {
                             condition: Formula::TRUE,
@@ -308,7 +308,7 @@ impl<'a> Grounder<'a> {
             step,
             cost: 1,
             tag: 0,
-            told: None,
+            outcome: None,
             precondition,
         }
     }

@@ -15,7 +15,7 @@ use crate::environment::Claim;
 use crate::model::{
     Action, ChangedLists, Difference, Domain, EntityId, Fact, State, World, ground, plain_words, singular,
 };
-use crate::plan::claims::told;
+use crate::plan::claims::split_claims;
 use crate::plan::{DraftStep, Plan, Step};
 
 /// Maximum number of visited states; then the best binding so far is used.
@@ -206,7 +206,7 @@ pub struct Candidate {
     /// One entity for each parameter.
     pub arguments: Vec<EntityId>,
     /// True if the step's explanation mentions a different entity for an implicit argument.
-    pub(crate) unspoken: bool,
+    pub(crate) mismatch: bool,
 }
 
 /// Returns all candidate arguments of a step, the most likely first: entities that the explanation mentions, then the
@@ -218,11 +218,11 @@ pub fn candidates(
     claimed_places: &FxHashSet<EntityId>,
 ) -> Vec<Candidate> {
     let action = world.domain().action(step.action);
-    let words = spoken(step);
+    let words = explanation_words(step);
     let handled: FxHashSet<EntityId> = objects.iter().copied().collect();
     let mut all = vec![Candidate {
         arguments: Vec::new(),
-        unspoken: false,
+        mismatch: false,
     }];
     for (index, parameter) in action.parameters.iter().enumerate() {
         let open = world.of_kind(parameter.kind);
@@ -269,9 +269,9 @@ pub fn candidates(
         let longer = |candidate: &Candidate| {
             fitting
                 .iter()
-                .map(|(entity, unspoken)| Candidate {
+                .map(|(entity, mismatch)| Candidate {
                     arguments: [&candidate.arguments[..], &[*entity]].concat(),
-                    unspoken: candidate.unspoken || *unspoken,
+                    mismatch: candidate.mismatch || *mismatch,
                 })
                 .collect::<Vec<_>>()
         };
@@ -465,7 +465,7 @@ impl Binder<'_> {
             return open;
         };
         for (index, Turn { step, .. }) in self.turns.iter().enumerate() {
-            let words = spoken(step);
+            let words = explanation_words(step);
             let action = self.domain.action(step.action);
             for (parameter, entity) in chosen[index].iter().enumerate() {
                 let named = self.world.entity(*entity).words_in(&words) > 0;
@@ -543,8 +543,8 @@ impl Binder<'_> {
 }
 
 /// Returns the words of a step's explanation, in singular form.
-fn spoken(step: &DraftStep) -> Vec<String> {
-    let sentence = told(&step.explanation).sentence;
+fn explanation_words(step: &DraftStep) -> Vec<String> {
+    let sentence = split_claims(&step.explanation).sentence;
     plain_words(sentence).iter().map(|word| singular(word)).collect()
 }
 

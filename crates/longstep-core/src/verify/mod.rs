@@ -46,7 +46,7 @@ pub struct Purpose {
     /// Facts that the steps claim to hold after them, sorted by step.
     pub step_claims: Vec<StepClaim>,
     /// Entities that the instruction mentions. If there are any, moving another object is a warning.
-    pub spoken: Vec<EntityId>,
+    pub mentioned: Vec<EntityId>,
 }
 
 /// Result of verification.
@@ -242,7 +242,7 @@ fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
             wrong.push(Violation::Goal { index });
         }
     }
-    odd.extend(moved_unasked(world, state, &purpose.spoken));
+    odd.extend(moved_unmentioned(world, state, &purpose.mentioned));
     let when = walk.when(way);
     wrong
         .into_iter()
@@ -272,17 +272,17 @@ pub(crate) fn places_claimed(world: &World, claim: &Claim, handled: &[EntityId])
 }
 
 /// Returns the objects that the plan moves and the instruction does not mention.
-fn moved_unasked(world: &World, after: &State, spoken: &[EntityId]) -> Vec<Violation> {
+fn moved_unmentioned(world: &World, after: &State, mentioned: &[EntityId]) -> Vec<Violation> {
     let domain = world.domain();
     // An instruction without any entity does not restrict what may be moved.
-    if spoken.is_empty() {
+    if mentioned.is_empty() {
         return Vec::new();
     }
     let mut moved: Vec<EntityId> = differences(domain, &world.state, after)
         .into_iter()
         .filter(|difference| domain.is_relation(difference.fact))
         .map(|difference| difference.fact.argument(0))
-        .filter(|entity| world.is_of_kind(*entity, domain.environment.object) && !spoken.contains(entity))
+        .filter(|entity| world.is_of_kind(*entity, domain.environment.object) && !mentioned.contains(entity))
         .collect();
     moved.sort_unstable();
     moved.dedup();

@@ -317,7 +317,7 @@ impl<'a> Walk<'a> {
             return vec![way];
         }
         let before = self.history.before(way.here);
-        let told = |fact: &Fact| {
+        let with_outcome = |fact: &Fact| {
             let mut way = way.clone();
             way.here = self.history.add(id, before, |changes| {
                 way.state.set(*fact, true);
@@ -330,7 +330,7 @@ impl<'a> Walk<'a> {
             way.broken = self.broken_always(&way.state);
             way
         };
-        facts.iter().map(told).collect()
+        facts.iter().map(with_outcome).collect()
     }
 
     /// Returns the possible outcomes of a sensing step.
@@ -354,7 +354,7 @@ impl<'a> Walk<'a> {
             }
             Test::Holds(fact) => {
                 effort::spend(ways.len());
-                let parts = self.each(ways, |walk, way| walk.asked(*fact, way, before));
+                let parts = self.each(ways, |walk, way| walk.value(*fact, way, before));
                 let (yes, no): (Vec<_>, Vec<_>) = parts.into_iter().partition(|(_, holds)| *holds);
                 let ways = |parts: Vec<(Way, bool)>| parts.into_iter().map(|(way, _)| way).collect();
                 (ways(yes), ways(no))
@@ -395,7 +395,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Evaluates a fact on a path. A fact of unknown value splits the path.
-    fn asked(&mut self, fact: Fact, way: Way, before: Option<usize>) -> Vec<(Way, bool)> {
+    fn value(&mut self, fact: Fact, way: Way, before: Option<usize>) -> Vec<(Way, bool)> {
         if way.state.holds(fact) {
             return vec![(way, true)];
         }
@@ -462,13 +462,13 @@ impl<'a> Walk<'a> {
     /// Returns the distinct violations and warnings.
     pub(super) fn findings(self) -> (Vec<Violation>, Vec<Violation>) {
         let (odd, wrong): (Vec<_>, Vec<_>) = joined(self.found, None).into_iter().partition(|found| found.odd);
-        let told = |found: Vec<Found>| {
+        let violations = |found: Vec<Found>| {
             found
                 .into_iter()
                 .map(|found| found.violation.when(found.when))
                 .collect()
         };
-        (told(wrong), told(odd))
+        (violations(wrong), violations(odd))
     }
 }
 

@@ -61,7 +61,10 @@ impl Scene {
         match amend(&self.world, &self.plan, wishes, &self.purpose) {
             Amended::Done(done) => {
                 let sentences = done.plan.steps().iter().map(|step| step.explanation.clone());
-                let edits = done.edits.iter().map(|edit| format!("({})", edit.told(usize::MAX)));
+                let edits = done
+                    .edits
+                    .iter()
+                    .map(|edit| format!("({})", edit.description(usize::MAX)));
                 sentences.chain(edits).collect()
             }
             Amended::Impossible { why, .. } => why.iter().map(ToString::to_string).collect(),

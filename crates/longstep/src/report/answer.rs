@@ -321,7 +321,7 @@ impl ViolationAnswer {
             missing: violation.missing(world),
             undone_by: violation.undone_by(),
             when: violation
-                .told()
+                .outcomes()
                 .iter()
                 .map(|fact| Voice::Person.fact(world, *fact, true))
                 .collect(),
@@ -362,7 +362,7 @@ pub fn compare_claims(world: &World, claim: &Claim, simulated: &State) -> Claims
     let words = |state: &State| words_by_entity(world, state);
     let (claimed, simulated) = (words(&claim.state), words(simulated));
     let mut claims = Claims::default();
-    for (id, entity) in world.entities().filter(|(id, _)| claim.speaks_of(*id)) {
+    for (id, entity) in world.entities().filter(|(id, _)| claim.mentions(*id)) {
         let (claimed, simulated) = (&claimed[id.index()], &simulated[id.index()]);
         if claimed == simulated {
             claims.agreed += 1;

@@ -74,7 +74,7 @@ impl<'a> Assessment<'a> {
         let purpose = Purpose {
             claim,
             step_claims: resolved.claims.clone(),
-            spoken: mentioned,
+            mentioned,
             ..Purpose::default()
         };
         Self {
@@ -224,7 +224,7 @@ impl<'a> Assessment<'a> {
         };
         let length = self.resolved.written.len();
         let mut changes: Vec<String> = match repaired.edits.len() {
-            0..=TOLD => repaired.edits.iter().map(|edit| edit.told(length)).collect(),
+            0..=TOLD => repaired.edits.iter().map(|edit| edit.description(length)).collect(),
             many => vec![format!("{many} changes")],
         };
         let given_up = given_up(self.world, repaired).into_iter();

@@ -25,7 +25,7 @@ pub(crate) fn feedback(
     if !edits.is_empty() {
         text.push_str("The smallest change that makes it work:\n");
         for edit in edits {
-            text.push_str(&format!("- {}\n", visible::line(&edit.told(length))));
+            text.push_str(&format!("- {}\n", visible::line(&edit.description(length))));
         }
     }
     text.push_str("Answer with the whole plan again, in the same format.\n");

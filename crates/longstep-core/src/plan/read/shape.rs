@@ -32,7 +32,7 @@ fn own_likeness(node: &ValueNode) -> Option<Likeness> {
     let Literal::Object(entries) = &node.value else {
         return None;
     };
-    let asks = |value: &Literal| matches!(value, Literal::Text(text) if !text.trim().is_empty());
+    let is_text = |value: &Literal| matches!(value, Literal::Text(text) if !text.trim().is_empty());
     if entries
         .iter()
         .any(|entry| entry.key == "task_cohesion" || entry.key == "python_script")
@@ -40,7 +40,7 @@ fn own_likeness(node: &ValueNode) -> Option<Likeness> {
         Some(Likeness::Whole)
     } else if entries
         .iter()
-        .any(|entry| is_steps(&entry.key) || (entry.key == "question" && asks(&entry.node.value)))
+        .any(|entry| is_steps(&entry.key) || (entry.key == "question" && is_text(&entry.node.value)))
     {
         Some(Likeness::Part)
     } else {
@@ -133,7 +133,7 @@ impl Shape<'_, '_> {
             self.fields(node, path, &[&PLAN_KEYS[..], &COHESION_KEYS].concat())?
         };
         let question = self.field(&fields, "question", Self::text)?.unwrap_or_default();
-        let asks = !question.trim().is_empty();
+        let has_question = !question.trim().is_empty();
         let script = self.field(&fields, "python_script", Self::script)?;
         let cohesion = if let Some(script) = script {
             self.alone(&fields, "python_script", &["task_cohesion"])?;
@@ -141,16 +141,22 @@ impl Shape<'_, '_> {
         } else if whole {
             self.field(&fields, "task_cohesion", |shape, node, path| {
                 let fields = shape.fields(node, path, &COHESION_KEYS)?;
-                shape.cohesion(&fields, asks)
+                shape.cohesion(&fields, has_question)
             })?
         } else if fields.known.iter().any(|(key, _)| is_steps(key)) {
             self.notes.add(Kind::Flattened, node.at);
-            Some(self.cohesion(&fields, asks)?)
+            Some(self.cohesion(&fields, has_question)?)
         } else {
             None
         };
         Ok(PlanFile {
-            task_cohesion: self.required(cohesion, &fields, "task_cohesion", "an object with the steps", asks)?,
+            task_cohesion: self.required(
+                cohesion,
+                &fields,
+                "task_cohesion",
+                "an object with the steps",
+                has_question,
+            )?,
             environment_before: self.field(&fields, "environment_before", Self::environment)?,
             environment_after: self.field(&fields, "environment_after", Self::environment)?,
             endings: self.field(&fields, "endings", Self::endings)?.unwrap_or_default(),
@@ -177,14 +183,14 @@ impl Shape<'_, '_> {
         items.iter().enumerate().map(ending).collect()
     }
 
-    fn cohesion(&mut self, fields: &Fields, asks: bool) -> Shaped<TaskCohesion> {
+    fn cohesion(&mut self, fields: &Fields, has_question: bool) -> Shaped<TaskCohesion> {
         if let Some(tree) = fields.get("task_tree") {
             return self.tree(tree, fields);
         }
         let steps = self.field(fields, "task_sequence", Self::texts)?;
         let explanations = self.field(fields, "step_instructions", Self::texts)?;
         Ok(TaskCohesion {
-            task_sequence: self.required(steps, fields, "task_sequence", "a list of steps", asks)?,
+            task_sequence: self.required(steps, fields, "task_sequence", "a list of steps", has_question)?,
             step_instructions: self.required(explanations, fields, "step_instructions", "a list of texts", true)?,
             object_name: self.field(fields, "object_name", Self::text)?,
             object_names: self.field(fields, "object_names", Self::texts)?.unwrap_or_default(),

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Summarizes the steps, explanations and kinds of leniencies, or the error.
-fn told(reply: &str) -> String {
+fn summary(reply: &str) -> String {
     match read(reply) {
         Ok(Draft { file, leniencies }) => {
             let cohesion = &file.task_cohesion;
@@ -25,7 +25,7 @@ fn told(reply: &str) -> String {
 
 #[track_caller]
 fn check(reply: &str, expected: &str) {
-    assert_eq!(told(reply), expected, "{reply}");
+    assert_eq!(summary(reply), expected, "{reply}");
 }
 
 /// Checks a plan with a single explanation, written as the literal `text`.
@@ -229,13 +229,13 @@ fn what_is_cut_off_is_never_completed() {
         "...",
     ] {
         let reply = format!("{{\"task_cohesion\": {text}");
-        let told = told(&reply);
+        let summary = summary(&reply);
         let expected = if text == "..." {
             "`...` stands for something that was left out"
         } else {
             "breaks off"
         };
-        assert!(told.contains(expected), "{reply}: {told}");
+        assert!(summary.contains(expected), "{reply}: {summary}");
     }
     check(&PLAN[..40], &cut("1, column 41: the reply breaks off"));
     check(
@@ -390,7 +390,7 @@ fn trees_and_scripts_are_found_in_replies() {
         tree("{'task_tree': ({'if': {'call': 'a()'}, 'then': [{'call': 'b()'}]},)}").0,
         branch.0
     );
-    for (reply, told) in [
+    for (reply, message) in [
         (
             "```python\na()\n",
             "line 3, column 1: the reply breaks off; the object that begins at line 1, column 1 does not end",
@@ -420,6 +420,6 @@ fn trees_and_scripts_are_found_in_replies() {
             "the reply is prose, with no plan in it: \"If you like, I can do it:\"",
         ),
     ] {
-        assert_eq!(read(reply).unwrap_err().to_string(), told, "{reply}");
+        assert_eq!(read(reply).unwrap_err().to_string(), message, "{reply}");
     }
 }

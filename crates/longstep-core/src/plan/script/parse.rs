@@ -141,8 +141,8 @@ impl<'t> Parser<'t> {
 
     fn words_alone(&mut self) -> Vec<String> {
         let mut words = Vec::new();
-        while let Kind::Remark(said) | Kind::Objects(said) = self.peek() {
-            words.push(said.clone());
+        while let Kind::Remark(remark) | Kind::Objects(remark) = self.peek() {
+            words.push(remark.clone());
             self.next += 1;
         }
         words

@@ -12,9 +12,9 @@ fn check(script: &str, written: &str) {
 }
 
 #[track_caller]
-fn refused(script: &str, told: &str) {
+fn refused(script: &str, message: &str) {
     let error = read(script).unwrap_err();
-    assert_eq!(error.to_string(), told, "{script}");
+    assert_eq!(error.to_string(), message, "{script}");
     assert!(!error.hint.is_empty());
 }
 
@@ -85,7 +85,7 @@ fn scripts_are_read_and_written_in_one_style() {
 
 #[test]
 fn what_no_plan_has_is_refused_with_its_place() {
-    for (script, told) in [
+    for (script, message) in [
         ("x = a()", "line 1, column 3: this is an assignment, which no plan has"),
         (
             "a()\nimport os",
@@ -212,7 +212,7 @@ fn what_no_plan_has_is_refused_with_its_place() {
             "line 1, column 1: the list of objects cannot be read",
         ),
     ] {
-        refused(script, told);
+        refused(script, message);
     }
 }
 

@@ -38,8 +38,10 @@ pub(super) fn repair_branches(
     let plan = match bind_tree(world, resolved, purpose.claim.as_ref()) {
         Ok((plan, _)) => plan,
         Err(issues) => {
-            let told: Vec<String> = issues.iter().map(|issue| issue.message(world, &[], None)).collect();
-            return RepairOutcome::Unclear { why: told.join("; ") };
+            let messages: Vec<String> = issues.iter().map(|issue| issue.message(world, &[], None)).collect();
+            return RepairOutcome::Unclear {
+                why: messages.join("; "),
+            };
         }
     };
     let report = match check(world, plan, purpose).into_verified() {
@@ -91,14 +93,14 @@ impl Task<'_> {
         let (mut decisions, mut expanded, mut cost) = (Vec::new(), 0, 0);
         for _ in 0..WAYS {
             let way = draft.way(world, &decisions, order);
-            let told = with_outcomes(world, &way.told.iter().map(|(_, fact)| *fact).collect::<Vec<_>>());
+            let observed = with_outcomes(world, &way.outcomes.iter().map(|(_, fact)| *fact).collect::<Vec<_>>());
             let (linear, pins) = draft.linear(self.resolved, &way, self.pins);
-            match repair_within(self.limit, &told, &linear, &each, &pins) {
+            match repair_within(self.limit, &observed, &linear, &each, &pins) {
                 RepairOutcome::Valid(plan) => draft.settle(&way, plan.steps(), &[]),
                 RepairOutcome::Repaired(repaired) => {
                     expanded += repaired.expanded;
                     cost += repaired.cost;
-                    let (steps, edits) = behind_sensing(world, &told, *repaired, &each, &way.looped, &pins);
+                    let (steps, edits) = behind_sensing(world, &observed, *repaired, &each, &way.looped, &pins);
                     draft.settle(&way, &steps, &edits);
                 }
                 other => return other,

@@ -8,11 +8,11 @@ use crate::verify::{Purpose, Violation, check};
 
 /// Returns the world with a domain in which sensing has exactly these outcomes, so that on one path it is an ordinary
 /// action.
-pub(super) fn with_outcomes(world: &World, told: &[Fact]) -> World {
+pub(super) fn with_outcomes(world: &World, outcomes: &[Fact]) -> World {
     let domain = world.domain().edited(|data| {
         for action in &mut data.actions {
             for atom in std::mem::take(&mut action.senses) {
-                for fact in told.iter().filter(|fact| fact.predicate() == atom.predicate) {
+                for fact in outcomes.iter().filter(|fact| fact.predicate() == atom.predicate) {
                     let same = |(place, term): (usize, &Term)| Condition::Equal {
                         left: *term,
                         right: Term::Constant(fact.argument(place)),
@@ -35,7 +35,7 @@ pub(super) fn with_outcomes(world: &World, told: &[Fact]) -> World {
 /// possible, so that they affect this path only.
 pub(super) fn behind_sensing(
     world: &World,
-    told: &World,
+    observed: &World,
     repaired: Repaired,
     purpose: &Purpose,
     looped: &[Fact],
@@ -68,7 +68,7 @@ pub(super) fn behind_sensing(
             };
             let mut swapped = steps.clone();
             swapped.swap(place, place + 1);
-            if !check(told, Plan::sequence(swapped.clone()), purpose)
+            if !check(observed, Plan::sequence(swapped.clone()), purpose)
                 .violations
                 .is_empty()
             {
@@ -94,11 +94,11 @@ impl Draft {
             let Violation::Unsensed { fact, .. } = plain else {
                 continue;
             };
-            let tells = |atom: &Atom| atom.predicate == fact.predicate();
+            let is_outcome = |atom: &Atom| atom.predicate == fact.predicate();
             let sensing = world
                 .domain()
                 .action_ids()
-                .find(|(_, action)| action.senses.iter().any(tells));
+                .find(|(_, action)| action.senses.iter().any(is_outcome));
             let Some((action, declared)) = sensing else { continue };
             let Some(atom) = declared.senses.first() else { continue };
             let mut arguments: Vec<Option<EntityId>> = vec![None; declared.parameters.len()];
@@ -110,10 +110,10 @@ impl Draft {
             let complete: Option<Vec<EntityId>> = arguments.iter().copied().collect();
             let Some(complete) = complete else { continue };
             let step = Step::explained(world, action, complete);
-            let asked = Voice::Person.fact(world, *fact, true);
+            let condition = Voice::Person.fact(world, *fact, true);
             for block in 0..self.blocks.len() {
-                let asks = |part: &Part| matches!(part, Part::If(test, ..) | Part::While(test, _) if test.facts().any(|other| other == fact));
-                let Some(place) = self.blocks[block].iter().position(asks) else {
+                let tests = |part: &Part| matches!(part, Part::If(test, ..) | Part::While(test, _) if test.facts().any(|other| other == fact));
+                let Some(place) = self.blocks[block].iter().position(tests) else {
                     continue;
                 };
                 let from = self.number_from(block, place);
@@ -131,7 +131,7 @@ impl Draft {
                     from,
                     edit: Some((
                         EditKind::Insert,
-                        format!("a condition asks whether {asked}, and nothing had sensed that"),
+                        format!("a condition asks whether {condition}, and nothing had sensed that"),
                     )),
                     settled: false,
                 });

@@ -48,12 +48,12 @@ fn check(text: &str, expected: &str, edits: &[&str]) {
     }
     let expected: Vec<&str> = expected.lines().filter(|line| !line.trim().is_empty()).collect();
     assert_eq!(calls, expected);
-    let told: Vec<String> = repaired
+    let found: Vec<String> = repaired
         .edits
         .iter()
-        .map(|edit| format!("{}: {}", edit.told(length), edit.why))
+        .map(|edit| format!("{}: {}", edit.description(length), edit.why))
         .collect();
-    assert_eq!(told, edits);
+    assert_eq!(found, edits);
 }
 
 #[test]

@@ -21,7 +21,7 @@ pub(super) struct Way {
     /// The block in which the path ends.
     pub(super) last: usize,
     /// Sensing outcomes on the path, with the positions of the sensing steps.
-    pub(super) told: Vec<(usize, Fact)>,
+    pub(super) outcomes: Vec<(usize, Fact)>,
     /// Sensing outcomes at loop conditions.
     pub(super) looped: Vec<Fact>,
     /// For each decision, the chosen outcome and the number of outcomes.
@@ -62,7 +62,7 @@ impl Draft {
         let kept = way.steps.iter().enumerate().filter(|(place, (number, _))| {
             let item = &self.items[*number];
             let pinned = item.drafted().is_some_and(|number| pins.kept.contains(&number));
-            pinned || item.settled || way.told.iter().any(|(told, _)| told == place)
+            pinned || item.settled || way.outcomes.iter().any(|(sensed, _)| sensed == place)
         });
         let pins = Pins {
             kept: kept.map(|(place, _)| place).collect(),
@@ -115,10 +115,10 @@ impl Follower<'_> {
                 }
                 // One iteration suffices to find the errors in the body.
                 Part::While(test, body) => {
-                    let before = self.way.told.len();
+                    let before = self.way.outcomes.len();
                     let goes_on = self.test(test);
-                    let told = self.way.told[before..].iter().map(|(_, fact)| *fact);
-                    self.way.looped.extend(told);
+                    let outcomes = self.way.outcomes[before..].iter().map(|(_, fact)| *fact);
+                    self.way.looped.extend(outcomes);
                     if goes_on {
                         self.block(*body);
                         self.way.last = block;
@@ -152,7 +152,7 @@ impl Follower<'_> {
         let known = outcomes.iter().position(|fact| self.state.holds(*fact));
         let taken = known.unwrap_or_else(|| self.decide(outcomes.len()));
         self.state.set(outcomes[taken], true);
-        self.way.told.push((self.way.steps.len() - 1, outcomes[taken]));
+        self.way.outcomes.push((self.way.steps.len() - 1, outcomes[taken]));
         Some(taken)
     }
 

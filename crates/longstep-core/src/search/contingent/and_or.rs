@@ -105,7 +105,7 @@ struct Nodes {
 impl<'a> Search<'a> {
     pub(super) fn new(task: &'a Task, manner: Manner) -> Self {
         let mut looks: IndexMap<&GroundAction, Vec<u32>> = IndexMap::new();
-        for (number, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.told.is_some()) {
+        for (number, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.outcome.is_some()) {
             looks.entry(&operator.step).or_default().push(number as u32);
         }
         Self {
@@ -273,7 +273,7 @@ impl<'a> Search<'a> {
         let task = self.task;
         nodes.all[number as usize].expanded = true;
         effort::spend(self.expanding + self.looks.len());
-        for (index, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.told.is_none()) {
+        for (index, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.outcome.is_none()) {
             let node = &nodes.all[number as usize];
             if !operator.precondition.holds(&|literal| node.state.is(literal)) {
                 continue;
@@ -344,8 +344,8 @@ impl<'a> Search<'a> {
     fn outcomes_at_least(&mut self, state: &Bits, look: u32) -> Result<Option<(u32, u32)>, TooFar> {
         let (mut worst, mut sum) = (0, 0);
         for operator in self.looks[look as usize].clone() {
-            let told = after(state, &self.task.operators[operator as usize]);
-            let Some(cost) = self.estimate(&told, false)?.cost else {
+            let next = after(state, &self.task.operators[operator as usize]);
+            let Some(cost) = self.estimate(&next, false)?.cost else {
                 return Ok(None);
             };
             worst = worst.max(cost);
@@ -363,8 +363,8 @@ impl<'a> Search<'a> {
         let mut outcomes = Vec::new();
         self.heads.push(node.state.clone());
         for operator in self.looks[look as usize].clone() {
-            let told = after(&node.state, &self.task.operators[operator as usize]);
-            match self.best(&told, left)? {
+            let next = after(&node.state, &self.task.operators[operator as usize]);
+            match self.best(&next, left)? {
                 Some(course) => outcomes.push((operator, course)),
                 None => break,
             }

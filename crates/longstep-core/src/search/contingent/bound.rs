@@ -91,7 +91,7 @@ impl Bounds {
 /// Returns the groups of alternative sensing outcomes in a task.
 pub(super) fn groups(task: &Task) -> Vec<Group> {
     let mut by_step: FxHashMap<_, Group> = FxHashMap::default();
-    for operator in task.operators.iter().filter(|operator| operator.told.is_some()) {
+    for operator in task.operators.iter().filter(|operator| operator.outcome.is_some()) {
         by_step.entry(&operator.step).or_default().extend(outcome(operator));
     }
     let mut groups: Vec<Group> = by_step.into_values().collect();
@@ -103,7 +103,7 @@ pub(super) fn groups(task: &Task) -> Vec<Group> {
 
 /// Returns the fact that a sensing operator reveals.
 pub(super) fn outcome(operator: &Operator) -> Option<u32> {
-    operator.told?;
+    operator.outcome?;
     operator.effects.first().map(|effect| effect.literal.fact)
 }
 
@@ -112,8 +112,8 @@ pub(super) fn only(task: &Task, group: &Group, alone: u32) -> Task {
     effort::spend(32 * task.units());
     let mut task = task.clone();
     task.operators.retain(|operator| {
-        let told = outcome(operator);
-        told.is_none_or(|fact| fact == alone || group.binary_search(&fact).is_err())
+        let alternative = outcome(operator);
+        alternative.is_none_or(|fact| fact == alone || group.binary_search(&fact).is_err())
     });
     task
 }

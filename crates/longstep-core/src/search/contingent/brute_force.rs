@@ -183,16 +183,16 @@ proptest! {
         let goal: Goal = goal::parse(&world, &parts.join(" & ")).unwrap();
         let wanted = goal.wanted(&domain);
         // Sensing that the goal does not mention is skipped, since every outcome doubles the number of states.
-        let spoken_of: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&world)).collect();
-        let spoken_of = spoken_of.join(" & ");
+        let mentioned: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&world)).collect();
+        let mentioned = mentioned.join(" & ");
         let matters = |id: ActionId, bound: &[EntityId]| {
             let action = domain.action(id);
             let names = |atom: &crate::model::Atom| {
                 let fact = ground(atom, bound);
                 let text = goal::GoalFact::Plain(fact).exact(&world);
-                spoken_of.contains(&text)
+                mentioned.contains(&text)
             };
-            let wiping = action.call != "wipe_on_plane" || spoken_of.contains("wiped") || spoken_of.contains("clean") || spoken_of.contains("dirty");
+            let wiping = action.call != "wipe_on_plane" || mentioned.contains("wiped") || mentioned.contains("clean") || mentioned.contains("dirty");
             (action.senses.is_empty() || action.senses.iter().any(names)) && wiping && !action.call.contains("_by_rotate") && !action.call.contains("_by_slide")
         };
         let Some(space) = space(&world, &wanted, &matters) else {

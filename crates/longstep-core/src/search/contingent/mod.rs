@@ -16,7 +16,7 @@ mod tests;
 use self::and_or::{Manner, Search, TooFar};
 use self::policy::Course;
 use super::task::Task;
-use super::{Asked, Found, Limits, Outcome, Scope, Wanted, cheapest, forward, relevance, task};
+use super::{Found, Limits, Outcome, Requirements, Scope, Wanted, cheapest, forward, relevance, task};
 use crate::effort;
 use crate::model::{EntityId, Fact, World};
 
@@ -49,18 +49,18 @@ pub(super) fn solve(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcom
 
 fn solve_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
     let domain = world.domain();
-    let asked = Asked::of(domain, wanted);
+    let requirements = Requirements::of(domain, wanted);
     let about: Vec<EntityId> = wanted
         .iter()
         .flat_map(|wanted| wanted.bindings.iter().copied())
         .collect();
-    let whole = Scope::whole(world, &asked);
+    let whole = Scope::whole(world, &requirements);
     let scope = match whole.is_bearable(domain) {
         true => Some(whole),
         // In a large world, only entities related to the goal; verification then checks the plan in the whole world.
         false => [false, true]
             .iter()
-            .map(|far| whole.around(world, &asked, &about, *far))
+            .map(|far| whole.around(world, &requirements, &about, *far))
             .rfind(|scope| scope.is_bearable(domain)),
     };
     let too_large = || Outcome::GaveUp {
@@ -69,7 +69,7 @@ fn solve_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
     };
     let Some(scope) = scope else { return too_large() };
     let task = relevance::reduce(task::ground_sensing(world, &scope, wanted));
-    let outcome = match task.operators.iter().any(|operator| operator.told.is_some()) {
+    let outcome = match task.operators.iter().any(|operator| operator.outcome.is_some()) {
         true => of_task(world, &task, limits),
         false => forward::search(&task, limits).explained(world),
     };
@@ -196,9 +196,9 @@ fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
 
 /// Returns true if some operator deletes a sensed fact.
 fn forgets(task: &Task) -> bool {
-    let told: Vec<u32> = bound::groups(task).concat();
+    let sensed: Vec<u32> = bound::groups(task).concat();
     let mut effects = task.operators.iter().flat_map(|operator| &operator.effects);
-    effects.any(|effect| !effect.literal.holds && told.contains(&effect.literal.fact))
+    effects.any(|effect| !effect.literal.holds && sensed.contains(&effect.literal.fact))
 }
 
 /// Returns false if there is no plan even with the best sensing outcomes.
@@ -211,15 +211,17 @@ fn hopeless(task: &Task, limits: &Limits) -> Option<Fact> {
     if !is_solvable_by_luck(task, limits) {
         return None;
     }
-    let told = |fact: u32| {
+    let outcome_of = |fact: u32| {
         let mut operators = task.operators.iter();
-        operators.find(|operator| bound::outcome(operator) == Some(fact))?.told
+        operators
+            .find(|operator| bound::outcome(operator) == Some(fact))?
+            .outcome
     };
     for group in bound::groups(task) {
         for fact in &group {
             let alone = bound::only(task, &group, *fact);
             if cheapest(&alone, limits.proof, None).0 == Found::Nothing {
-                return told(*fact);
+                return outcome_of(*fact);
             }
         }
     }

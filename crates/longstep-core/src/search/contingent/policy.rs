@@ -82,7 +82,7 @@ fn pieces(task: &Task, course: &Course) -> Vec<Piece> {
         return pieces;
     };
     let way = |(number, course): &(u32, Rc<Course>)| -> Option<Way> {
-        Some((task.operators[*number as usize].told?, pieces_of(task, course)))
+        Some((task.operators[*number as usize].outcome?, pieces_of(task, course)))
     };
     let (again, on): (Vec<_>, Vec<_>) = outcomes.iter().partition(|(_, course)| course.then == Then::Again);
     let Some(sensing) = outcomes.first().map(|(number, _)| step(number)) else {

@@ -83,7 +83,7 @@ fn check(states: &str, text: &str, expected: &str) {
     let (domain, world) = scene(states);
     let goal = goal::parse(&world, text).unwrap();
     let outcome = solve(&world, &goal.wanted(&domain), &Limits::default());
-    let told = match &outcome {
+    let found = match &outcome {
         Outcome::Solved { plan, shortest, .. } => {
             let report = verify(&world, plan.clone(), &goal.purpose(&domain));
             assert_eq!(report.violations, [], "{text}");
@@ -96,7 +96,7 @@ fn check(states: &str, text: &str, expected: &str) {
         }
         Outcome::GaveUp { why, .. } => format!("gave up: {why}"),
     };
-    assert_eq!(told, expected, "{text}");
+    assert_eq!(found, expected, "{text}");
 }
 
 #[test]

@@ -133,30 +133,30 @@ pub(crate) fn world(domain: &Domain, lamps: usize, lit: &[usize]) -> World {
 #[derive(Debug, Clone)]
 pub(crate) enum Part {
     Do(String),
-    If(Ask, Vec<Part>, Vec<Part>),
-    While(Ask, Vec<Part>),
+    If(Guard, Vec<Part>, Vec<Part>),
+    While(Guard, Vec<Part>),
     Repeat(u32, Vec<Part>),
     Lanes(Vec<(&'static str, Vec<String>)>),
 }
 
 /// Shorthand for a condition.
 #[derive(Debug, Clone)]
-/// Senses whether the lamp is warm.
-pub(crate) enum Ask {
+pub(crate) enum Guard {
+    /// Senses whether the lamp is warm.
     Feel(usize),
     /// A state of a lamp: `lit`, `warm` or `cold`.
     Is(&'static str, usize),
-    Not(Box<Ask>),
-    All(Vec<Ask>),
-    Any(Vec<Ask>),
+    Not(Box<Guard>),
+    All(Vec<Guard>),
+    Any(Vec<Guard>),
 }
 
 pub(crate) fn does(text: &str) -> Part {
     Part::Do(text.to_owned())
 }
 
-pub(crate) fn not(ask: Ask) -> Ask {
-    Ask::Not(Box::new(ask))
+pub(crate) fn not(guard: Guard) -> Guard {
+    Guard::Not(Box::new(guard))
 }
 
 pub(crate) fn lamp(world: &World, number: usize) -> EntityId {
@@ -189,13 +189,13 @@ impl Builder<'_> {
         StepId::new(self.steps.len() - 1)
     }
 
-    fn test(&mut self, ask: &Ask) -> Test {
-        match ask {
-            Ask::Feel(number) => Test::Sense(self.step(&format!("feel {number}"))),
-            Ask::Is(predicate, number) => Test::Holds(fact(self.world, predicate, *number)),
-            Ask::Not(inner) => Test::Not(Box::new(self.test(inner))),
-            Ask::All(parts) => Test::All(parts.iter().map(|part| self.test(part)).collect()),
-            Ask::Any(parts) => Test::Any(parts.iter().map(|part| self.test(part)).collect()),
+    fn test(&mut self, guard: &Guard) -> Test {
+        match guard {
+            Guard::Feel(number) => Test::Sense(self.step(&format!("feel {number}"))),
+            Guard::Is(predicate, number) => Test::Holds(fact(self.world, predicate, *number)),
+            Guard::Not(inner) => Test::Not(Box::new(self.test(inner))),
+            Guard::All(parts) => Test::All(parts.iter().map(|part| self.test(part)).collect()),
+            Guard::Any(parts) => Test::Any(parts.iter().map(|part| self.test(part)).collect()),
         }
     }
 
@@ -206,13 +206,13 @@ impl Builder<'_> {
     fn node(&mut self, part: &Part) -> Node {
         match part {
             Part::Do(text) => Node::Step(self.step(text)),
-            Part::If(ask, then, otherwise) => Node::If {
-                condition: self.test(ask),
+            Part::If(guard, then, otherwise) => Node::If {
+                condition: self.test(guard),
                 then: self.nodes(then),
                 otherwise: self.nodes(otherwise),
             },
-            Part::While(ask, body) => Node::While {
-                condition: self.test(ask),
+            Part::While(guard, body) => Node::While {
+                condition: self.test(guard),
                 body: self.nodes(body),
             },
             Part::Repeat(times, body) => Node::Repeat {

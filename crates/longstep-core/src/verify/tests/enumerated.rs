@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 
-use super::bench::{Ask, Part, domain, fact, plan, world};
+use super::bench::{Guard, Part, domain, fact, plan, world};
 use crate::environment::Claim;
 use crate::model::{Domain, Environment, Fact, State, World};
 use crate::plan::{LaneItem, Node, Plan, StepId, Test};
@@ -81,7 +81,7 @@ impl<'a> Enumeration<'a> {
                 otherwise,
             }) => {
                 let mut ends = false;
-                for (state, holds) in self.ask(condition, state) {
+                for (state, holds) in self.evaluate(condition, state) {
                     let mut todo = todo.clone();
                     let side = if holds { then } else { otherwise };
                     todo.extend(side.iter().rev().map(Todo::Node));
@@ -109,7 +109,7 @@ impl<'a> Enumeration<'a> {
                 self.left = alone.left;
                 seen.push(state.clone());
                 let mut ends = false;
-                for (state, holds) in self.ask(condition, state) {
+                for (state, holds) in self.evaluate(condition, state) {
                     let mut todo = todo.clone();
                     if holds {
                         todo.push(Todo::Head(node, seen.clone()));
@@ -146,8 +146,8 @@ impl<'a> Enumeration<'a> {
                 then,
                 otherwise,
             }) => {
-                let asked = self.ask(condition, state).into_iter();
-                asked
+                let branches = self.evaluate(condition, state).into_iter();
+                branches
                     .map(|(state, holds)| {
                         let mut todo = todo.clone();
                         todo.extend(if holds { then } else { otherwise }.iter().rev().map(Todo::Node));
@@ -170,8 +170,8 @@ impl<'a> Enumeration<'a> {
                     return false;
                 }
                 seen.push(state.clone());
-                let asked = self.ask(condition, state).into_iter();
-                asked
+                let branches = self.evaluate(condition, state).into_iter();
+                branches
                     .map(|(state, holds)| {
                         let mut todo = todo.clone();
                         if holds {
@@ -205,15 +205,15 @@ impl<'a> Enumeration<'a> {
         if outcomes.is_empty() || outcomes.iter().any(|fact| state.holds(*fact)) {
             return vec![state];
         }
-        let told = |fact: &Fact| {
+        let with_outcome = |fact: &Fact| {
             let mut state = state.clone();
             state.set(*fact, true);
             state
         };
-        outcomes.iter().map(told).collect()
+        outcomes.iter().map(with_outcome).collect()
     }
 
-    fn ask(&mut self, test: &Test, state: State) -> Vec<(State, bool)> {
+    fn evaluate(&mut self, test: &Test, state: State) -> Vec<(State, bool)> {
         match test {
             Test::Sense(id) => {
                 let step = self.plan.step(*id);
@@ -234,8 +234,8 @@ impl<'a> Enumeration<'a> {
                     .iter()
                     .find(|a| a.senses.iter().any(|s| s.predicate == fact.predicate()));
                 let known = sensed.is_none_or(|action| {
-                    let told = |atom: &crate::model::Atom| state.holds(Fact::new(atom.predicate, [fact.argument(0)]));
-                    action.senses.iter().any(told)
+                    let holds = |atom: &crate::model::Atom| state.holds(Fact::new(atom.predicate, [fact.argument(0)]));
+                    action.senses.iter().any(holds)
                 });
                 if known {
                     let holds = state.holds(*fact);
@@ -245,8 +245,8 @@ impl<'a> Enumeration<'a> {
                 vec![(state.clone(), true), (state, false)]
             }
             Test::Not(inner) => {
-                let asked = self.ask(inner, state).into_iter();
-                asked.map(|(state, holds)| (state, !holds)).collect()
+                let branches = self.evaluate(inner, state).into_iter();
+                branches.map(|(state, holds)| (state, !holds)).collect()
             }
             Test::All(parts) => self.in_turn(parts, true, state),
             Test::Any(parts) => self.in_turn(parts, false, state),
@@ -259,7 +259,7 @@ impl<'a> Enumeration<'a> {
             return vec![(state, value)];
         };
         let mut all = Vec::new();
-        for (state, holds) in self.ask(first, state) {
+        for (state, holds) in self.evaluate(first, state) {
             match holds == value {
                 true => all.extend(self.in_turn(rest, value, state)),
                 false => all.push((state, holds)),
@@ -314,17 +314,17 @@ fn findings(world: &World, plan: &Plan) -> (Findings, bool) {
 
 const LAMPS: usize = 2;
 
-fn asks() -> impl Strategy<Value = Ask> {
+fn guards() -> impl Strategy<Value = Guard> {
     let predicate = prop::sample::select(vec!["lit", "warm", "cold"]);
     let leaf = prop_oneof![
-        (1..=LAMPS).prop_map(Ask::Feel),
-        (predicate, 1..=LAMPS).prop_map(|(predicate, lamp)| Ask::Is(predicate, lamp)),
+        (1..=LAMPS).prop_map(Guard::Feel),
+        (predicate, 1..=LAMPS).prop_map(|(predicate, lamp)| Guard::Is(predicate, lamp)),
     ];
     leaf.prop_recursive(2, 4, 2, |inner| {
         prop_oneof![
-            inner.clone().prop_map(|ask| Ask::Not(Box::new(ask))),
-            prop::collection::vec(inner.clone(), 1..=2).prop_map(Ask::All),
-            prop::collection::vec(inner, 1..=2).prop_map(Ask::Any),
+            inner.clone().prop_map(|guard| Guard::Not(Box::new(guard))),
+            prop::collection::vec(inner.clone(), 1..=2).prop_map(Guard::All),
+            prop::collection::vec(inner, 1..=2).prop_map(Guard::Any),
         ]
     })
 }
@@ -350,8 +350,8 @@ pub(crate) fn parts() -> impl Strategy<Value = Vec<Part>> {
         let body = || prop::collection::vec(inner.clone(), 0..=3);
         prop_oneof![
             3 => calls().prop_map(Part::Do),
-            3 => (asks(), body(), body()).prop_map(|(ask, then, otherwise)| Part::If(ask, then, otherwise)),
-            2 => (asks(), body()).prop_map(|(ask, body)| Part::While(ask, body)),
+            3 => (guards(), body(), body()).prop_map(|(guard, then, otherwise)| Part::If(guard, then, otherwise)),
+            2 => (guards(), body()).prop_map(|(guard, body)| Part::While(guard, body)),
             1 => (0u32..6, body()).prop_map(|(times, body)| Part::Repeat(times, body)),
         ]
     });

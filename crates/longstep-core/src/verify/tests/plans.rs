@@ -112,7 +112,7 @@ fn where_calls_do_not_say_where_the_claim_does() {
     let text = r#"{"assets": ["<table>", "<bin>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
     let environment = Environment::from_json(text).unwrap();
     let world = environment::read(&domain, &environment, "env.json", text, &Path::default()).unwrap();
-    let told = |calls: &[&str]| -> Vec<String> {
+    let messages = |calls: &[&str]| -> Vec<String> {
         let written = TaskCohesion {
             task_sequence: calls.iter().map(|call| (*call).to_owned()).collect(),
             object_name: Some("<cup>".to_owned()),
@@ -138,12 +138,12 @@ fn where_calls_do_not_say_where_the_claim_does() {
     };
     let lifted = ["move_hand()", "grasp_object()", "detach_from_plane()", "move_object()"];
     assert_eq!(
-        told(&[&lifted[..], &["attach_to_plane()", "release_object()"]].concat()),
+        messages(&[&lifted[..], &["attach_to_plane()", "release_object()"]].concat()),
         Vec::<String>::new()
     );
     // Without a step that puts it down, the cup can only have been dropped into the bin.
     assert_eq!(
-        told(&[&lifted[..], &["release_object()"]].concat()),
+        messages(&[&lifted[..], &["release_object()"]].concat()),
         ["at the end, this is claimed and not so: the cup is on the table"]
     );
 }

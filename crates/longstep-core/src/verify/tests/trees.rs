@@ -1,6 +1,6 @@
 //! Tests of branches, loops and lanes.
 
-use super::bench::{self, Ask, Part, does, domain, messages, not, plan, report, world};
+use super::bench::{self, Guard, Part, does, domain, messages, not, plan, report, world};
 use crate::effort;
 use crate::verify::{Purpose, STATES, Violation, check as check_plan};
 
@@ -18,7 +18,7 @@ fn all(texts: &[&str]) -> Vec<Part> {
 
 #[test]
 fn both_sides_of_a_branch_are_followed() {
-    let branch = |then: &[&str], otherwise: &[&str]| Part::If(Ask::Feel(2), all(then), all(otherwise));
+    let branch = |then: &[&str], otherwise: &[&str]| Part::If(Guard::Feel(2), all(then), all(otherwise));
     check(&[branch(&["press left 2"], &["press left 3"])], &[]);
     check(
         &[branch(&["press left 1"], &[])],
@@ -55,9 +55,9 @@ fn both_sides_of_a_branch_are_followed() {
 
 #[test]
 fn what_was_sensed_is_known_on_its_way() {
-    check(&[Part::If(Ask::Feel(2), all(&["cool 2"]), vec![])], &[]);
+    check(&[Part::If(Guard::Feel(2), all(&["cool 2"]), vec![])], &[]);
     check(
-        &[Part::If(not(Ask::Feel(2)), all(&["cool 2"]), vec![])],
+        &[Part::If(not(Guard::Feel(2)), all(&["cool 2"]), vec![])],
         &[
             "step 2: cool(<lamp_2>) needs that lamp 2 is warm (when lamp 2 is cold)",
             "step 2: cool(<lamp_2>) changes nothing (when lamp 2 is cold)",
@@ -69,15 +69,15 @@ fn what_was_sensed_is_known_on_its_way() {
         &[
             does("feel 2"),
             does("press left 2"),
-            Part::If(Ask::Is("warm", 2), all(&["cool 2"]), vec![]),
+            Part::If(Guard::Is("warm", 2), all(&["cool 2"]), vec![]),
         ],
         &[],
     );
     // Sensing a known fact adds nothing, and the other side is unreachable.
     check(
         &[Part::If(
-            Ask::Feel(2),
-            vec![Part::If(Ask::Is("cold", 2), all(&["press left 2"]), all(&["cool 2"]))],
+            Guard::Feel(2),
+            vec![Part::If(Guard::Is("cold", 2), all(&["press left 2"]), all(&["cool 2"]))],
             vec![],
         )],
         &["step 2: press(left, <lamp_2>) is never reached"],
@@ -87,14 +87,14 @@ fn what_was_sensed_is_known_on_its_way() {
 #[test]
 fn nobody_may_ask_what_was_never_sensed() {
     check(
-        &[Part::If(Ask::Is("warm", 2), all(&["press left 2"]), vec![])],
+        &[Part::If(Guard::Is("warm", 2), all(&["press left 2"]), vec![])],
         &["step 1: a condition asks whether lamp 2 is warm, and nothing has sensed that"],
     );
     // Sensed on one side only.
     check(
         &[
-            Part::If(Ask::Feel(3), all(&["feel 2"]), vec![]),
-            Part::If(Ask::Is("warm", 2), all(&["press left 2"]), vec![]),
+            Part::If(Guard::Feel(3), all(&["feel 2"]), vec![]),
+            Part::If(Guard::Is("warm", 2), all(&["press left 2"]), vec![]),
         ],
         &["step 3: a condition asks whether lamp 2 is warm, and nothing has sensed that (when lamp 3 is cold)"],
     );
@@ -103,47 +103,50 @@ fn nobody_may_ask_what_was_never_sensed() {
         &[
             does("feel 2"),
             does("wait 2"),
-            Part::If(Ask::Is("warm", 2), all(&["press left 2"]), vec![]),
+            Part::If(Guard::Is("warm", 2), all(&["press left 2"]), vec![]),
         ],
         &["step 3: a condition asks whether lamp 2 is warm, and nothing has sensed that"],
     );
     // Short-circuit evaluation: the second part is evaluated only if the first holds.
-    let both = Ask::All(vec![Ask::Feel(2), Ask::Is("warm", 2)]);
+    let both = Guard::All(vec![Guard::Feel(2), Guard::Is("warm", 2)]);
     check(&[Part::If(both, all(&["press left 2"]), vec![])], &[]);
-    let either = Ask::Any(vec![Ask::Feel(2), Ask::Is("cold", 2)]);
+    let either = Guard::Any(vec![Guard::Feel(2), Guard::Is("cold", 2)]);
     check(
         &[Part::If(either, all(&["press left 2"]), all(&["press left 3"]))],
         &["step 3: press(left, <lamp_3>) is never reached"],
     );
     // Facts that no action senses are known from the start.
-    check(&[Part::If(Ask::Is("lit", 1), all(&["unpress left 1"]), vec![])], &[]);
+    check(&[Part::If(Guard::Is("lit", 1), all(&["unpress left 1"]), vec![])], &[]);
 }
 
 #[test]
 fn loops_end_or_are_refused() {
-    check(&[Part::While(Ask::Feel(2), all(&["wait 2"]))], &[]);
+    check(&[Part::While(Guard::Feel(2), all(&["wait 2"]))], &[]);
     check(
         &[Part::While(
-            not(Ask::Feel(2)),
+            not(Guard::Feel(2)),
             all(&["wait 2", "press left 2", "unpress left 2"]),
         )],
         &[],
     );
-    check(&[Part::While(Ask::Is("lit", 1), all(&["unpress right 1"]))], &[]);
+    check(&[Part::While(Guard::Is("lit", 1), all(&["unpress right 1"]))], &[]);
     // A sensed fact stays known.
     check(
-        &[Part::While(Ask::Feel(2), all(&["press left 2", "unpress left 2"]))],
+        &[Part::While(Guard::Feel(2), all(&["press left 2", "unpress left 2"]))],
         &[
             "step 1: the loop can come to where nothing in it changes what it asks, and never ends (when lamp 2 is warm)",
         ],
     );
     check(
-        &[Part::While(Ask::Is("lit", 1), all(&["press left 2", "unpress left 2"]))],
+        &[Part::While(
+            Guard::Is("lit", 1),
+            all(&["press left 2", "unpress left 2"]),
+        )],
         &["step 1: the loop can come to where nothing in it changes what it asks, and never ends"],
     );
     // On the second iteration the lamp is already lit.
     check(
-        &[Part::While(Ask::Feel(2), all(&["press left 2", "wait 2"]))],
+        &[Part::While(Guard::Feel(2), all(&["press left 2", "wait 2"]))],
         &[
             "step 2: press(left, <lamp_2>) needs that lamp 2 is not lit; since step 2 (press(left, <lamp_2>)), lamp 2 is lit (when lamp 2 is warm)",
             "step 2: press(left, <lamp_2>) changes nothing (when lamp 2 is warm)",
@@ -226,7 +229,7 @@ fn branches(count: usize, apart: bool) -> Vec<Part> {
     let branch = |number: usize| {
         let lamp = if apart { number + 1 } else { 1 };
         let again = |text: &str| all(&[text, &format!("wait {}", if apart { 1_000 } else { 1 })]);
-        Part::If(Ask::Feel(lamp), again("link left 2 3"), again("link right 2 3"))
+        Part::If(Guard::Feel(lamp), again("link left 2 3"), again("link right 2 3"))
     };
     (0..count).map(branch).collect()
 }
@@ -249,7 +252,7 @@ fn a_thousand_branches_that_come_together_are_followed() {
 fn what_two_orders_find_on_one_way_is_not_so_on_all() {
     check(
         &[
-            Part::If(Ask::Feel(2), all(&["press left 2"]), vec![]),
+            Part::If(Guard::Feel(2), all(&["press left 2"]), vec![]),
             lanes(&["press left 2"], &["press right 3"]),
         ],
         &[
@@ -271,23 +274,23 @@ fn effort_of(parts: &[Part]) -> (u64, Vec<&'static str>) {
 
 #[test]
 fn a_condition_takes_effort_that_grows_with_its_length() {
-    let pair = || Ask::All(vec![Ask::Is("warm", 2), Ask::Is("cold", 3)]);
-    let condition = |pairs: usize| Ask::Any((0..pairs).map(|_| pair()).collect());
+    let pair = || Guard::All(vec![Guard::Is("warm", 2), Guard::Is("cold", 3)]);
+    let condition = |pairs: usize| Guard::Any((0..pairs).map(|_| pair()).collect());
     let effort = |pairs| effort_of(&[Part::If(condition(pairs), vec![], vec![])]);
     let (short, kinds) = effort(10);
     assert_eq!(kinds, ["unsensed", "unsensed"]);
     let (long, _) = effort(40);
     assert!(long < 8 * short, "{long} units for four times the {short} of a quarter");
     // With a sensing step in every part, the number of states exceeds the limit before memory does.
-    let lamps = |at: usize| Ask::Any(vec![Ask::Feel(1 + at % 4), not(Ask::Is("warm", 1 + at % 4))]);
-    let (units, kinds) = effort_of(&[Part::While(Ask::All((0..60).map(lamps).collect()), all(&["wait 1"]))]);
+    let lamps = |at: usize| Guard::Any(vec![Guard::Feel(1 + at % 4), not(Guard::Is("warm", 1 + at % 4))]);
+    let (units, kinds) = effort_of(&[Part::While(Guard::All((0..60).map(lamps).collect()), all(&["wait 1"]))]);
     assert!(units < effort::OPERATION, "{units} units, {kinds:?}");
 }
 
 #[test]
 fn a_counted_loop_follows_one_period_of_its_states() {
     let swing = |times| {
-        let toggle = Part::If(Ask::Is("lit", 1), all(&["unpress left 1"]), all(&["press left 1"]));
+        let toggle = Part::If(Guard::Is("lit", 1), all(&["unpress left 1"]), all(&["press left 1"]));
         vec![Part::Repeat(times, vec![toggle])]
     };
     let (few, kinds) = effort_of(&swing(4));
@@ -312,7 +315,7 @@ fn a_plan_that_takes_too_much_work_is_refused() {
             let off = format!("unpress left {lamp}");
             let mut carried = all(&[off.as_str()]);
             carried.extend(rest);
-            Part::If(Ask::Is("lit", lamp), carried, all(&[on.as_str()]))
+            Part::If(Guard::Is("lit", lamp), carried, all(&[on.as_str()]))
         };
         let mut rounds = vec![carry(1, vec![carry(2, vec![carry(3, vec![carry(4, vec![])])])])];
         rounds.extend(body);

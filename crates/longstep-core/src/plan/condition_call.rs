@@ -18,13 +18,13 @@ enum Meaning {
 
 impl Resolver<'_> {
     /// Resolves one call of a condition. An unresolvable call takes a step number, so that findings can refer to it.
-    pub(super) fn asked(&mut self, asked: &WrittenStep) -> Test {
+    pub(super) fn condition_call(&mut self, written: &WrittenStep) -> Test {
         let index = self.steps.len();
-        let call = &asked.call;
-        match self.meaning(asked) {
-            Some(Meaning::Senses) => return Test::Sense(self.add(asked, None)),
+        let call = &written.call;
+        match self.meaning(written) {
+            Some(Meaning::Senses) => return Test::Sense(self.add(written, None)),
             Some(Meaning::Holds(atom, arity)) => {
-                if let Some(fact) = self.fact(index, asked, &atom, arity) {
+                if let Some(fact) = self.fact(index, written, &atom, arity) {
                     return Test::Holds(fact);
                 }
             }
@@ -53,8 +53,8 @@ impl Resolver<'_> {
         Test::Sense(StepId::new(index))
     }
 
-    fn meaning(&self, asked: &WrittenStep) -> Option<Meaning> {
-        let (name, count) = (&asked.call.name, asked.call.arguments.len());
+    fn meaning(&self, written: &WrittenStep) -> Option<Meaning> {
+        let (name, count) = (&written.call.name, written.call.arguments.len());
         let domain: &Domain = self.domain;
         let named = |(_, action): &(ActionId, &Action)| action.call == *name;
         let exact = domain.action_ids().find(named);
@@ -91,9 +91,9 @@ impl Resolver<'_> {
 
     /// Grounds the atom with the arguments of the call; the entity whose environment entry states the fact comes first.
     /// The call may omit its only argument if the plan handles a single object.
-    fn fact(&mut self, step: usize, asked: &WrittenStep, atom: &Atom, arity: usize) -> Option<Fact> {
-        let names = &asked.call.arguments;
-        if let Some((name, _)) = asked.implicit.first() {
+    fn fact(&mut self, step: usize, written: &WrittenStep, atom: &Atom, arity: usize) -> Option<Fact> {
+        let names = &written.call.arguments;
+        if let Some((name, _)) = written.implicit.first() {
             let (name, near) = (name.clone(), None);
             self.issues.push(Violation::UnknownParameter { step, name, near });
             return None;
@@ -101,7 +101,7 @@ impl Resolver<'_> {
         let bindings: Vec<EntityId> = match (names.as_slice(), self.objects.as_slice()) {
             ([], [only]) if arity == 1 => vec![*only],
             _ if names.len() != arity => {
-                let (call, expected) = (asked.call.to_string(), arity);
+                let (call, expected) = (written.call.to_string(), arity);
                 self.issues.push(Violation::WrongArguments { step, call, expected });
                 return None;
             }
