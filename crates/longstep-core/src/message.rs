@@ -192,9 +192,9 @@ impl Violation {
                 format!("the lanes wait for each other at `{sync}` for ever")
             }
             Self::When { facts, violation } => {
-                let told: Vec<String> = facts.iter().map(|fact| voice.fact(world, *fact, true)).collect();
+                let outcomes: Vec<String> = facts.iter().map(|fact| voice.fact(world, *fact, true)).collect();
                 let message = violation.message_in(voice, world, steps, goal);
-                format!("{message} (when {})", told.join(" and "))
+                format!("{message} (when {})", outcomes.join(" and "))
             }
         }
     }

@@ -217,7 +217,7 @@ impl Loader<'_> {
             .collect();
         let goal_words: Vec<GoalWord> = file.goal.iter().filter_map(|entry| self.goal_word(entry)).collect();
         self.yielding(&file.goal, &goal_words);
-        self.asked_for_lack(&file, &actions, &goal_words);
+        self.report_negated_outcomes(&file, &actions, &goal_words);
         let implied = self.implied(&file.implied);
         let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
         let repair = self.repair_costs(&file.repair);

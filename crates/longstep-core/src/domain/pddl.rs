@@ -578,11 +578,11 @@ mod tests {
             panic!("{effect:?}")
         };
         assert_eq!(*slot, 2);
-        let asks = |condition: &Condition, slot: usize| match condition {
+        let is_about = |condition: &Condition, slot: usize| match condition {
             Condition::Atom { atom, .. } => atom.terms == [Term::Variable(slot)],
             _ => false,
         };
-        assert!(asks(inner, 2) && asks(&parts[1], 1), "{effect:?}");
+        assert!(is_about(inner, 2) && is_about(&parts[1], 1), "{effect:?}");
     }
 
     #[test]

@@ -74,10 +74,10 @@ pub fn read(
 pub fn parse(domain: &Domain, file: &str, text: &str) -> Result<World, Diagnostics> {
     let (parsed, wrapped) = Environment::parse(text).map_err(|error| {
         let (line, column) = (error.line(), error.column());
-        let said = error.to_string();
-        let message = said
+        let full = error.to_string();
+        let message = full
             .strip_suffix(&format!(" at line {line} column {column}"))
-            .unwrap_or(&said);
+            .unwrap_or(&full);
         let hint = "an environment is JSON with `assets`, `asset_states`, `objects` and `object_states`";
         let finding = match line {
             0 => Diagnostic::whole(file, message),
@@ -191,13 +191,13 @@ impl EnvironmentReader<'_> {
         self.states(&mut world, "asset_states", &environment.asset_states);
         self.states(&mut world, "object_states", &environment.object_states);
         let mut denied: FxHashSet<Fact> = FxHashSet::default();
-        let mut told: FxHashSet<usize> = FxHashSet::default();
+        let mut given: FxHashSet<usize> = FxHashSet::default();
         for (section, properties) in [
             ("asset_properties", &environment.asset_properties),
             ("object_properties", &environment.object_properties),
         ] {
             for (identifier, words) in properties.iter().flatten() {
-                self.properties(&mut world, section, identifier, words, &mut denied, &mut told);
+                self.properties(&mut world, section, identifier, words, &mut denied, &mut given);
             }
         }
         let bases: Vec<String> = world
@@ -206,7 +206,7 @@ impl EnvironmentReader<'_> {
             .map(|entity| base_name(&entity.identifier))
             .collect();
         for derivation in &domain.derivations {
-            let not = derive(derivation, &mut world, &bases, &denied, &told);
+            let not = derive(derivation, &mut world, &bases, &denied, &given);
             // Properties in the environment take precedence over derivations from names.
             denied.extend(not.into_iter().filter(|fact| !world.state.holds(*fact)));
         }
@@ -227,7 +227,7 @@ impl EnvironmentReader<'_> {
             }
         }
         for (index, words) in domain.predicate_words.iter().enumerate() {
-            if words.unknown == Unknown::Assume && !told.contains(&index) {
+            if words.unknown == Unknown::Assume && !given.contains(&index) {
                 let predicate = &domain.predicates[index];
                 for entity in world.of_kind(predicate.parameters[0].kind).to_vec() {
                     let fact = Fact::new(crate::model::PredicateId::new(index), [entity]);
@@ -342,7 +342,7 @@ impl EnvironmentReader<'_> {
         identifier: &str,
         words: &Words,
         denied: &mut FxHashSet<Fact>,
-        told: &mut FxHashSet<usize>,
+        given: &mut FxHashSet<usize>,
     ) {
         let path = Path::key(section).push(identifier);
         let subject = world.find(identifier);
@@ -361,7 +361,7 @@ impl EnvironmentReader<'_> {
             for Literal { atom, holds } in &word.literals {
                 let fact = ground(atom, &[subject]);
                 let opposite = if *holds {
-                    told.insert(atom.predicate.index());
+                    given.insert(atom.predicate.index());
                     world.state.set(fact, true);
                     denied.contains(&fact)
                 } else {
@@ -381,14 +381,14 @@ impl EnvironmentReader<'_> {
         let domain = self.domain;
         for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Start) {
             // A contradiction between two entities is reported once, not once per order.
-            let mut told: FxHashSet<Bindings> = FxHashSet::default();
+            let mut reported: FxHashSet<Bindings> = FxHashSet::default();
             for bindings in crate::model::broken_bindings(rule, world, &world.state) {
                 let mut sorted = bindings.clone();
                 sorted.sort_unstable();
                 if self.is_full() {
                     return;
                 }
-                if !told.insert(sorted) {
+                if !reported.insert(sorted) {
                     continue;
                 }
                 let says = rule.says.fill(|slot| world.entity(bindings[slot]).identifier.clone());
@@ -418,7 +418,7 @@ fn derive(
     world: &mut World,
     bases: &[String],
     denied: &FxHashSet<Fact>,
-    told: &FxHashSet<usize>,
+    given: &FxHashSet<usize>,
 ) -> Vec<Fact> {
     let matching = |names: &[String]| -> Vec<EntityId> {
         let fits = |base: &String| names.is_empty() || names.iter().any(|name| ends_with(base, name));
@@ -460,7 +460,7 @@ fn derive(
         }
     }
     // If an environment gives a fact of a predicate, it gives all facts of that predicate.
-    let open = |fact: &Fact| !denied.contains(fact) && !told.contains(&fact.predicate().index());
+    let open = |fact: &Fact| !denied.contains(fact) && !given.contains(&fact.predicate().index());
     for (fact, _) in follows.iter().filter(|(fact, holds)| *holds && open(fact)) {
         if world.state.set(*fact, true) {
             Arc::make_mut(&mut world.assumed).insert(*fact, AssumptionSource::Derived);

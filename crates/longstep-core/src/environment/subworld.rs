@@ -71,7 +71,7 @@ impl Environment {
                 .all(|argument| identifiers.contains(argument.as_str())),
             Err(_) => true,
         };
-        let said = |all: &IndexMap<String, Words>| -> IndexMap<String, Words> {
+        let states = |all: &IndexMap<String, Words>| -> IndexMap<String, Words> {
             let kept = all
                 .iter()
                 .filter(|(identifier, _)| identifiers.contains(identifier.as_str()));
@@ -94,11 +94,11 @@ impl Environment {
         };
         Self {
             assets: listed(&self.assets),
-            asset_states: said(&self.asset_states),
+            asset_states: states(&self.asset_states),
             objects: listed(&self.objects),
-            object_states: said(&self.object_states),
-            asset_properties: self.asset_properties.as_ref().map(said),
-            object_properties: self.object_properties.as_ref().map(said),
+            object_states: states(&self.object_states),
+            asset_properties: self.asset_properties.as_ref().map(states),
+            object_properties: self.object_properties.as_ref().map(states),
             names: self.names.as_ref().map(names),
         }
     }
@@ -132,8 +132,8 @@ mod tests {
         let part = whole.narrowed(&ids);
         assert_eq!(serde_json::to_string(part.environment()).unwrap(), environment);
         let relations = part.state.iter().filter(|fact| domain.is_relation(*fact));
-        let told: Vec<String> = relations.map(|fact| fact_text(&part, fact, true)).collect();
-        assert_eq!(told, facts);
+        let texts: Vec<String> = relations.map(|fact| fact_text(&part, fact, true)).collect();
+        assert_eq!(texts, facts);
         for (id, entity) in part.entities() {
             assert_eq!(part.find(&entity.identifier), Some(id));
             assert_eq!(whole.entity(whole.find(&entity.identifier).unwrap()), entity);

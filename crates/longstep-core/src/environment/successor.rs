@@ -15,14 +15,14 @@ impl World {
     #[must_use]
     pub fn after(&self, ending: &Ending) -> Self {
         let domain = self.domain();
-        let said = |predicate| state_word(domain, predicate).is_some();
+        let is_expressible = |predicate| state_word(domain, predicate).is_some();
         let mut next = self.clone();
         next.environment = Arc::new(write(self, &ending.after));
-        let before = self.state.iter().filter(|fact| said(fact.predicate()));
+        let before = self.state.iter().filter(|fact| is_expressible(fact.predicate()));
         for fact in before.filter(|fact| !ending.after.holds(*fact)) {
             next.state.set(fact, false);
         }
-        for fact in ending.after.iter().filter(|fact| said(fact.predicate())) {
+        for fact in ending.after.iter().filter(|fact| is_expressible(fact.predicate())) {
             next.state.set(fact, true);
         }
         // A fact that a step changed is no longer assumed.

@@ -180,12 +180,12 @@ impl Conditional {
     ) -> Vec<Condition> {
         let own = GoalFact::If(self.clone());
         let elsewhere = others.iter().filter(|other| **other != own).flat_map(GoalFact::parts);
-        let spoken: Vec<&GoalFact> = elsewhere.chain(wanted).collect();
+        let mentioned: Vec<&GoalFact> = elsewhere.chain(wanted).collect();
         let looked_at: Vec<EntityId> = domain.arguments(self.condition).collect();
         let is_free = |thing: &EntityId| match looked_at.contains(thing) {
             // An inspected entity may be a place in another goal.
-            true => !spoken.iter().any(|fact| fact.subject(domain) == Some(*thing)),
-            false => !spoken.iter().any(|fact| fact.about(domain).contains(thing)),
+            true => !mentioned.iter().any(|fact| fact.subject(domain) == Some(*thing)),
+            false => !mentioned.iter().any(|fact| fact.about(domain).contains(thing)),
         };
         let slots = (0..bindings.len()).filter(|slot| bindings[..*slot].iter().all(|other| *other != bindings[*slot]));
         let alone = slots.filter(|slot| is_free(&bindings[*slot]));

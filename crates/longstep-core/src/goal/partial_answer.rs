@@ -44,9 +44,9 @@ impl Begun {
                 text => Ok(parse(world, text)?.facts),
             }
         };
-        if let Some(said) = answer.strip_suffix(JOINT.trim()) {
+        if let Some(finished) = answer.strip_suffix(JOINT.trim()) {
             return Ok(Self {
-                facts: all(said)?,
+                facts: all(finished)?,
                 side: Vec::new(),
                 other_side: Vec::new(),
                 next: Next::Goal,
@@ -90,7 +90,7 @@ impl Begun {
     }
 
     /// Returns the goals so far that will be pursued together with the next one.
-    pub fn said(&self) -> Vec<GoalFact> {
+    pub fn preceding(&self) -> Vec<GoalFact> {
         let parts = self.facts.iter().flat_map(GoalFact::parts);
         parts.chain(&self.side).cloned().collect()
     }

@@ -530,8 +530,8 @@ impl DomainData {
     }
 
     fn sensing_of(&self, predicate: PredicateId) -> Option<&Action> {
-        let tells = |action: &&Action| action.senses.iter().any(|atom| atom.predicate == predicate);
-        self.actions.iter().find(tells)
+        let senses = |action: &&Action| action.senses.iter().any(|atom| atom.predicate == predicate);
+        self.actions.iter().find(senses)
     }
 
     /// Returns the goal word with this id.

@@ -101,17 +101,17 @@ impl Entity {
     /// Returns the largest number of words of one of its names that occur in `words`, which are singular and in lower
     /// case. A name counts only if its head noun occurs: "kitchen" does not mention the kitchen table.
     pub fn words_in(&self, words: &[String]) -> usize {
-        self.words_said(&|word| words.iter().any(|said| said == word))
+        self.words_where(&|word| words.iter().any(|other| other == word))
     }
 
     /// Like [`words_in`](Self::words_in), with a predicate in place of the list of words.
-    pub fn words_said(&self, is_said: &dyn Fn(&str) -> bool) -> usize {
+    pub fn words_where(&self, occurs: &dyn Fn(&str) -> bool) -> usize {
         let fit = |name: &String| {
-            if !is_said(&head(name)) {
+            if !occurs(&head(name)) {
                 return 0;
             }
             let parts = plain_words(name).into_iter().map(|part| singular(&part));
-            parts.filter(|part| is_said(part)).count()
+            parts.filter(|part| occurs(part)).count()
         };
         self.names.iter().map(fit).max().unwrap_or(0)
     }

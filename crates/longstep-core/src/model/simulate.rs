@@ -178,7 +178,7 @@ pub(crate) fn rests_on(
                 .for_each(|part| rests_on(moment, part, bindings, touched, rested));
         }
         // A universal condition without positive atoms cannot rest on an assumed fact.
-        Condition::Forall(_, _, inner) if !asks_for_facts(inner) => {}
+        Condition::Forall(_, _, inner) if !has_positive_atom(inner) => {}
         Condition::Forall(_, kind, inner) | Condition::Exists(_, kind, inner) => {
             let all = matches!(condition, Condition::Forall(..));
             for entity in moment.world.of_kind(*kind) {
@@ -207,6 +207,6 @@ pub(crate) fn rests_on(
 }
 
 /// Returns true if the condition has a positive atom.
-fn asks_for_facts(condition: &Condition) -> bool {
-    matches!(condition, Condition::Atom { holds: true, .. }) || condition.parts().iter().any(asks_for_facts)
+fn has_positive_atom(condition: &Condition) -> bool {
+    matches!(condition, Condition::Atom { holds: true, .. }) || condition.parts().iter().any(has_positive_atom)
 }

@@ -290,7 +290,7 @@ impl GoalDialogue {
             return Ok(Some(self.answer_to_question(question)));
         }
         let begun = Begun::read(&self.world, &self.transcript.answer)?;
-        (self.preceding, self.next, self.has_condition) = (begun.said(), begun.next, begun.has_condition());
+        (self.preceding, self.next, self.has_condition) = (begun.preceding(), begun.next, begun.has_condition());
         (self.facts, self.other_side) = (begun.facts, begun.other_side);
         if self.next != Next::Nothing {
             self.look();

@@ -99,7 +99,7 @@ impl Spoken {
         let said = Places::of(&singulars);
         let scored: Vec<(EntityId, usize)> = world
             .entities()
-            .map(|(id, entity)| (id, entity.words_said(&|word| said.has(word))))
+            .map(|(id, entity)| (id, entity.words_where(&|word| said.has(word))))
             .filter(|(_, score)| *score > 0)
             .collect();
         let heads: FxHashMap<EntityId, String> = scored

@@ -58,13 +58,13 @@ impl Loader<'_> {
 
     /// Reports negated outcomes in conditions. An unknown outcome does not hold, and neither do its alternatives, so no
     /// condition may require that an outcome does not hold.
-    pub(super) fn asked_for_lack(&mut self, file: &DomainFile, actions: &[Action], goal_words: &[GoalWord]) {
+    pub(super) fn report_negated_outcomes(&mut self, file: &DomainFile, actions: &[Action], goal_words: &[GoalWord]) {
         let sensed: Vec<PredicateId> = actions
             .iter()
             .flat_map(|a| &a.senses)
             .map(|atom| atom.predicate)
             .collect();
-        let asks = |condition: &Condition| {
+        let negated = |condition: &Condition| {
             let denied = condition.atoms().filter(|(_, holds)| !holds);
             let denied = denied.map(|(atom, _)| atom.predicate);
             denied.filter(|predicate| sensed.contains(predicate)).last()
@@ -72,11 +72,11 @@ impl Loader<'_> {
         let named = |name: &str| file.action.iter().find(|entry| entry.name.get_ref() == name);
         let of_actions = actions.iter().filter_map(|action| {
             let conditions = std::iter::once(&action.precondition).chain(action.effects.iter().map(|e| &e.condition));
-            Some((&named(&action.name)?.name, conditions.into_iter().find_map(asks)?))
+            Some((&named(&action.name)?.name, conditions.into_iter().find_map(negated)?))
         });
         let of_goals = goal_words.iter().filter_map(|word| {
             let shown = |entry: &&words::GoalEntry| entry.form.get_ref().starts_with(&word.word);
-            Some((&file.goal.iter().find(shown)?.form, asks(&word.condition)?))
+            Some((&file.goal.iter().find(shown)?.form, negated(&word.condition)?))
         });
         let found: Vec<_> = of_actions.chain(of_goals).collect();
         for (place, predicate) in found {
