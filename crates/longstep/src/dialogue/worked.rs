@@ -24,13 +24,14 @@ use crate::{goal, json};
 #[serde(deny_unknown_fields)]
 struct PlansFile {
     #[serde(default)]
-    example: Vec<Entry>,
+    example: Vec<WorkedExample>,
 }
 
 /// An example in the file: it has one of `goal`, `script`, `reply` and `question`.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Entry {
+// Messages of the parser keep the name `Entry`.
+#[serde(deny_unknown_fields, expecting = "struct Entry")]
+struct WorkedExample {
     instruction: Spanned<String>,
     environment: Environment,
     /// A goal, for which search finds a shortest plan.
@@ -74,7 +75,7 @@ fn at<T>(source: &Source, place: &Spanned<T>, message: impl Into<String>) -> Dia
     Diagnostic::at(&source.path, Position::of(&source.text, place.span().start), message)
 }
 
-fn answer(domain: &Domain, source: &Source, entry: &Entry) -> Result<AnswerText, Diagnostic> {
+fn answer(domain: &Domain, source: &Source, entry: &WorkedExample) -> Result<AnswerText, Diagnostic> {
     let place = &entry.instruction;
     let world = environment::read(domain, &entry.environment, "", "", &json::Path::default()).map_err(|findings| {
         let messages: Vec<&str> = findings.0.iter().map(|finding| finding.message.as_str()).collect();
