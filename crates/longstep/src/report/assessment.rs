@@ -11,7 +11,7 @@ use crate::repair::{Pins, RepairOutcome, Repaired, repair_pinned};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
 
 /// Maximum number of edits that a hint lists; more are only counted.
-const TOLD: usize = 4;
+const LISTED_EDITS: usize = 4;
 
 /// A written plan in a world. Simulation and repair run on first use and at most once.
 #[derive(Debug, Clone)]
@@ -224,7 +224,7 @@ impl<'a> Assessment<'a> {
         };
         let length = self.resolved.written.len();
         let mut changes: Vec<String> = match repaired.edits.len() {
-            0..=TOLD => repaired.edits.iter().map(|edit| edit.description(length)).collect(),
+            0..=LISTED_EDITS => repaired.edits.iter().map(|edit| edit.description(length)).collect(),
             many => vec![format!("{many} changes")],
         };
         let given_up = given_up(self.world, repaired).into_iter();
