@@ -117,7 +117,7 @@ impl Rebuild<WrittenStep, String> for Inliner<'_> {
         let condition = condition.map(&mut Test::Sense, &mut |step| {
             if self.recalled.iter().any(|(plan, _)| plan.name == step.call.name) {
                 let name = step.call.name.clone();
-                self.misfits.push(Misfit::Asked { name });
+                self.misfits.push(Misfit::PlanInCondition { name });
             }
             Test::Holds(spelled_out(self.world, step))
         });

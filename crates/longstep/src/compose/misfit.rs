@@ -27,7 +27,7 @@ pub enum Misfit {
     #[error(
         "`{name}` is a stored plan, which tells nothing that could be asked: a condition asks a sensing action or a state"
     )]
-    Asked {
+    PlanInCondition {
         /// The plan.
         name: String,
     },
@@ -97,7 +97,7 @@ impl Misfit {
         match self {
             Self::UnknownPlan { .. } => "unknown_plan",
             Self::Arguments { .. } => "plan_arguments",
-            Self::Asked { .. } => "plan_in_condition",
+            Self::PlanInCondition { .. } => "plan_in_condition",
             Self::Unusable { .. } => "unusable_plan",
             Self::NoSequence { .. } => "no_sequence",
             Self::SeveralActors { .. } => "several_actors",
