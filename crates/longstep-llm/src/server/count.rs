@@ -35,7 +35,7 @@ enum Way {
     /// A tokenizer of OpenAI, loaded at its first use.
     OpenAi(Family),
     /// The server may have a tokenizer; the first count finds out.
-    Unasked,
+    Unprobed,
     /// The server's tokenizer.
     Server(Tokenizer),
     /// No tokenizer is available.
@@ -48,7 +48,7 @@ impl Counter {
             Kind::OpenAi | Kind::Azure => get_tokenizer(&endpoint.model)
                 .filter(|family| tokenizer(*family).is_some())
                 .map_or(Way::Estimate, Way::OpenAi),
-            Kind::Other => Way::Unasked,
+            Kind::Other => Way::Unprobed,
             Kind::Ollama | Kind::Anthropic | Kind::Gemini => Way::Estimate,
         };
         Self {
@@ -70,7 +70,7 @@ impl Counter {
             return self.estimate.now().message_tokens(message);
         }
         let began = Instant::now();
-        if matches!(self.way, Way::Unasked) {
+        if matches!(self.way, Way::Unprobed) {
             let answering = |way: &Tokenizer| way.count("one two", endpoint, connection).is_some();
             let found = Tokenizer::ALL.into_iter().find(answering);
             if !connection.stop.is_set() {
@@ -87,7 +87,7 @@ impl Counter {
                 let count = tokenizer.count(text, endpoint, connection);
                 count.map(|count| count + TEMPLATE_AROUND)
             }
-            Way::Unasked | Way::Estimate => None,
+            Way::Unprobed | Way::Estimate => None,
         };
         self.counting_time += began.elapsed();
         let given_up = count.is_none() || self.counting_time > COUNTING_TIME;
@@ -108,7 +108,7 @@ impl Counter {
         match &self.way {
             Way::OpenAi(_) => OPENAI_AROUND,
             Way::Server(_) => TEMPLATE_AROUND,
-            Way::Unasked | Way::Estimate => self.estimate.now().frame_tokens(),
+            Way::Unprobed | Way::Estimate => self.estimate.now().frame_tokens(),
         }
     }
 
@@ -120,7 +120,7 @@ impl Counter {
                 "the tokenizer of {} on its server, and {TEMPLATE_AROUND} tokens taken for what is around a message",
                 endpoint.model
             )),
-            Way::Unasked | Way::Estimate => self.estimate.counting(),
+            Way::Unprobed | Way::Estimate => self.estimate.counting(),
         }
     }
 

@@ -73,7 +73,7 @@ mod tests {
         for status in [307, 400, 401, 404, 422] {
             assert_eq!(pause(&rejected(status, Some(Duration::ZERO)), 0), None);
         }
-        let asked = |seconds| milliseconds(&rejected(429, Some(Duration::from_secs(seconds))), 0);
-        assert_eq!((asked(7), asked(60), asked(61)), (Some(7000), Some(60_000), None));
+        let delay = |seconds| milliseconds(&rejected(429, Some(Duration::from_secs(seconds))), 0);
+        assert_eq!((delay(7), delay(60), delay(61)), (Some(7000), Some(60_000), None));
     }
 }
