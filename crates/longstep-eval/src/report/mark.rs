@@ -6,26 +6,26 @@ use crate::attempt::Attempt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mark {
     Correct,
-    AskedRightly,
+    RightQuestion,
     Executable,
-    AskedNeedlessly,
+    NeedlessQuestion,
     NotExecutable,
 }
 
 impl Mark {
     pub(super) const ALL: [Self; 5] = [
         Self::Correct,
-        Self::AskedRightly,
+        Self::RightQuestion,
         Self::Executable,
-        Self::AskedNeedlessly,
+        Self::NeedlessQuestion,
         Self::NotExecutable,
     ];
 
     pub(super) fn of(attempt: &Attempt) -> Self {
         match (attempt.correct, attempt.is_question()) {
-            (true, true) => Self::AskedRightly,
+            (true, true) => Self::RightQuestion,
             (true, false) => Self::Correct,
-            (false, true) => Self::AskedNeedlessly,
+            (false, true) => Self::NeedlessQuestion,
             (false, false) if attempt.executable => Self::Executable,
             (false, false) => Self::NotExecutable,
         }
@@ -35,9 +35,9 @@ impl Mark {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Correct => "correct",
-            Self::AskedRightly => "asked rightly",
+            Self::RightQuestion => "asked rightly",
             Self::Executable => "executable only",
-            Self::AskedNeedlessly => "asked needlessly",
+            Self::NeedlessQuestion => "asked needlessly",
             Self::NotExecutable => "not executable",
         }
     }
@@ -46,9 +46,9 @@ impl Mark {
     pub(super) fn sign(self) -> &'static str {
         match self {
             Self::Correct => "✓",
-            Self::AskedRightly => "?",
+            Self::RightQuestion => "?",
             Self::Executable => "~",
-            Self::AskedNeedlessly => "?!",
+            Self::NeedlessQuestion => "?!",
             Self::NotExecutable => "✗",
         }
     }
@@ -57,9 +57,9 @@ impl Mark {
     pub(super) fn letter(self) -> char {
         match self {
             Self::Correct => '+',
-            Self::AskedRightly => '?',
+            Self::RightQuestion => '?',
             Self::Executable => '~',
-            Self::AskedNeedlessly => '!',
+            Self::NeedlessQuestion => '!',
             Self::NotExecutable => 'x',
         }
     }
@@ -68,9 +68,9 @@ impl Mark {
     pub(super) fn class(self) -> &'static str {
         match self {
             Self::Correct => "correct",
-            Self::AskedRightly => "asked",
+            Self::RightQuestion => "asked",
             Self::Executable => "executable",
-            Self::AskedNeedlessly => "needless",
+            Self::NeedlessQuestion => "needless",
             Self::NotExecutable => "failed",
         }
     }
