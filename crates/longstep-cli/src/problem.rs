@@ -8,7 +8,6 @@ use longstep::domain;
 use longstep::report;
 use longstep::report::{Answer, Status};
 use longstep_core::pddl;
-use longstep_core::verify::Purpose;
 use longstep_llm::read_text;
 
 use crate::arguments::SolveArguments;
@@ -27,14 +26,9 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
     let domain = domain::from_pddl(&domain_file.display().to_string(), &read_text(&domain_file)?)?;
     let shown = problem_file.display().to_string();
     let problem = pddl::read_problem(&domain, &shown, &read_text(problem_file)?)?;
-    let purpose = Purpose {
-        wanted: problem.wanted.clone(),
-        ..Purpose::default()
-    };
-    let (world, wanted) = (&problem.world, &problem.wanted);
-    let mut answer = report::of_wanted(
-        world,
-        wanted,
+    let purpose = problem.purpose();
+    let mut answer = report::of_purpose(
+        &problem.world,
         &purpose,
         None,
         &problem.name,

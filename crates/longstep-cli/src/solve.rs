@@ -24,19 +24,19 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         (_, _, problem) => return problem::run(arguments, problem.as_deref().unwrap_or(Path::new(""))),
     };
     let domain = load_domain(arguments.domain.as_deref().unwrap_or("household"))?;
-    let world = inputs::world(&domain, env)?;
+    let world = inputs::world(&domain, env, arguments.rules.as_deref())?;
     let text = goal;
     let goal = goal::parse(&world, text)?;
     if arguments.pddl {
         let name = env.file_stem().unwrap_or_default().to_string_lossy();
-        let written = pddl::write_problem(&world, &goal.wanted(&domain), &name)?;
+        let written = pddl::write_problem(&world, &goal.purpose(&world), &name)?;
         output::document(&written);
         return Ok(Status::Verified.exit_code());
     }
     let report::Solution { plan, mut answer } =
         report::of_goal(&world, &goal, text, &longstep::Limits::default(), stopwatch);
     let shown = match plan.filter(|_| arguments.parallel) {
-        Some(plan) => lanes::side_by_side(&world, &plan, &goal.purpose(&domain), &mut answer),
+        Some(plan) => lanes::side_by_side(&world, &plan, &goal.purpose(&world), &mut answer),
         None => Vec::new(),
     };
     answer.timings_ms.total = milliseconds(started);
@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
 
 /// The sentences for a goal.
 pub(crate) fn goal_lines(world: &World, goal: &Goal) -> Vec<String> {
-    goal.facts.iter().map(|fact| fact.sentence(world)).collect()
+    goal.sentences(world)
 }
 
 /// Saves and prints an answer, and returns the exit code. `lanes` are the lines of a parallel plan, empty for a

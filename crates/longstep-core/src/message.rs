@@ -109,6 +109,22 @@ impl Violation {
                 Some(fact) => format!("at the end, this is not reached: {}", fact.sentence_in(voice, world)),
                 None => "at the end, the goal is not reached".to_owned(),
             },
+            Self::Order { index, first } => {
+                let fact = goal.and_then(|goal| goal.facts.get(*index));
+                let text = fact.map_or_else(|| "a goal".to_owned(), |fact| fact.sentence_in(voice, world));
+                match first {
+                    true => format!("the plan never achieves this: {text}"),
+                    false => format!("the plan does not achieve this after what comes before it: {text}"),
+                }
+            }
+            Self::Prohibited {
+                step,
+                prohibition,
+                says,
+            } => {
+                let call = steps[*step].call(world);
+                format!("step {}: {call} is forbidden by `{prohibition}`: {says}", step + 1)
+            }
             Self::Claim { fact } => {
                 let text = voice.fact(world, *fact, true);
                 format!("at the end, this is claimed and not so: {text}")

@@ -83,7 +83,7 @@ impl<'a> Standard<'a> {
     fn amiss_for(&self, plan: &Plan, goal: &Goal, reference: Option<&VerifiedPlan>) -> Amiss {
         let (domain, world) = (self.domain, self.world);
         let purpose = Purpose {
-            wanted: goal.purpose(domain).wanted,
+            wanted: goal.purpose(world).wanted,
             ..Purpose::default()
         };
         let report = check(world, plan.clone(), &purpose);

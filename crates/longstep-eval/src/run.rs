@@ -150,10 +150,7 @@ impl Observed<'_> {
         let why = self.why(step, outcome, plan, &amiss);
         let (usage, _) = self.session.cost();
         let goal = proposal.and_then(|proposal| proposal.goal.as_ref());
-        let understood = goal
-            .iter()
-            .flat_map(|goal| &goal.facts)
-            .map(|fact| fact.everyday(world));
+        let understood = goal.iter().flat_map(|goal| goal.everyday(world));
         let mut attempt = Attempt {
             key,
             scene: case.scene.clone(),
@@ -241,15 +238,9 @@ impl Observed<'_> {
 
     fn wanted(&self, expected: &Expected) -> Wanted {
         match expected {
-            Expected::Plan(goals) => Wanted::Plan(
-                goals
-                    .iter()
-                    .map(|goal| {
-                        let facts = goal.facts.iter().map(|fact| fact.everyday(self.world));
-                        facts.collect::<Vec<_>>().join(" & ")
-                    })
-                    .collect(),
-            ),
+            Expected::Plan(goals) => {
+                Wanted::Plan(goals.iter().map(|goal| goal.everyday(self.world).join(" & ")).collect())
+            }
             Expected::Question => Wanted::Question,
             Expected::Refusal => Wanted::Refusal,
             Expected::Either => Wanted::Either,

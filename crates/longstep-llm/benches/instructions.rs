@@ -67,10 +67,10 @@ fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: 
     if let Some(Understanding::Goal(goal, left_out)) = understanding {
         made.left_out = left_out.len();
         let started = Instant::now();
-        let outcome = search::solve(world, &goal.wanted(domain), &Limits::default());
+        let outcome = search::solve(world, &goal.purpose(world), &Limits::default());
         made.search_time = started.elapsed();
         if let Outcome::Solved { plan, .. } = outcome {
-            made.report = Some(verify::check(world, plan, &goal.purpose(domain)));
+            made.report = Some(verify::check(world, plan, &goal.purpose(world)));
         }
     }
     made

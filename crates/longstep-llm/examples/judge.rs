@@ -7,7 +7,8 @@
 //!
 //! The answer is the object that `longstep verify --json` and `longstep solve --json` print. For `verify` of a plan that
 //! was simulated, `endings` lists each ending: the sensing outcomes that lead to it (`when`, sentences) and the
-//! environment `after` it. What cannot be read is answered with `{"error": TEXT}`.
+//! environment `after` it. For `solve`, `stages` has for each goal of a goal with an order whether it must be achieved
+//! `anew` and whether it must hold at the end (`kept`), and `bound` the steps of the plan with all arguments. What cannot be read is answered with `{"error": TEXT}`.
 #![allow(clippy::print_stdout)]
 
 use std::collections::HashMap;
@@ -17,7 +18,8 @@ use std::io::Write;
 use longstep::domain::Domain;
 use longstep::report::Assessment;
 use longstep::{goal, report};
-use longstep_core::environment::{self, Environment, Voice, World};
+use longstep_core::domain::Condition;
+use longstep_core::environment::{self, EntityId, Environment, Voice, World};
 use longstep_core::json;
 use longstep_core::plan::{self, PlanFile, TaskCohesion};
 use longstep_core::verify::{bind_tree, check};
@@ -87,5 +89,20 @@ fn verify(world: &World, text: &str) -> Anyhow<Value> {
 fn solve(world: &World, text: &str) -> Anyhow<Value> {
     let goal = goal::parse(world, text)?;
     let solution = report::of_goal(world, &goal, text, &longstep::Limits::default(), || 0.0);
-    Ok(serde_json::to_value(solution.answer)?)
+    let mut answer = serde_json::to_value(solution.answer)?;
+    let purpose = goal.purpose(world);
+    let milestones = purpose.stages.iter().flatten();
+    let meant = milestones.zip(&purpose.wanted);
+    answer["stages"] = meant
+        .map(|(milestone, wanted)| json!({"anew": milestone.anew, "kept": wanted.condition != Condition::TRUE}))
+        .collect();
+    let name = |entity: &EntityId| world.entity(*entity).identifier.clone();
+    let steps = solution.plan.iter().flat_map(|plan| plan.steps());
+    answer["bound"] = steps
+        .map(|step| {
+            let arguments: Vec<String> = step.arguments.iter().map(name).collect();
+            json!({"action": world.domain().action(step.action).name, "arguments": arguments})
+        })
+        .collect();
+    Ok(answer)
 }

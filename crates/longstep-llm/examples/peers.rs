@@ -19,7 +19,7 @@ use longstep_core::json;
 use longstep_core::pddl::{self, Problem};
 use longstep_core::plan::{Plan, Step};
 use longstep_core::search::{self, Limits, Outcome};
-use longstep_core::verify::{Purpose, check};
+use longstep_core::verify::check;
 use longstep_llm::domain_files;
 use serde_json::json;
 
@@ -47,7 +47,7 @@ fn solve(domain_file: &str, problem_file: &str) -> Anyhow<()> {
     let started = Instant::now();
     let domain = domain::from_pddl(domain_file, &texts.0)?;
     let problem = pddl::read_problem(&domain, problem_file, &texts.1)?;
-    let outcome = search::solve(&problem.world, &problem.wanted, &Limits::default());
+    let outcome = search::solve(&problem.world, &problem.purpose(), &Limits::default());
     let microseconds = started.elapsed().as_micros();
     let mut line = json!({"problem": problem_file, "outcome": name(&outcome), "microseconds": microseconds});
     match outcome {
@@ -80,11 +80,7 @@ fn name(outcome: &Outcome) -> &'static str {
 
 /// Whether the verifier, which shares nothing with the search, finds the plan good.
 fn is_valid(problem: &Problem, plan: Plan) -> bool {
-    let purpose = Purpose {
-        wanted: problem.wanted.clone(),
-        ..Purpose::default()
-    };
-    check(&problem.world, plan, &purpose).violations.is_empty()
+    check(&problem.world, plan, &problem.purpose()).violations.is_empty()
 }
 
 fn check_plan(line: &str) -> Anyhow<()> {
@@ -129,18 +125,18 @@ fn export(folder: &Path) -> Anyhow<()> {
 }
 
 fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) -> Anyhow<()> {
-    let Scene { domain, world, .. } = scene;
-    let wanted = goal.wanted(domain);
-    let text = pddl::write_problem(world, &wanted, name_of_task)?;
+    let world = &scene.world;
+    let purpose = goal.purpose(world);
+    let text = pddl::write_problem(world, &purpose, name_of_task)?;
     let domain_file = folder.join("domain.pddl");
     let problem_file = folder.join("problem.pddl");
     std::fs::create_dir_all(folder)?;
     std::fs::write(&domain_file, &scene.pddl)?;
     std::fs::write(&problem_file, &text)?;
-    let outcome = search::solve(world, &wanted, &Limits::default());
+    let outcome = search::solve(world, &purpose, &Limits::default());
     let mut line = json!({
         "scene": scene.name,
-        "goal": goal.facts.iter().map(|fact| fact.exact(world)).collect::<Vec<_>>().join(" & "),
+        "goal": goal.exact(world).join(" & "),
         "domain": domain_file,
         "problem": problem_file,
         "outcome": name(&outcome),
@@ -152,7 +148,7 @@ fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) ->
     // What was written means the same to us when we read it back.
     let bare = domain::from_pddl("domain.pddl", &scene.pddl)?;
     let problem = pddl::read_problem(&bare, "problem.pddl", &text)?;
-    let again = search::solve(&problem.world, &problem.wanted, &Limits::default());
+    let again = search::solve(&problem.world, &problem.purpose(), &Limits::default());
     line["again"] = match again {
         Outcome::Solved { plan, .. } => plan.steps().len().into(),
         other => name(&other).into(),
@@ -262,5 +258,5 @@ fn goals(domain: &Domain, world: &World) -> Vec<Goal> {
             }
         }
     }
-    goals.into_iter().map(|facts| Goal { facts }).collect()
+    goals.into_iter().map(Goal::from).collect()
 }

@@ -86,8 +86,8 @@ fn bare(wishes: &[StepWish]) -> Vec<StepWish> {
     wishes
 }
 
-fn planned(domain: &Domain, world: &World, goal: &goal::Goal) -> Plan {
-    let outcome = search::solve(world, &goal.wanted(domain), &Limits::default());
+fn planned(world: &World, goal: &goal::Goal) -> Plan {
+    let outcome = search::solve(world, &goal.purpose(world), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
@@ -115,7 +115,7 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
     let domain = domain_named(scene["domain"].as_str().unwrap());
     let world = world_of(&domain, &scene["environment"]);
     let goal = goal::parse(&world, text("goal")).unwrap_or_else(|error| panic!("{error}"));
-    let plan = written_plan(&world, case).unwrap_or_else(|| planned(&domain, &world, &goal));
+    let plan = written_plan(&world, case).unwrap_or_else(|| planned(&world, &goal));
     let (wish, mut told) = hear(model, &domain, &world, &plan, text("instruction"), text("says"));
     let accepted: Vec<&str> = case["right"]
         .as_array()
@@ -130,7 +130,7 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
                 expected.is_ok_and(|expected| expected == bare(&wishes))
             };
             let mut right = accepted.iter().any(same);
-            let outcome = match amend(&world, &plan, &wishes, &goal.purpose(&domain)) {
+            let outcome = match amend(&world, &plan, &wishes, &goal.purpose(&world)) {
                 Amended::Done(amendment) => {
                     let edits: Vec<String> = amendment
                         .edits

@@ -29,8 +29,7 @@ fn example(name: &str) -> PathBuf {
 }
 
 fn plan_for(world: &World, goal: &Goal) -> Plan {
-    let domain = world.domain();
-    let outcome = search::solve(world, &goal.wanted(domain), &Limits::default());
+    let outcome = search::solve(world, &goal.purpose(world), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
@@ -62,13 +61,12 @@ fn planning(criterion: &mut Criterion) {
         let domain = domain::shipped(domain).unwrap().unwrap();
         let world = scene(&domain, file);
         let goal = goal::parse(&world, goal).unwrap();
-        let wanted = goal.wanted(&domain);
         let plan = plan_for(&world, &goal);
-        let purpose = goal.purpose(&domain);
+        let purpose = goal.purpose(&world);
         let mut group = criterion.benchmark_group(name);
         group.sample_size(20);
         group.bench_function("search", |bencher| {
-            bencher.iter(|| search::solve(&world, black_box(&wanted), &Limits::default()));
+            bencher.iter(|| search::solve(&world, black_box(&purpose), &Limits::default()));
         });
         group.throughput(Throughput::Elements(plan.steps().len() as u64));
         group.bench_function("verify", |bencher| {

@@ -162,7 +162,7 @@ fn main() {
     let wanted = format!("put({}, {})", identifier("<mug_"), identifier("<desk_"));
     let goal = goal::parse(&world, &wanted).unwrap_or_else(|e| panic!("{e}"));
     milliseconds("search for one goal", || {
-        let outcome = search::solve(&world, &goal.wanted(&domain), &Limits::default());
+        let outcome = search::solve(&world, &goal.purpose(&world), &Limits::default());
         assert!(matches!(outcome, search::Outcome::Solved { .. }), "{outcome:?}");
     });
 }

@@ -168,7 +168,7 @@ fn what_instructions_mean_can_be_reached() {
         let plan = solution
             .plan
             .unwrap_or_else(|| panic!("{says}: {:?}", solution.answer.notes));
-        let shared = schedule::share(&world, &plan, &goal.purpose(&domain));
+        let shared = schedule::share(&world, &plan, &goal.purpose(&world));
         let time = shared.map_or_else(|| schedule::makespan(plan.plan()), |shared| shared.after);
         println!("    {} steps, {time}", plan.steps().len());
     }
@@ -275,7 +275,7 @@ fn two_robots_share_work_as_two_hands_do() {
         let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0)
             .plan
             .unwrap();
-        let shared = schedule::share(&world, &plan, &goal.purpose(&domain));
+        let shared = schedule::share(&world, &plan, &goal.purpose(&world));
         (plan.steps().len(), shared)
     };
     // Only one of them may enter the vault, so the other one brings the letter.

@@ -130,7 +130,7 @@ fn reference_programs_reach_the_goals_of_their_scenarios() {
                 .map(|s| s.as_str().unwrap().replace("WalkTowards", "Walktowards")).collect::<Vec<_>>(),
         }))
         .unwrap();
-        let mut purpose = goal_of(&world, &scenario["goal"]).purpose(&domain);
+        let mut purpose = goal_of(&world, &scenario["goal"]).purpose(&world);
         purpose.from_goal = false;
         let report = check(&world, &written, &purpose);
         let messages: Vec<_> = report
@@ -150,11 +150,11 @@ fn search_reaches_every_scenario_s_goal_by_a_shortest_plan() {
     for scenario in read("virtualhome14/scenarios.json").as_array().unwrap() {
         for world in [&world_of(&domain, &scenario["environment"]), &kitchen] {
             let goal = goal_of(world, &scenario["goal"]);
-            let outcome = search::solve(world, &goal.wanted(&domain), &Limits::default());
+            let outcome = search::solve(world, &goal.purpose(world), &Limits::default());
             let Outcome::Solved { plan, shortest, .. } = outcome else {
                 panic!("{}: {outcome:?}", scenario["id"]);
             };
-            let report = verify::check(world, plan, &goal.purpose(&domain));
+            let report = verify::check(world, plan, &goal.purpose(world));
             let calls: Vec<_> = report
                 .plan
                 .steps()
@@ -236,7 +236,6 @@ fn verdicts_agree_with_the_paper_s_table() {
 
 /// Whether a plan leaves the world as one of the goal's alternatives says.
 fn reaches_goal(world: &World, goal: &Value, plan: &verify::VerifiedPlan) -> bool {
-    let domain = world.domain();
     let mut alternatives: Vec<Vec<String>> = vec![Vec::new()];
     for fact in goal.as_array().unwrap() {
         let options: Vec<&str> = fact.as_str().unwrap().split(" | ").collect();
@@ -246,7 +245,7 @@ fn reaches_goal(world: &World, goal: &Value, plan: &verify::VerifiedPlan) -> boo
             .collect();
     }
     alternatives.iter().any(|facts| {
-        let mut purpose = goal_of(world, &serde_json::json!(facts)).purpose(domain);
+        let mut purpose = goal_of(world, &serde_json::json!(facts)).purpose(world);
         purpose.from_goal = false;
         let report = verify::check(world, plan.plan().clone(), &purpose);
         report.violations.is_empty()

@@ -1,7 +1,7 @@
 //! Doors in the shipped household domains: a plan leaves them as it found them, unless the goal says otherwise.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
-use longstep::domain::{self, Domain};
+use longstep::domain;
 use longstep::goal;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
@@ -12,7 +12,7 @@ use longstep_core::verify::{Purpose, check};
 const DOMAINS: [&str; 3] = ["household", "household-checks", "household-dual"];
 
 /// A kitchen whose fridge and drawer are in these states.
-fn kitchen(name: &str, fridge: &str, drawer: &str) -> (Domain, World) {
+fn kitchen(name: &str, fridge: &str, drawer: &str) -> World {
     let domain = domain::shipped(name).unwrap().unwrap();
     let text = format!(
         r#"{{"assets": ["<counter>", "<fridge>", "<drawer>"],
@@ -21,14 +21,13 @@ fn kitchen(name: &str, fridge: &str, drawer: &str) -> (Domain, World) {
                 "<spoon>": "inside_something(<drawer>)", "<fridge_handle>": "{fridge}()", "<drawer_handle>": "{drawer}()"}}}}"#
     );
     let environment = Environment::from_json(&text).unwrap();
-    let world = environment::read(&domain, &environment, "kitchen", &text, &Path::default()).unwrap();
-    (domain, world)
+    environment::read(&domain, &environment, "kitchen", &text, &Path::default()).unwrap()
 }
 
-fn solved(domain: &Domain, world: &World, wanted: &str) -> (Plan, Purpose) {
+fn solved(world: &World, wanted: &str) -> (Plan, Purpose) {
     let goal = goal::parse(world, wanted).unwrap();
-    match search::solve(world, &goal.wanted(domain), &Limits::default()) {
-        Outcome::Solved { plan, .. } => (plan, goal.purpose(domain)),
+    match search::solve(world, &goal.purpose(world), &Limits::default()) {
+        Outcome::Solved { plan, .. } => (plan, goal.purpose(world)),
         other => panic!("{wanted}: {other:?}"),
     }
 }
@@ -37,8 +36,8 @@ fn solved(domain: &Domain, world: &World, wanted: &str) -> (Plan, Purpose) {
 #[track_caller]
 fn check_doors(before: (&str, &str), wanted: &str, after: (&str, &str)) {
     for name in DOMAINS {
-        let (domain, world) = kitchen(name, before.0, before.1);
-        let (plan, purpose) = solved(&domain, &world, wanted);
+        let world = kitchen(name, before.0, before.1);
+        let (plan, purpose) = solved(&world, wanted);
         let report = check(&world, plan, &purpose);
         assert!(report.violations.is_empty(), "{name}: {wanted}");
         let then = world.after(report.ending());
@@ -88,8 +87,8 @@ fn a_goal_wins_over_tidiness() {
 #[test]
 fn a_plan_without_a_goal_may_leave_a_door_open() {
     for name in DOMAINS {
-        let (domain, world) = kitchen(name, "closed", "closed");
-        let (plan, _) = solved(&domain, &world, "opened(fridge)");
+        let world = kitchen(name, "closed", "closed");
+        let (plan, _) = solved(&world, "opened(fridge)");
         let report = check(&world, plan, &Purpose::default());
         assert!(report.violations.is_empty(), "{name}");
         assert_eq!(report.warnings.len(), 1, "{name}");

@@ -100,19 +100,19 @@ fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), Test
     let world =
         environment::read(domain, &environment, "random", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"));
     let goal = goal::parse(&world, goal).unwrap();
-    let wanted = goal.wanted(domain);
-    let expected = brute_force(&world, &wanted);
+    let purpose = goal.purpose(&world);
+    let expected = brute_force(&world, &purpose.at_end(domain));
     let limits = Limits {
         direct: 100_000,
         proof: 100_000,
         shortest: 100_000,
         any: 0,
     };
-    match search::solve(&world, &wanted, &limits) {
+    match search::solve(&world, &purpose, &limits) {
         Outcome::Solved { plan, shortest, .. } => {
             prop_assert!(shortest);
             prop_assert_eq!(Some(plan.steps().len()), expected);
-            let report = check(&world, plan, &goal.purpose(domain));
+            let report = check(&world, plan, &purpose);
             prop_assert_eq!(report.violations, vec![]);
         }
         Outcome::ProvenUnsolvable { .. } => prop_assert_eq!(expected, None),
@@ -177,7 +177,7 @@ fn a_rule_that_is_broken_at_the_start_does_not_forbid_every_plan() {
     let environment = Environment::from_json(environment).unwrap();
     let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
     let goal = goal::parse(&world, "bring(box, desk)").unwrap();
-    let outcome = search::solve(&world, &goal.wanted(&domain), &Limits::default());
+    let outcome = search::solve(&world, &goal.purpose(&world), &Limits::default());
     assert!(
         matches!(&outcome, Outcome::Solved { plan, .. } if plan.steps().len() == 1),
         "{outcome:?}"

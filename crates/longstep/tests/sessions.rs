@@ -151,8 +151,7 @@ fn understood(session: &Session, drawn: &Drawn) -> String {
     let world = session.world();
     match session.settings().strategy {
         Strategy::Goal => {
-            let facts = drawn.goal.facts.iter();
-            let goals: Vec<String> = facts.map(|fact| fact.everyday(world)).collect();
+            let goals = drawn.goal.everyday(world);
             serde_json::json!({"question": "", "goals": goals}).to_string()
         }
         Strategy::Direct => {

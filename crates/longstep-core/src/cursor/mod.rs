@@ -27,9 +27,9 @@ use crate::verify::VerifiedPlan;
 /// let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"], "object_states": {"<pen>": "on_something(<desk>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
 /// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
-/// let outcome = search::solve(&world, &goal.wanted(&household), &search::Limits::default());
+/// let outcome = search::solve(&world, &goal.purpose(&world), &search::Limits::default());
 /// let search::Outcome::Solved { plan, .. } = outcome else { panic!() };
-/// let plan = verify::check(&world, plan, &goal.purpose(&household)).into_verified().unwrap();
+/// let plan = verify::check(&world, plan, &goal.purpose(&world)).into_verified().unwrap();
 ///
 /// let mut cursor = plan.cursor();
 /// let mut seen = None;

@@ -9,8 +9,8 @@ mod tests;
 mod write;
 
 pub use crate::model::{
-    AssumptionSource, Bindings, Difference, Entity, EntityId, Environment, Fact, FactSet, Moment, State, Voice, Words,
-    World, differences, fact_text, holds, subject_of,
+    AssumptionSource, Bindings, Difference, Entity, EntityId, Environment, Fact, FactSet, Moment, Prohibition, State,
+    StepPattern, Voice, Words, World, differences, fact_text, holds, subject_of,
 };
 pub use claim::Claim;
 pub use read::{parse, read};

@@ -11,7 +11,7 @@ impl World {
     /// Facts that an environment can express are those of the ending. All others are those of the initial state: static
     /// knowledge remains (an emptied crate is still a container), and facts that matter only during a plan (the
     /// position of the hand, events) are reset. The result is the world read from the written environment, plus the
-    /// knowledge from the first one.
+    /// knowledge from the first one. Prohibitions of the instruction end with it; standing ones stay in force.
     #[must_use]
     pub fn after(&self, ending: &Ending) -> Self {
         let domain = self.domain();
@@ -29,7 +29,7 @@ impl World {
         for change in ending.trace.changes() {
             Arc::make_mut(&mut next.assumed).remove(&change.fact);
         }
-        next
+        next.with_standing_prohibitions()
     }
 }
 
@@ -49,12 +49,11 @@ mod tests {
     }
 
     fn plan(world: &World, text: &str) -> VerifiedPlan {
-        let domain = world.domain();
         let goal = goal::parse(world, text).unwrap();
-        let Outcome::Solved { plan, .. } = solve(world, &goal.wanted(domain), &Limits::default()) else {
+        let Outcome::Solved { plan, .. } = solve(world, &goal.purpose(world), &Limits::default()) else {
             panic!("no plan for {text}");
         };
-        check(world, plan, &goal.purpose(domain)).into_verified().unwrap()
+        check(world, plan, &goal.purpose(world)).into_verified().unwrap()
     }
 
     #[test]

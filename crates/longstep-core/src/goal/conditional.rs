@@ -72,7 +72,7 @@ fn parts(mut text: &str) -> Vec<&str> {
 }
 
 /// Splits a text at the first occurrence of a word outside parentheses with a blank after it.
-fn split_once<'t>(text: &'t str, word: &str) -> Option<(&'t str, &'t str)> {
+pub(super) fn split_once<'t>(text: &'t str, word: &str) -> Option<(&'t str, &'t str)> {
     let mut depth = 0_usize;
     for (at, letter) in text.char_indices() {
         match letter {
@@ -196,7 +196,7 @@ impl Conditional {
 }
 
 /// Returns the binary predicates of state words that actions can achieve: the places of objects.
-fn places(domain: &Domain) -> Vec<PredicateId> {
+pub(super) fn places(domain: &Domain) -> Vec<PredicateId> {
     let effects = || domain.actions.iter().flat_map(|action| &action.effects);
     let brought_about =
         |predicate: PredicateId| effects().any(|effect| effect.adds && effect.atom.predicate == predicate);

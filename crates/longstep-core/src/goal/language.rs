@@ -1,12 +1,23 @@
 //! The parser of goals.
 
+use super::conditional::{IF, THEN, split_once};
+use super::constraint::Constraint;
 use super::{Conditional, Goal, GoalFact, WrittenConditional};
 use crate::call::Call;
 use crate::diagnostic::nearest;
-use crate::model::{EntityId, Fact, FormPiece, GoalWord, GoalWordId, TypeId, World, ground};
+use crate::model::{
+    EntityId, Fact, FormPiece, GoalWord, GoalWordId, Predicate, PredicateId, Prohibition, TypeId, World, ground,
+    state_word,
+};
 
 /// The prefix of a question in a model's answer.
 pub const QUESTION: &str = "question: ";
+
+/// The word before the first goal of a stage.
+pub const STAGE: &str = "then ";
+
+/// Maximum number of stages.
+const STAGES: usize = 30;
 
 /// The separator after a goal, without the blank before the next one. Models write a blank and the following word as
 /// one token, so the grammar must not split them.
@@ -26,6 +37,21 @@ pub enum GoalError {
         part: String,
         /// The notations of the domain's goal words.
         forms: String,
+    },
+    /// More than thirty stages.
+    #[error("the goal has more than {STAGES} stages; give the later ones as another instruction")]
+    TooManyStages,
+    /// A constraint on a fact that can hold in no state.
+    #[error("`{part}` can hold in no state of this world, so a rule about it would forbid nothing")]
+    NeverHolds {
+        /// The constraint.
+        part: String,
+    },
+    /// A goal in place of a rule.
+    #[error("`{part}` is a goal and no rule; write `never {part}` or `always {part}`")]
+    NotARule {
+        /// The goal.
+        part: String,
     },
     /// A name that no entity has.
     #[error("`{name}` in `{part}` is nothing in the environment{}", near.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
@@ -64,21 +90,91 @@ pub enum GoalError {
 /// `if expired(milk) then put(milk, bin) and closed(fridge) else put(milk, fridge)`. The word "and" joins the goals of
 /// a branch, and the `else` branch is optional.
 ///
+/// Goals after "then" are achieved after those before it: `wiped(table, cloth) then put(plate, table) & put(cup, table)`
+/// ([`Purpose::stages`](crate::verify::Purpose::stages)). A goal of an earlier stage holds at the end too, unless a
+/// later one excludes it: `at(robot, dock) then at(robot, office)`.
+///
+/// Constraints hold for the whole plan: `never opened(fridge)`, `always closed(door)`, `never grasp(cup, _)` for the calls
+/// of an action, `untouched(vase)` for everything that concerns an entity.
+///
 /// # Errors
 ///
 /// The error in the first unreadable part.
 pub fn parse(world: &World, text: &str) -> Result<Goal, GoalError> {
     let mut goal = Goal::default();
     for part in text.split('&').map(str::trim) {
-        if part.is_empty() {
-            return Err(GoalError::Empty);
-        }
-        let fact = fact(world, part)?;
-        if !goal.facts.contains(&fact) {
-            goal.facts.push(fact);
+        let (begins, part) = match part.strip_prefix(STAGE) {
+            Some(part) => (true, part.trim()),
+            None => (false, part),
+        };
+        for (index, piece) in stages_of(part).into_iter().enumerate() {
+            if piece.is_empty() {
+                return Err(GoalError::Empty);
+            }
+            if (begins || index > 0) && goal.stages.last().copied().unwrap_or(0) < goal.facts.len() {
+                goal.stages.push(goal.facts.len());
+            }
+            if goal.stages.len() >= STAGES {
+                return Err(GoalError::TooManyStages);
+            }
+            match Constraint::read(world, piece)? {
+                Some(constraint) if goal.constraints.contains(&constraint) => {}
+                Some(constraint) => goal.constraints.push(constraint),
+                None => goal.push(fact(world, piece)?),
+            }
         }
     }
+    // A constraint after the last "then" leaves no goal in the stage.
+    goal.stages.retain(|start| *start < goal.facts.len());
     Ok(goal)
+}
+
+/// Parses rules that bind every plan until they are lifted: constraints of the goal language, joined by `&`.
+///
+/// ```
+/// use longstep_core::{domain, environment, goal, search, search::Limits};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
+/// let world = environment::parse(&household, "env.json", text).unwrap();
+/// let rules = goal::rules(&world, "untouched(cup)").unwrap();
+/// let world = world.with_prohibitions(rules);
+/// let goal = goal::parse(&world, "put(cup, shelf)").unwrap();
+/// let outcome = search::solve(&world, &goal.purpose(&world), &Limits::default());
+/// assert!(matches!(outcome, search::Outcome::ProvenUnsolvable { .. }));
+/// ```
+///
+/// # Errors
+///
+/// [`GoalError::NotARule`] for a goal; else the error in the first unreadable part.
+pub fn rules(world: &World, text: &str) -> Result<Vec<Prohibition>, GoalError> {
+    let goal = parse(world, text)?;
+    if let Some(fact) = goal.facts.first() {
+        return Err(GoalError::NotARule {
+            part: fact.everyday(world),
+        });
+    }
+    let rules = goal.constraints.iter();
+    Ok(rules
+        .map(|constraint| constraint.prohibition(world).standing())
+        .collect())
+}
+
+/// Splits a part of a goal at each "then" that begins a stage; the "then" of a conditional goal does not.
+fn stages_of(part: &str) -> Vec<&str> {
+    let mut pieces = Vec::new();
+    let mut rest = part;
+    loop {
+        let of_conditional = match rest.strip_prefix(IF) {
+            Some(_) => split_once(rest, THEN).map_or(0, |(condition, _)| condition.len() + THEN.len()),
+            None => 0,
+        };
+        let Some((piece, after)) = split_once(&rest[of_conditional..], THEN) else {
+            pieces.push(rest.trim());
+            return pieces;
+        };
+        pieces.push(rest[..of_conditional + piece.len()].trim());
+        rest = after.trim_start();
+    }
 }
 
 fn fact(world: &World, part: &str) -> Result<GoalFact, GoalError> {
@@ -151,13 +247,35 @@ fn state(world: &World, part: &str) -> Result<Option<Fact>, GoalError> {
         .states
         .iter()
         .find(|s| s.word == call.name && s.parameters.len() + 1 == call.arguments.len());
-    let Some(word) = word else { return Ok(None) };
+    let Some(word) = word else {
+        return bare(world, part, &call);
+    };
     let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
     let bindings = entities(world, part, &names, &vec![TypeId::OBJECT; names.len()])?;
     Ok(Some(ground(&word.atom, &bindings)))
 }
 
-fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
+/// Reads a fact of a predicate without a state word, by its name in PDDL; none if there is no such predicate.
+fn bare(world: &World, part: &str, call: &Call) -> Result<Option<Fact>, GoalError> {
+    let domain = world.domain();
+    let is = |predicate: &Predicate| predicate.name == call.name && predicate.parameters.len() == call.arguments.len();
+    let Some(index) = domain.predicates.iter().position(is) else {
+        return Ok(None);
+    };
+    let id = PredicateId::new(index);
+    if state_word(domain, id).is_some() || !domain.words(id).fluent {
+        return Ok(None);
+    }
+    let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
+    let kinds = domain.predicates[index]
+        .parameters
+        .iter()
+        .map(|parameter| parameter.kind);
+    let arguments = entities(world, part, &names, &kinds.collect::<Vec<_>>())?;
+    Ok(Some(Fact::new(id, arguments)))
+}
+
+pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
     let domain = world.domain();
     let mut error = None;
     for (index, word) in domain.goal_words.iter().enumerate() {
@@ -214,7 +332,12 @@ pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
     rest.is_empty().then_some(names)
 }
 
-fn entities(world: &World, part: &str, names: &[&str], kinds: &[TypeId]) -> Result<Vec<EntityId>, GoalError> {
+pub(super) fn entities(
+    world: &World,
+    part: &str,
+    names: &[&str],
+    kinds: &[TypeId],
+) -> Result<Vec<EntityId>, GoalError> {
     let domain = world.domain();
     let mut entities = Vec::with_capacity(names.len());
     for (name, kind) in names.iter().zip(kinds) {

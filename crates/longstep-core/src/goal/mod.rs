@@ -4,16 +4,23 @@
 //! checks a plan against [`Goal::purpose`].
 
 mod conditional;
+mod constraint;
 mod language;
 mod partial_answer;
+mod stages;
+#[cfg(test)]
+mod tests;
 
 pub use conditional::Conditional;
 pub use conditional::{AND, ELSE, IF, NOT, THEN, WrittenConditional};
-pub use language::{GoalError, JOINT, QUESTION, parse, read_form};
+pub use constraint::{ALWAYS, Constraint, NEVER};
+pub use language::{GoalError, JOINT, QUESTION, STAGE, parse, read_form, rules};
 pub use partial_answer::{Begun, Next, ended};
 
-use crate::model::{Domain, EntityId, Fact, FormPiece, GoalWordId, RuleTime, Voice, Wanted, World, written_fact};
-use crate::verify::{Purpose, Waiver, wanted_at_end};
+use crate::model::{
+    Condition, Domain, EntityId, Fact, FormPiece, GoalWordId, RuleTime, Voice, Wanted, World, written_fact,
+};
+use crate::verify::{Purpose, Waiver};
 
 /// One part of a goal.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -31,11 +38,26 @@ pub enum GoalFact {
     If(Conditional),
 }
 
-/// A goal: the conjunction of its parts.
+/// A goal: what a plan achieves, in which order, and what it must not do on the way.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Goal {
-    /// The parts.
+    /// The goals, in the order of their stages.
     pub facts: Vec<GoalFact>,
+    /// The index in `facts` of the first goal of each stage after the first one, ascending; empty without an order.
+    pub stages: Vec<usize>,
+    /// The constraints on the whole plan.
+    pub constraints: Vec<Constraint>,
+}
+
+impl From<Vec<GoalFact>> for Goal {
+    /// Creates the goal that all facts hold at the end.
+    fn from(facts: Vec<GoalFact>) -> Self {
+        Self {
+            facts,
+            ..Self::default()
+        }
+    }
 }
 
 impl GoalFact {
@@ -157,15 +179,59 @@ impl Goal {
     /// whole one. None if an entity is missing there.
     pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Goal> {
         let facts = self.facts.iter().map(|fact| fact.carried(domain, from, to));
+        let constraints = self.constraints.iter().map(|own| own.carried(domain, from, to));
         Some(Goal {
             facts: facts.collect::<Option<Vec<_>>>()?,
+            stages: self.stages.clone(),
+            constraints: constraints.collect::<Option<Vec<_>>>()?,
         })
+    }
+
+    /// Adds a goal to the last stage, unless the stage has it.
+    fn push(&mut self, fact: GoalFact) {
+        let start = self.stages.last().copied().unwrap_or(0);
+        if !self.facts[start..].contains(&fact) {
+            self.facts.push(fact);
+        }
+    }
+
+    /// Returns true if the goal requires nothing.
+    pub fn is_empty(&self) -> bool {
+        self.facts.is_empty() && self.constraints.is_empty()
+    }
+
+    /// Writes the parts of the goal with everyday names. Joined with ` & ` they are the goal in the goal language.
+    pub fn everyday(&self, world: &World) -> Vec<String> {
+        self.written(|fact| fact.everyday(world), |constraint| constraint.everyday(world))
+    }
+
+    /// Writes the parts of the goal with the environment's identifiers.
+    pub fn exact(&self, world: &World) -> Vec<String> {
+        self.written(|fact| fact.exact(world), |constraint| constraint.exact(world))
+    }
+
+    /// Writes the parts of the goal as sentences for a person.
+    pub fn sentences(&self, world: &World) -> Vec<String> {
+        self.written(|fact| fact.sentence(world), |constraint| constraint.sentence(world))
+    }
+
+    fn written(&self, fact: impl Fn(&GoalFact) -> String, constraint: impl Fn(&Constraint) -> String) -> Vec<String> {
+        let stage = |(index, own): (usize, &GoalFact)| match self.stages.contains(&index) {
+            true => format!("{STAGE}{}", fact(own)),
+            false => fact(own),
+        };
+        let facts = self.facts.iter().enumerate().map(stage);
+        facts.chain(self.constraints.iter().map(constraint)).collect()
     }
 
     /// Returns the rules that the goal waives: a goal that the fridge is open waives the rule that it is closed.
     fn waivers(&self, domain: &Domain) -> Vec<Waiver> {
         let mut waivers = Vec::new();
-        for fact in self.facts.iter().flat_map(GoalFact::parts) {
+        let always = self.constraints.iter().filter_map(|constraint| match constraint {
+            Constraint::State { fact, holds: true } => Some(fact),
+            _ => None,
+        });
+        for fact in self.facts.iter().chain(always).flat_map(GoalFact::parts) {
             for (number, rule) in domain.rules.iter().enumerate() {
                 match fact {
                     GoalFact::Word { word, arguments } if rule.unless.contains(&domain.goal_word(*word).word) => {
@@ -188,10 +254,26 @@ impl Goal {
         waivers
     }
 
-    /// Returns the purpose of a plan for this goal: its conditions, in order, and its waivers.
-    pub fn purpose(&self, domain: &Domain) -> Purpose {
+    /// Returns the purpose of a plan for this goal: its conditions by goal, its stages, constraints and waivers.
+    pub fn purpose(&self, world: &World) -> Purpose {
+        let domain = world.domain();
+        let all: Vec<Wanted> = self.facts.iter().map(|fact| fact.wanted(domain, &self.facts)).collect();
+        let stages = match self.stages.is_empty() {
+            true => Vec::new(),
+            false => self.milestones(world, &all),
+        };
+        let nothing = || Wanted {
+            condition: Condition::TRUE,
+            bindings: Vec::new(),
+        };
+        let kept = self.kept(world).into_iter().zip(all);
+        let constraints = self.constraints.iter();
         Purpose {
-            wanted: self.facts.iter().map(|fact| fact.wanted(domain, &self.facts)).collect(),
+            wanted: kept
+                .map(|(kept, wanted)| if kept { wanted } else { nothing() })
+                .collect(),
+            stages,
+            prohibitions: constraints.map(|constraint| constraint.prohibition(world)).collect(),
             waivers: self.waivers(domain),
             from_goal: true,
             ..Purpose::default()
@@ -208,14 +290,5 @@ impl Goal {
                 atoms.any(|(atom, _)| domain.is_sensed(atom.predicate))
             }
         })
-    }
-
-    /// Returns all conditions at the end of a plan, those of the domain's rules included. This is the input of search.
-    pub fn wanted(&self, domain: &Domain) -> Vec<Wanted> {
-        let Purpose {
-            mut wanted, waivers, ..
-        } = self.purpose(domain);
-        wanted.extend(wanted_at_end(domain, &waivers, true));
-        wanted
     }
 }

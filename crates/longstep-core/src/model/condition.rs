@@ -90,6 +90,11 @@ impl Condition {
             Term::Variable(variable) => Term::Variable(slot(variable)),
             constant @ Term::Constant(_) => constant,
         };
+        self.with_terms(slot, &term)
+    }
+
+    /// Returns the condition with the slots of its quantifiers renumbered, and other terms.
+    fn with_terms(self, slot: &impl Fn(Slot) -> Slot, term: &impl Fn(Term) -> Term) -> Self {
         self.map(slot, &|literal| match literal {
             Self::Atom {
                 mut atom,
@@ -106,6 +111,20 @@ impl Condition {
             },
             other => other,
         })
+    }
+
+    /// Returns the condition with entities in place of its first slots; later slots move down.
+    #[must_use]
+    pub(crate) fn bound(self, entities: &[EntityId]) -> Self {
+        let slot = |slot: Slot| slot.saturating_sub(entities.len());
+        let term = |term: Term| match term {
+            Term::Variable(variable) => match entities.get(variable) {
+                Some(entity) => Term::Constant(*entity),
+                None => Term::Variable(slot(variable)),
+            },
+            constant @ Term::Constant(_) => constant,
+        };
+        self.with_terms(&slot, &term)
     }
 
     /// Returns the condition, evaluated in the initial state.

@@ -81,6 +81,17 @@ impl State {
         true
     }
 
+    /// Drops the facts of all predicates from this number on.
+    pub(crate) fn truncate(&mut self, predicates: usize) {
+        self.by_predicate.truncate(predicates);
+    }
+
+    /// Iterates over the facts of all predicates from this number on.
+    pub(crate) fn iter_from(&self, predicates: usize) -> impl Iterator<Item = Fact> + '_ {
+        let lists = self.by_predicate.iter().skip(predicates);
+        lists.flat_map(|facts| facts.iter().copied())
+    }
+
     /// Iterates over all facts that hold, in order.
     pub fn iter(&self) -> impl Iterator<Item = Fact> + '_ {
         self.by_predicate.iter().flat_map(|facts| facts.iter().copied())

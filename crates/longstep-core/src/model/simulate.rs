@@ -44,6 +44,23 @@ pub(crate) fn apply_onto(
     fired: &mut Vec<(Fact, bool)>,
     changes: &mut Vec<Change>,
 ) {
+    self::fired(world, state, action, bindings, fired);
+    for (fact, holds) in fired.drain(..) {
+        if state.set(fact, holds) {
+            effort::spend(effort::KEPT);
+            changes.push(Change { fact, holds });
+        }
+    }
+}
+
+/// Collects the facts that an action sets in a state, each with its new value, whether or not it changes.
+pub(crate) fn fired(
+    world: &World,
+    state: &State,
+    action: &Action,
+    bindings: &mut Bindings,
+    fired: &mut Vec<(Fact, bool)>,
+) {
     fired.clear();
     for effect in &action.effects {
         fire(world, state, effect, 0, bindings, fired);
@@ -51,12 +68,6 @@ pub(crate) fn apply_onto(
     // Conditions were evaluated in the state before. A fact both added and deleted is added.
     fired.sort_unstable_by_key(|(fact, adds)| (*fact, !*adds));
     fired.dedup_by_key(|(fact, _)| *fact);
-    for (fact, holds) in fired.drain(..) {
-        if state.set(fact, holds) {
-            effort::spend(effort::KEPT);
-            changes.push(Change { fact, holds });
-        }
-    }
 }
 
 fn fire(

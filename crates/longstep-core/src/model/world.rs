@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 
-use super::{Domain, EntityId, Environment, Fact, State, TypeId};
+use super::{Domain, EntityId, Environment, Fact, Prohibition, State, TypeId};
 
 /// The largest number of entities; ids have 16 bits in a [`Fact`].
 pub(crate) const ENTITY_LIMIT: usize = 60_000;
@@ -47,6 +47,8 @@ pub struct World {
     pub(crate) assumed: Arc<rustc_hash::FxHashMap<Fact, AssumptionSource>>,
     /// The environment from which the world was read.
     pub(crate) environment: Arc<Environment>,
+    /// The prohibitions in force.
+    prohibitions: Arc<[Prohibition]>,
 }
 
 impl World {
@@ -71,6 +73,7 @@ impl World {
             state: State::default(),
             assumed: Arc::default(),
             environment: Arc::new(environment),
+            prohibitions: Arc::default(),
         }
     }
 
@@ -87,6 +90,16 @@ impl World {
     /// The domain that the world was read with.
     pub fn domain(&self) -> &Domain {
         &self.domain
+    }
+
+    /// The prohibitions in force.
+    pub fn prohibitions(&self) -> &[Prohibition] {
+        &self.prohibitions
+    }
+
+    /// Replaces the prohibitions in force.
+    pub fn set_prohibitions(&mut self, prohibitions: impl IntoIterator<Item = Prohibition>) {
+        self.prohibitions = prohibitions.into_iter().collect();
     }
 
     /// Iterates over all entities with their ids: constants of the domain, assets, objects.

@@ -14,7 +14,7 @@
 //!     (:init (lit hall)) (:goal (forall (?lamp) (lit ?lamp))))";
 //! let domain = domain::from_pddl("lamps.pddl", lamps)?;
 //! let problem = pddl::read_problem(&domain, "evening.pddl", evening)?;
-//! let outcome = solve(&problem.world, &problem.wanted, &Limits::default());
+//! let outcome = solve(&problem.world, &problem.purpose(), &Limits::default());
 //! let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };
 //! assert_eq!(pddl::write_plan(&problem.world, plan.steps()), "(light porch)\n");
 //! # Ok::<(), longstep_core::diagnostic::Diagnostics>(())

@@ -9,6 +9,7 @@ use crate::domain::pddl::{Dialect, Reader, Semantics};
 use crate::domain::sexpr::{self, Expression};
 use crate::model::{Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, PredicateId, State, Words, World};
 use crate::search::Wanted;
+use crate::verify::Purpose;
 
 /// A planning task: a world and a goal.
 #[derive(Debug, Clone)]
@@ -19,6 +20,16 @@ pub struct Problem {
     pub world: World,
     /// The goal, as conditions that must all hold at the end.
     pub wanted: Vec<Wanted>,
+}
+
+impl Problem {
+    /// Returns the purpose of a plan for the problem: its goal.
+    pub fn purpose(&self) -> Purpose {
+        Purpose {
+            wanted: self.wanted.clone(),
+            ..Purpose::default()
+        }
+    }
 }
 
 /// Parses a problem for the domain.

@@ -26,17 +26,14 @@ fn plan(problem: &str) -> String {
         Ok(problem) => problem,
         Err(findings) => return findings.to_string(),
     };
-    match solve(&problem.world, &problem.wanted, &Limits::default()) {
+    match solve(&problem.world, &problem.purpose(), &Limits::default()) {
         Outcome::Solved { plan, .. } => {
             let written = write_plan(&problem.world, plan.steps());
             let read = read_plan(&problem.world, "plan", &written).unwrap();
             let steps = plan.steps().iter().map(|step| (step.action, &step.arguments));
             assert!(read.iter().map(|step| (step.action, &step.arguments)).eq(steps));
             let explained = |s: crate::search::GroundAction| Step::explained(&problem.world, s.action, s.arguments);
-            let purpose = Purpose {
-                wanted: problem.wanted.clone(),
-                ..Purpose::default()
-            };
+            let purpose = problem.purpose();
             let plan: Plan = read.into_iter().map(explained).collect();
             assert_eq!(check(&problem.world, plan, &purpose).violations, vec![]);
             written
@@ -174,16 +171,16 @@ fn check_round_trip(domain: &str, environment: &str, goals: &[&str]) {
     };
     for goal in goals {
         let goal = goal::parse(&world, goal).unwrap();
-        let wanted = goal.wanted(&domain);
-        let problem = write_problem(&world, &wanted, "7 things").unwrap();
+        let purpose = goal.purpose(&world);
+        let problem = write_problem(&world, &purpose, "7 things").unwrap();
         let again = read_problem(&bare, "problem.pddl", &problem).unwrap();
         assert_eq!(again.name, "o_7_things");
         assert_eq!(
-            write_problem(&again.world, &again.wanted, "7 things"),
+            write_problem(&again.world, &again.purpose(), "7 things"),
             Ok(without_comments(&problem))
         );
-        let expected = length(solve(&world, &wanted, &Limits::default()));
-        let found = length(solve(&again.world, &again.wanted, &Limits::default()));
+        let expected = length(solve(&world, &purpose, &Limits::default()));
+        let found = length(solve(&again.world, &again.purpose(), &Limits::default()));
         assert!(expected.is_some());
         assert_eq!(found, expected, "{problem}");
     }
@@ -220,7 +217,7 @@ fn a_rule_for_every_state_cannot_be_said() {
     });
     let environment = Environment::from_json(r#"{"assets": ["<table>"], "objects": ["<cup>", "<jug>"]}"#).unwrap();
     let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
-    let error = write_problem(&world, &[], "p").unwrap_err();
+    let error = write_problem(&world, &Purpose::default(), "p").unwrap_err();
     assert_eq!(
         error.to_string(),
         "the rule `one-hand` must hold in every state on the way, which a PDDL problem cannot say"

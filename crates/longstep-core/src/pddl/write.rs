@@ -7,8 +7,9 @@ use indexmap::IndexSet;
 use super::names::plain;
 use super::object_names;
 use crate::effort;
-use crate::model::{Domain, Fact, RuleTime, World};
+use crate::model::{Domain, Fact, World};
 use crate::search::{Formula, GroundCondition, Literal, Wanted, ground_condition};
+use crate::verify::Purpose;
 
 /// The reason why a task cannot be written as a PDDL problem.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -20,6 +21,9 @@ pub enum WriteError {
         /// The rule's name.
         rule: String,
     },
+    /// The goals must be achieved in an order.
+    #[error("the goals must be achieved in an order, which a PDDL problem cannot say")]
+    Order,
     /// The goal or a rule has too many instances in the world.
     #[error("the goal has too many instances in this world to be written without quantifiers")]
     TooLarge,
@@ -37,10 +41,10 @@ const EFFORT: u64 = 25_000_000;
 ///
 /// # Errors
 ///
-/// [`WriteError::Always`] if a rule of the domain must hold in every state; [`WriteError::TooLarge`] if the goal has
-/// too many instances.
-pub fn write_problem(world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
-    affordable(|| problem(world, wanted, name))?
+/// [`WriteError::Always`] if a rule or a prohibition must hold in every state; [`WriteError::Order`] if the purpose has
+/// stages; [`WriteError::TooLarge`] if the goal has too many instances.
+pub fn write_problem(world: &World, purpose: &Purpose, name: &str) -> Result<String, WriteError> {
+    affordable(|| problem(&purpose.world(world), purpose, name))?
 }
 
 fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
@@ -51,9 +55,12 @@ fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
     }
 }
 
-fn problem(world: &World, wanted: &[Wanted], name: &str) -> Result<String, WriteError> {
+fn problem(world: &World, purpose: &Purpose, name: &str) -> Result<String, WriteError> {
+    if !purpose.stages.is_empty() {
+        return Err(WriteError::Order);
+    }
     let domain = world.domain();
-    for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+    for (_, rule) in world.always_rules() {
         let GroundCondition { formula, .. } = ground_condition(world, &rule.everywhere(), &[]);
         if !formula.is_true() {
             return Err(WriteError::Always {
@@ -78,7 +85,7 @@ fn problem(world: &World, wanted: &[Wanted], name: &str) -> Result<String, Write
         let _ = write!(text, "\n    {}", atom(domain, &names, fact));
     }
     text.push_str("\n  )\n  (:goal (and");
-    for part in ground_goal(world, &names, wanted) {
+    for part in ground_goal(world, &names, &purpose.at_end(domain)) {
         let _ = write!(text, "\n    {part}");
     }
     text.push_str("\n  ))\n)\n");

@@ -106,6 +106,22 @@ pub enum Violation {
         /// The entities that the rule is broken for.
         bindings: Vec<EntityId>,
     },
+    /// A step that a person has forbidden, or a step into a state that a person has forbidden.
+    Prohibited {
+        /// The step.
+        step: usize,
+        /// The prohibition in the goal language.
+        prohibition: String,
+        /// The prohibition as a sentence.
+        says: String,
+    },
+    /// A goal is never achieved, or only before a goal that comes first.
+    Order {
+        /// Index of the goal in the list of the purpose.
+        index: usize,
+        /// True for a goal of the first stage.
+        first: bool,
+    },
     /// A goal does not hold in the final state.
     Goal {
         /// Index of the goal in the list of the purpose.
@@ -257,6 +273,8 @@ impl Violation {
             Self::Precondition { .. } => "precondition",
             Self::Rule { .. } => "rule",
             Self::Goal { .. } => "goal",
+            Self::Order { .. } => "order",
+            Self::Prohibited { .. } => "prohibited",
             Self::Claim { .. } => "claim",
             Self::NoEffect { .. } => "no_effect",
             Self::Unasked { .. } => "unasked",
@@ -294,6 +312,7 @@ impl Violation {
             | Self::UnknownParameter { step, .. }
             | Self::NothingFits { step, .. }
             | Self::StepClaim { step, .. }
+            | Self::Prohibited { step, .. }
             | Self::Precondition { step, .. } => Some(*step),
             Self::UnknownEntity { step, .. }
             | Self::Rule { step, .. }
@@ -303,6 +322,7 @@ impl Violation {
             Self::When { violation, .. } => violation.step(),
             Self::LengthMismatch { .. }
             | Self::Goal { .. }
+            | Self::Order { .. }
             | Self::Claim { .. }
             | Self::UnknownActor { .. }
             | Self::Unasked { .. }
@@ -327,6 +347,7 @@ impl Violation {
             | Self::UnknownCondition { step, .. }
             | Self::UnknownParameter { step, .. }
             | Self::NothingFits { step, .. }
+            | Self::Prohibited { step, .. }
             | Self::StepClaim { step, .. } => *step = number(*step),
             Self::SharedObject { step, other, .. } | Self::Race { step, other, .. } => {
                 *step = number(*step);
@@ -346,6 +367,7 @@ impl Violation {
             Self::When { violation, .. } => violation.renumber(number),
             Self::LengthMismatch { .. }
             | Self::Goal { .. }
+            | Self::Order { .. }
             | Self::Claim { .. }
             | Self::UnknownActor { .. }
             | Self::Unasked { .. }

@@ -55,13 +55,21 @@ pub(super) struct Compiled<'a> {
     always: Always,
     /// Holds if the whole draft has been processed and no step is postponed.
     arrived: Formula,
+    /// The operators that record progress through the stages of the purpose.
+    marks: Vec<Operator>,
+    /// Holds if all stages of the purpose are complete.
+    complete: Formula,
 }
 
 impl Compiled<'_> {
     /// Adds the goal: the end of the draft and the target of the repair.
     pub(super) fn task(mut self, domain: &Domain, meant: &Meant) -> (Task, Vec<Move>) {
         let costs = domain.repair;
-        let mut goals = vec![self.arrived.clone(), self.grounder.goal(&meant.required)];
+        let mut goals = vec![
+            self.arrived.clone(),
+            self.complete.clone(),
+            self.grounder.goal(&meant.required),
+        ];
         for promise in &meant.promises {
             let fulfilled = self.fact(domain, promise.fact);
             let nearly: Vec<Formula> = promise.related.iter().map(|fact| self.fact(domain, *fact)).collect();
@@ -79,6 +87,7 @@ impl Compiled<'_> {
             let forgone = self.forgone(*fact, costs.unsettle);
             goals.push(Formula::or([kept, forgone]));
         }
+        self.operators.append(&mut self.marks);
         let task = Task {
             initial: self.grounder.initial,
             operators: self.operators,
@@ -99,6 +108,7 @@ impl Compiled<'_> {
         let forgone = self.grounder.extra(false);
         self.operators.push(Operator {
             step: nothing(),
+            is_mark: false,
             cost,
             tag: self.moves.len() as u32,
             outcome: None,
@@ -111,10 +121,13 @@ impl Compiled<'_> {
 }
 
 /// Returns the requirements of a repair, and the entities that the draft and its target mention.
-pub(super) fn requirements(domain: &Domain, draft: &Resolved, meant: &Meant) -> (Requirements, Vec<EntityId>) {
-    let mut requirements = Requirements::of(domain, &meant.required);
+pub(super) fn requirements(world: &World, draft: &Resolved, meant: &Meant) -> (Requirements, Vec<EntityId>) {
+    let domain = world.domain();
+    let stages = || meant.stages.iter().flatten().map(|milestone| &milestone.wanted);
+    let target = || meant.required.iter().chain(stages());
+    let mut requirements = Requirements::of(world, target());
     let mut about = draft.objects.clone();
-    about.extend(meant.required.iter().flat_map(|wanted| &wanted.bindings));
+    about.extend(target().flat_map(|wanted| &wanted.bindings));
     for fact in meant.kept.iter().chain(meant.promised()) {
         requirements.literal(fact.predicate(), true);
     }
@@ -151,6 +164,7 @@ pub(super) fn compile<'a>(
     let domain = world.domain();
     let mut grounder = Grounder::new(world, scope);
     let always = grounder.always();
+    let (marks, complete) = grounder.stages(&purpose.stages);
     let in_draft = draft
         .steps
         .iter()
@@ -227,6 +241,8 @@ pub(super) fn compile<'a>(
         moves,
         always,
         arrived: Formula::and(arrived),
+        marks,
+        complete,
     }
 }
 
@@ -325,6 +341,7 @@ impl Writer<'_, '_> {
     fn pass(&self, index: usize, condition: Formula) -> Operator {
         let nothing = Operator {
             step: nothing(),
+            is_mark: false,
             cost: 0,
             tag: 0,
             outcome: None,
@@ -364,7 +381,8 @@ impl Writer<'_, '_> {
                     idle.push(Formula::and(always.into_iter().map(Formula::Literal)));
                 }
             }
-            if can_apply(self.world, step.action, &choice.arguments) {
+            let forbidden = self.world.forbids(step.action, &choice.arguments).is_some();
+            if !forbidden && can_apply(self.world, step.action, &choice.arguments) {
                 let cost = if choice.mismatch { costs.rebind } else { 0 };
                 kept.push((operator, cost));
             }

@@ -119,6 +119,7 @@ pub fn repair(world: &World, draft: &Resolved, purpose: &Purpose) -> RepairOutco
 
 /// Repairs a draft as [`repair`] does, but respects the decisions of the user: no repair violates a pin.
 pub fn repair_pinned(world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> RepairOutcome {
+    let world = &*purpose.world(world);
     let spent = effort::within(EFFORT, || repair_within(LIMIT, world, draft, purpose, pins));
     match spent.result {
         outcome @ (RepairOutcome::Valid(_) | RepairOutcome::Repaired(_)) => outcome,
@@ -164,7 +165,7 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
         };
     }
     let meant = target::meant(world, draft, purpose, &as_if);
-    let (requirements, about) = compile::requirements(domain, draft, &meant);
+    let (requirements, about) = compile::requirements(world, draft, &meant);
     let mut search = Search {
         domain,
         world,

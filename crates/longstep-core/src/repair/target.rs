@@ -2,15 +2,17 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::model::{EntityId, Fact, State, World, differences, subject_of};
+use crate::model::{EntityId, Fact, State, World, broken_bindings, differences, subject_of};
 use crate::plan::Resolved;
 use crate::search::Wanted;
-use crate::verify::{Purpose, broken_at_end, can_be_brought_about, hides_places, places_claimed, wanted_at_end};
+use crate::verify::{Milestone, Purpose, broken_at_end, can_be_brought_about, hides_places, places_claimed};
 
 /// Hard and soft constraints on the final state.
 pub(super) struct Meant {
     /// Hard: the goals and the rules.
     pub(super) required: Vec<Wanted>,
+    /// Hard: the conditions to achieve in order.
+    pub(super) stages: Vec<Vec<Milestone>>,
     /// Soft: changes that the draft claims or, where it claims none, would achieve.
     pub(super) promises: Vec<Promise>,
     /// Soft, at a lower cost: facts that the draft claims to be unchanged.
@@ -96,19 +98,46 @@ pub(super) fn meant(world: &World, draft: &Resolved, purpose: &Purpose, as_if: &
             impossible.push(fact);
         }
     }
+    // What only a person's prohibition prevents is not given up silently: then there is no repair.
+    let forbidden = claimed.iter().filter(|fact| is_forbidden(world, as_if, **fact));
+    let required = purpose.at_end(domain).into_iter();
+    let required = required.chain(forbidden.map(|fact| Wanted::of_fact(domain, *fact)));
     let changed: FxHashSet<(EntityId, bool)> = promises.iter().map(|promise| respect(&promise.fact)).collect();
     let kept = stays
         .into_iter()
         .filter(|fact| as_if.holds(*fact) && !changed.contains(&respect(fact)))
         .collect();
-    let mut required = purpose.wanted.clone();
-    required.extend(wanted_at_end(domain, &purpose.waivers, purpose.from_goal));
     Meant {
-        required,
+        required: required.collect(),
+        stages: purpose.stages.clone(),
         promises,
         kept,
         impossible,
     }
+}
+
+/// Returns true if the prohibitions in force prevent a fact that some action could achieve.
+fn is_forbidden(world: &World, as_if: &State, fact: Fact) -> bool {
+    if world.prohibitions().is_empty() || world.state.holds(fact) {
+        return false;
+    }
+    let mut free = world.clone();
+    free.set_prohibitions([]);
+    let with = |holds: bool| {
+        let mut state = as_if.clone();
+        state.set(fact, holds);
+        state
+    };
+    let breaks = |state: &State| {
+        let rules = world
+            .always_rules()
+            .filter(|(number, _)| world.prohibition(*number).is_some());
+        rules
+            .map(|(_, rule)| broken_bindings(rule, world, state).len())
+            .sum::<usize>()
+    };
+    can_be_brought_about(&free, fact)
+        && (!can_be_brought_about(world, fact) || breaks(&with(true)) > breaks(&with(false)))
 }
 
 /// Returns the other relations that an environment can express between the arguments of a fact.

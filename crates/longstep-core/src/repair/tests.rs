@@ -502,7 +502,7 @@ proptest! {
             "<cup>": "on_something(<counter>)", "<fridge_handle>": "{door}"}}}}"#);
         let world = world_of(&domain, &text);
         let goal = goal::parse(&world, goal).unwrap();
-        let found = search::solve(&world, &goal.wanted(&domain), &Limits::default());
+        let found = search::solve(&world, &goal.purpose(&world), &Limits::default());
         let search::Outcome::Solved { plan, .. } = found else { panic!("{found:?}") };
         let after = verify::check(&world, plan.clone(), &Purpose::default()).ending().after.clone();
         let purpose = Purpose {

@@ -28,10 +28,9 @@ fn room(text: &str) -> (Domain, World) {
 }
 
 fn solved(world: &World, goal: &str) -> (VerifiedPlan, Purpose) {
-    let domain = world.domain();
     let goal = goal::parse(world, goal).unwrap();
-    let purpose = goal.purpose(domain);
-    let outcome = solve(world, &goal.wanted(domain), &Limits::default());
+    let purpose = goal.purpose(world);
+    let outcome = solve(world, &goal.purpose(world), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}");
     };

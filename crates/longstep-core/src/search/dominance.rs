@@ -98,6 +98,19 @@ fn helps(task: &Task) -> Vec<Helps> {
             });
         });
     }
+    // Progress is recorded as soon as it is made, and too early is no better than too late.
+    for mark in task.marks() {
+        let conditions = mark.effects.iter().map(|effect| &effect.condition);
+        for condition in conditions.chain([&mark.precondition]) {
+            condition.for_each(&mut |literal| {
+                require(literal);
+                require(Literal {
+                    holds: !literal.holds,
+                    ..literal
+                });
+            });
+        }
+    }
     for operator in &task.operators {
         operator.precondition.for_each(&mut require);
     }

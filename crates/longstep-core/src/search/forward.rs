@@ -188,7 +188,6 @@ pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<
     let mut heuristic = LandmarkCut::new(task);
     let mut search = Search::new(task, &mut heuristic, 1, limit);
     search.below = below;
-    search.free_first = true;
     if below.is_some() {
         search.dominance = Some(Dominance::new(task));
     }
@@ -198,8 +197,7 @@ pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<
 /// Finds a path to the goal quickly, not necessarily a cheap one.
 pub(crate) fn greedy(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
     let mut heuristic = LandmarkCut::new(task);
-    let mut search = Search::new(task, &mut heuristic, GREED, limit);
-    search.free_first = true;
+    let search = Search::new(task, &mut heuristic, GREED, limit);
     effort::within(EFFORT, || search.run()).result
 }
 
@@ -226,7 +224,7 @@ struct Search<'a> {
     below: Option<u32>,
     /// Prunes dominated states.
     dominance: Option<Dominance>,
-    /// True if operators have different costs, which may be zero.
+    /// True if some operators cost nothing.
     free_first: bool,
     nodes: Vec<SearchNode>,
     known: FxHashMap<Bits, u32>,
@@ -246,7 +244,7 @@ impl<'a> Search<'a> {
             limit,
             below: None,
             dominance: None,
-            free_first: false,
+            free_first: task.steps().any(|(_, operator)| operator.cost == 0),
             nodes: Vec::new(),
             known: FxHashMap::default(),
             open: BinaryHeap::new(),
@@ -325,7 +323,7 @@ impl<'a> Search<'a> {
         self.nodes[number as usize].expanded = true;
         let preferred = self.preferred.remove(&number).unwrap_or_default();
         effort::spend(self.expanding);
-        for (index, operator) in task.operators.iter().enumerate() {
+        for (index, operator) in task.steps() {
             let node = &self.nodes[number as usize];
             if !operator.precondition.holds(&|literal| node.state.is(literal)) {
                 continue;

@@ -15,6 +15,8 @@ mod outcome;
 mod relaxed;
 mod relevance;
 mod scope;
+mod stages;
+mod target;
 mod task;
 
 pub(crate) use formula::{Formula, Literal};
@@ -28,6 +30,8 @@ pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator,
 
 use crate::effort;
 use crate::model::{ActionId, EntityId, Moment, World, apply, holds};
+use crate::verify::Purpose;
+use target::Target;
 
 pub use crate::model::Wanted;
 
@@ -47,13 +51,14 @@ pub const EFFORT: u64 = 50_000_000;
 const TOO_MUCH: &str =
     "the conditions have too many instances in this world: the search took all the work that it may take";
 
-/// Finds a shortest plan from the world's state to a state in which all wanted conditions hold. The plan contains
-/// sensing if the conditions depend on sensing outcomes, or if there is no plan without it.
+/// Finds a shortest plan from the world's state that serves a purpose: it achieves the stages in order, and ends in a
+/// state in which the wanted conditions and the domain's rules hold. The plan contains sensing if the conditions depend
+/// on sensing outcomes, or if there is no plan without it.
 ///
 /// In a world that is too large to ground completely, only entities related to the goal are considered. Then no plan is
 /// marked as shortest, and unsolvability is not proven.
 ///
-/// Plans keep the domain's `always` rules. The result is a deterministic function of the arguments: limits count
+/// Plans keep the domain's `always` rules and the prohibitions in force. The result is a deterministic function of the arguments: limits count
 /// states, not seconds.
 ///
 /// ```
@@ -64,26 +69,27 @@ const TOO_MUCH: &str =
 ///     "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#).unwrap();
 /// let world = environment::read(&household, &environment, "env.json", "", &json::Path::default()).unwrap();
 /// let goal = goal::parse(&world, "put(cup, shelf)").unwrap();
-/// let outcome = search::solve(&world, &goal.wanted(&household), &search::Limits::default());
+/// let outcome = search::solve(&world, &goal.purpose(&world), &search::Limits::default());
 /// let search::Outcome::Solved { plan, shortest, .. } = outcome else { panic!() };
 /// assert!(shortest && plan.steps().len() == 6);
 /// ```
-pub fn solve(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+pub fn solve(world: &World, purpose: &Purpose, limits: &Limits) -> Outcome {
     let domain = world.domain();
-    let mut atoms = wanted.iter().flat_map(|wanted| wanted.condition.atoms());
+    let (world, target) = (&*purpose.world(world), Target::of(domain, purpose));
+    let mut atoms = target.all().flat_map(|wanted| wanted.condition.atoms());
     if atoms.any(|(atom, _)| domain.is_sensed(atom.predicate)) {
-        return contingent::solve(world, wanted, limits);
+        return contingent::solve(world, &target, limits);
     }
     let senses = || domain.actions.iter().any(|action| !action.senses.is_empty());
-    match straight(world, wanted, limits) {
-        Straight::ProvenUnsolvable { .. } if senses() => contingent::solve(world, wanted, limits),
+    match straight(world, &target, limits) {
+        Straight::ProvenUnsolvable { .. } if senses() => contingent::solve(world, &target, limits),
         found => found.explained(world),
     }
 }
 
 /// Finds a shortest plan without sensing.
-fn straight(world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
-    let spent = effort::within(EFFORT, || straight_within(world, wanted, limits));
+fn straight(world: &World, target: &Target, limits: &Limits) -> Straight {
+    let spent = effort::within(EFFORT, || straight_within(world, target, limits));
     match spent.exhausted {
         true => Straight::GaveUp {
             why: TOO_MUCH.to_owned(),
@@ -93,13 +99,10 @@ fn straight(world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
     }
 }
 
-fn straight_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Straight {
+fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight {
     let domain = world.domain();
-    let requirements = Requirements::of(domain, wanted);
-    let about: Vec<EntityId> = wanted
-        .iter()
-        .flat_map(|wanted| wanted.bindings.iter().copied())
-        .collect();
+    let requirements = Requirements::of(world, target.all());
+    let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
     let around = |far: &bool| whole.around(world, &requirements, &about, *far);
     let scopes = match whole.is_bearable(domain) {
@@ -115,11 +118,11 @@ fn straight_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Straigh
         if effort::is_exhausted() {
             break;
         }
-        let task = relevance::reduce(task::ground(world, &scope, wanted));
+        let task = relevance::reduce(task::ground(world, &scope, target));
         let outcome = forward::search(&task, limits);
         match outcome {
             outcome if scope.whole => return outcome,
-            Straight::Solved { steps, expanded, .. } if reaches(world, &steps, wanted) => {
+            Straight::Solved { steps, expanded, .. } if reaches(world, &steps, &target.wanted) => {
                 return Straight::Solved {
                     steps,
                     shortest: false,

@@ -42,18 +42,32 @@ impl SearchNode {
     }
 }
 
-/// Returns the initial state of a task.
+/// Returns the initial state of a task, with the progress that it makes.
 pub(super) fn start(task: &Task) -> Bits {
     let mut start = Bits::none(task.initial.len());
     for (fact, holds) in task.initial.iter().enumerate() {
         let fact = fact as u32;
         start.set(Literal { fact, holds: *holds });
     }
-    start
+    record(task, start)
 }
 
-/// Returns the state after an operator.
-pub(super) fn after(state: &Bits, operator: &Operator) -> Bits {
+/// Returns the state after an operator, with the progress that it makes.
+pub(super) fn after(task: &Task, state: &Bits, operator: &Operator) -> Bits {
+    record(task, applied(state, operator))
+}
+
+/// Applies the operators that record progress, each as soon as it is applicable.
+fn record(task: &Task, mut state: Bits) -> Bits {
+    for mark in task.marks() {
+        if mark.precondition.holds(&|literal| state.is(literal)) {
+            state = applied(&state, mark);
+        }
+    }
+    state
+}
+
+fn applied(state: &Bits, operator: &Operator) -> Bits {
     let mut next = state.clone();
     let fires = |holds: bool| {
         operator
@@ -70,7 +84,7 @@ pub(super) fn after(state: &Bits, operator: &Operator) -> Bits {
 
 /// Returns the state after an operator; none if it equals `state` or breaks a rule that holds in it.
 pub(super) fn successor(task: &Task, state: &Bits, operator: &Operator) -> Option<Bits> {
-    let next = after(state, operator);
+    let next = after(task, state, operator);
     let allows = || {
         let always = &task.always;
         always.allows(&|literal| state.is(literal), &|literal| next.is(literal))

@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::GroundAction;
 use super::formula::{Formula, Literal};
@@ -22,6 +22,10 @@ use crate::effort;
 pub(crate) fn reduce(mut task: Task) -> Task {
     keep_reachable(&mut task);
     simplify(&mut task);
+    if keep_allowed(&mut task) {
+        keep_reachable(&mut task);
+        simplify(&mut task);
+    }
     keep_relevant(&mut task, false);
     simplify(&mut task);
     renumber(task)
@@ -43,6 +47,43 @@ pub(super) fn focus(task: &Task) -> Task {
 
 fn index(literal: Literal) -> usize {
     literal.fact as usize * 2 + usize::from(literal.holds)
+}
+
+/// Removes the operators that break a rule whenever they are applied. A rule that holds in the initial state holds in every
+/// state, so an operator that always makes one of its conjuncts false leads nowhere. Returns true if there were any.
+fn keep_allowed(task: &mut Task) -> bool {
+    let initially = |literal: Literal| task.initial[literal.fact as usize] == literal.holds;
+    let mut kept: FxHashSet<Literal> = FxHashSet::default();
+    for rule in task.always.iter().filter(|rule| rule.holds(&initially)) {
+        let conjuncts = match rule {
+            Formula::And(parts) => parts.as_slice(),
+            other => std::slice::from_ref(other),
+        };
+        kept.extend(conjuncts.iter().filter_map(|part| match part {
+            Formula::Literal(literal) => Some(*literal),
+            _ => None,
+        }));
+    }
+    if kept.is_empty() {
+        return false;
+    }
+    let before = task.operators.len();
+    task.operators.retain(|operator| {
+        let sets = |literal: Literal| {
+            let mut effects = operator.effects.iter();
+            effects.any(|effect| effect.literal == literal && effect.condition.is_true())
+        };
+        let breaks = |literal: Literal| {
+            // As in PDDL, a fact that is both deleted and added holds afterwards.
+            sets(opposite(literal))
+                && !(literal.holds && operator.effects.iter().any(|effect| effect.literal == literal))
+        };
+        !operator.effects.iter().any(|effect| {
+            let literal = opposite(effect.literal);
+            kept.contains(&literal) && breaks(literal)
+        })
+    });
+    task.operators.len() < before
 }
 
 /// Keeps the operators that are reachable in the delete relaxation.

@@ -11,8 +11,7 @@ use rustc_hash::FxHashSet;
 use super::Wanted;
 use crate::effort;
 use crate::model::{
-    Action, Atom, Bindings, Condition, Domain, EntityId, Moment, PredicateId, RuleTime, Term, TypeId, World,
-    ever_candidates,
+    Action, Atom, Bindings, Condition, Domain, EntityId, Moment, PredicateId, Term, TypeId, World, ever_candidates,
 };
 
 /// Maximum number of ground effects for which the whole world is grounded.
@@ -136,12 +135,12 @@ pub(crate) struct Requirements {
 
 impl Requirements {
     /// Collects the requirements of the wanted conditions and of the `always` rules.
-    pub(crate) fn of(domain: &Domain, wanted: &[Wanted]) -> Self {
+    pub(crate) fn of<'w>(world: &World, wanted: impl IntoIterator<Item = &'w Wanted>) -> Self {
         let mut requirements = Self::default();
         for wanted in wanted {
             requirements.condition(&wanted.condition, &wanted.bindings);
         }
-        for rule in domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+        for (_, rule) in world.always_rules() {
             requirements.condition(&rule.everywhere(), &[]);
         }
         requirements

@@ -4,12 +4,14 @@ use std::borrow::Cow;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::GroundAction;
 use super::formula::{Formula, Literal};
 use super::scope::{Requirements, Scope};
-use super::{GroundAction, Wanted};
+use super::stages::StageEvents;
+use super::target::Target;
 use crate::effort;
 use crate::model::{
-    Action, Atom, Bindings, Condition, Domain, EntityId, Fact, Moment, RuleTime, Slot, Term, TypeId, World,
+    Action, ActionId, Atom, Bindings, Condition, Domain, EntityId, Fact, Moment, Slot, Term, TypeId, Wanted, World,
     ever_candidates, ground as ground_atom, static_value,
 };
 
@@ -27,6 +29,8 @@ pub(crate) struct GroundEffect {
 #[derive(Debug, Clone)]
 pub(crate) struct Operator {
     pub(crate) step: GroundAction,
+    /// True for an operator that records progress: no step of the plan, but applied as soon as it is applicable.
+    pub(crate) is_mark: bool,
     /// Cost; 1 for an ordinary step.
     pub(crate) cost: u32,
     /// Meaning of the operator for the creator of the task.
@@ -43,6 +47,7 @@ pub(crate) struct Operator {
 pub(crate) struct Task {
     /// By fact: true if it holds in the initial state.
     pub(crate) initial: Vec<bool>,
+    /// The operators; those that record progress come last, in the order in which they apply.
     pub(crate) operators: Vec<Operator>,
     pub(crate) goal: Formula,
     /// The ground `always` rules.
@@ -82,6 +87,23 @@ impl Always {
 }
 
 impl Task {
+    /// Iterates over the operators that are steps, by number.
+    pub(super) fn steps(&self) -> impl Iterator<Item = (usize, &Operator)> {
+        let operators = self.operators.iter().enumerate();
+        operators.take_while(|(_, operator)| !operator.is_mark)
+    }
+
+    /// Returns the operators that record progress, in the order in which they apply.
+    pub(super) fn marks(&self) -> &[Operator] {
+        let marks = self
+            .operators
+            .iter()
+            .rev()
+            .take_while(|operator| operator.is_mark)
+            .count();
+        &self.operators[self.operators.len() - marks..]
+    }
+
     /// Returns the work units for visiting every condition and effect once.
     pub(super) fn units(&self) -> usize {
         let effect = |effect: &GroundEffect| effect.condition.size();
@@ -123,28 +145,27 @@ pub(crate) fn ground_step(world: &World, step: GroundAction) -> (Operator, Vec<F
 }
 
 /// Grounds all actions whose static preconditions hold, without sensing.
-pub(super) fn ground(world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
-    ground_with(world, scope, wanted, false)
+pub(super) fn ground(world: &World, scope: &Scope, target: &Target) -> Task {
+    ground_with(world, scope, target, false)
 }
 
 /// Grounds like [`ground`], with an operator for each outcome of a sensing step.
-pub(super) fn ground_sensing(world: &World, scope: &Scope, wanted: &[Wanted]) -> Task {
-    ground_with(world, scope, wanted, true)
+pub(super) fn ground_sensing(world: &World, scope: &Scope, target: &Target) -> Task {
+    ground_with(world, scope, target, true)
 }
 
-fn ground_with(world: &World, scope: &Scope, wanted: &[Wanted], sensing: bool) -> Task {
+fn ground_with(world: &World, scope: &Scope, target: &Target, sensing: bool) -> Task {
     let mut grounder = Grounder::new(world, scope);
-    let goal = grounder.goal(wanted);
+    let (marks, complete) = grounder.stages(&target.stages);
+    let goal = Formula::and([grounder.goal(&target.wanted), complete]);
     let always = grounder.always();
     // Among equally short plans, prefer those with entities of the goal: walk to the sink rather than to its tap.
-    let mentioned: FxHashSet<EntityId> = wanted
-        .iter()
-        .flat_map(|wanted| wanted.bindings.iter().copied())
-        .collect();
+    let mentioned: FxHashSet<EntityId> = target.about().collect();
     let mut operators = grounder.operators(&mentioned);
     if sensing {
         operators.extend(grounder.sensing());
     }
+    operators.extend(marks);
     Task {
         initial: grounder.initial,
         operators,
@@ -169,10 +190,14 @@ fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
 
 /// Numbers facts and grounds conditions.
 pub(crate) struct Grounder<'a> {
-    domain: &'a Domain,
+    pub(super) domain: &'a Domain,
     world: &'a World,
     scope: &'a Scope,
     numbers: FxHashMap<Fact, u32>,
+    /// The events of the stages after the first one.
+    pub(super) events: Vec<StageEvents>,
+    /// True while conditions refer to the copies of events in the last stage.
+    pub(super) copying: bool,
     /// By numbered fact: true if it holds in the initial state.
     pub(crate) initial: Vec<bool>,
 }
@@ -185,6 +210,8 @@ impl<'a> Grounder<'a> {
             world,
             scope,
             numbers: FxHashMap::default(),
+            events: Vec::new(),
+            copying: false,
             initial: Vec::new(),
         }
     }
@@ -201,7 +228,7 @@ impl<'a> Grounder<'a> {
     /// Grounds the `always` rules.
     pub(crate) fn always(&mut self) -> Always {
         let mut parts = Vec::new();
-        for rule in self.domain.rules.iter().filter(|rule| rule.time == RuleTime::Always) {
+        for (_, rule) in self.world.always_rules() {
             self.instances_of_rule(&rule.everywhere(), rule.variables.len(), &mut Vec::new(), &mut parts);
         }
         Always::of(parts)
@@ -237,7 +264,7 @@ impl<'a> Grounder<'a> {
         let mut operators: Vec<Operator> = Vec::new();
         let matters = self.domain.action_ids().zip(&self.scope.actions);
         for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && action.senses.is_empty()) {
-            self.each_binding(action, &mut |grounder, arguments, precondition| {
+            self.each_binding(id, &mut |grounder, arguments, precondition| {
                 let step = GroundAction {
                     action: id,
                     arguments: arguments.to_vec(),
@@ -245,6 +272,7 @@ impl<'a> Grounder<'a> {
                 operators.push(Operator {
                     effects: grounder.effects(action, arguments),
                     step,
+                    is_mark: false,
                     cost: 1,
                     tag: 0,
                     outcome: None,
@@ -265,7 +293,7 @@ impl<'a> Grounder<'a> {
         let mut operators: Vec<Operator> = Vec::new();
         let matters = self.domain.action_ids().zip(&self.scope.actions);
         for ((id, action), _) in matters.filter(|((_, action), matters)| **matters && !action.senses.is_empty()) {
-            self.each_binding(action, &mut |grounder, arguments, precondition| {
+            self.each_binding(id, &mut |grounder, arguments, precondition| {
                 let outcomes: Vec<Fact> = action.senses.iter().map(|atom| ground_atom(atom, arguments)).collect();
                 let numbers: Vec<u32> = outcomes.iter().map(|fact| grounder.number(*fact)).collect();
                 let unknown = |fact: &u32| {
@@ -281,6 +309,7 @@ impl<'a> Grounder<'a> {
                             action: id,
                             arguments: arguments.to_vec(),
                         },
+                        is_mark: false,
                         cost: 1,
                         tag: 0,
                         outcome: Some(*outcome),
@@ -306,6 +335,7 @@ impl<'a> Grounder<'a> {
         Operator {
             effects: self.effects(action, &step.arguments),
             step,
+            is_mark: false,
             cost: 1,
             tag: 0,
             outcome: None,
@@ -327,20 +357,28 @@ impl<'a> Grounder<'a> {
     }
 
     fn number(&mut self, fact: Fact) -> u32 {
+        if let Some(copy) = self.copy(fact) {
+            return copy;
+        }
         *self.numbers.entry(fact).or_insert_with(|| {
             self.initial.push(self.world.state.holds(fact));
             (self.initial.len() - 1) as u32
         })
     }
 
-    /// Calls `found` for every binding that the static preconditions allow.
-    fn each_binding(&mut self, action: &Action, found: &mut impl FnMut(&mut Self, &[EntityId], Formula)) {
+    /// Calls `found` for every binding that the static preconditions and the prohibitions allow.
+    fn each_binding(&mut self, id: ActionId, found: &mut impl FnMut(&mut Self, &[EntityId], Formula)) {
+        let action = self.domain.action(id);
         let conjuncts = conjuncts(&action.precondition);
         self.bind(
             action,
             &conjuncts,
             &mut Vec::with_capacity(action.parameters.len()),
-            found,
+            &mut |grounder, arguments, precondition| {
+                if grounder.world.forbids(id, arguments).is_none() {
+                    found(grounder, arguments, precondition);
+                }
+            },
         );
     }
 
@@ -480,7 +518,11 @@ impl<'a> Grounder<'a> {
         let Some((slot, kind)) = effect.forall.get(depth) else {
             let condition = self.formula(&effect.condition, bindings);
             if !condition.is_false() {
-                let fact = self.number(ground_atom(&effect.atom, bindings));
+                let fact = ground_atom(&effect.atom, bindings);
+                if effect.adds {
+                    effects.extend(self.copied(&condition, fact));
+                }
+                let fact = self.number(fact);
                 effects.push(GroundEffect {
                     condition,
                     literal: Literal {

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::Violation;
-use super::walk::{Walk, Way};
+use super::walk::{STATES, Walk, Way};
 use crate::effort;
 use crate::model::EntityId;
 use crate::plan::{Lane, LaneItem, StepId};
@@ -31,69 +31,58 @@ impl Walk<'_> {
         }
     }
 
-    /// Simulates all interleavings of the lanes; returns one path through them.
-    pub(super) fn side_by_side(&mut self, lanes: &[Lane], way: Way) -> Way {
+    /// Simulates all interleavings of the lanes; returns one path through them for each progress through the stages.
+    pub(super) fn side_by_side(&mut self, lanes: &[Lane], way: Way) -> Vec<Way> {
         let lanes: Vec<Vec<&LaneItem>> = lanes.iter().map(|lane| lane.acts().collect()).collect();
         // Ordered by the number of completed items, so that all paths to a combination arrive before it is expanded.
-        let mut open: BTreeMap<(usize, Vec<usize>), Way> = BTreeMap::new();
-        let mut last = way.clone();
-        open.insert((0, vec![0; lanes.len()]), way);
-        while let Some(((done, places), way)) = open.pop_first() {
-            last = way.clone();
+        let mut open: BTreeMap<(usize, Vec<usize>), Vec<Way>> = BTreeMap::new();
+        open.insert((0, vec![0; lanes.len()]), vec![way]);
+        while let Some(((done, places), ways)) = open.pop_first() {
             let next: Vec<Option<&LaneItem>> = lanes
                 .iter()
                 .zip(&places)
                 .map(|(lane, at)| lane.get(*at).copied())
                 .collect();
             if next.iter().all(Option::is_none) || self.is_stopped() {
-                break;
+                return ways;
             }
             effort::spend(lanes.iter().map(Vec::len).sum());
-            self.together(&next, &way);
-            let mut moves: Vec<(Vec<usize>, Way)> = Vec::new();
-            for (lane, item) in next.iter().enumerate() {
-                match item {
-                    Some(LaneItem::Step(step)) => {
-                        let mut then = way.clone();
-                        self.step(*step, &mut then);
-                        moves.push((vec![lane], then));
-                    }
-                    Some(LaneItem::Sync(name)) => {
-                        let waits = |item: &&LaneItem| matches!(item, LaneItem::Sync(other) if other == name);
-                        let met: Vec<usize> = (0..lanes.len())
-                            .filter(|lane| next[*lane].as_ref().is_some_and(waits))
-                            .collect();
-                        let all = (0..lanes.len()).filter(|lane| lanes[*lane][places[*lane]..].iter().any(waits));
-                        if met[0] == lane && all.eq(met.iter().copied()) {
-                            moves.push((met, way.clone()));
-                        }
-                    }
-                    Some(LaneItem::Remark(_)) | None => {}
-                }
-            }
+            self.together(&next, &ways[0]);
+            let moves = moves(&lanes, &places, &next);
             if moves.is_empty() {
                 let waiting = next.iter().flatten().find_map(|item| item.sync());
-                self.wrong(
-                    Violation::Deadlock {
-                        sync: waiting.unwrap_or_default().to_owned(),
-                    },
-                    self.when(&way),
-                );
-                break;
+                let sync = waiting.unwrap_or_default().to_owned();
+                self.wrong(Violation::Deadlock { sync }, self.when(&ways[0]));
+                return ways;
             }
-            for (moved, then) in moves {
+            for moved in moves {
+                let step = next[moved[0]].and_then(LaneItem::step);
                 let mut to = places.clone();
                 moved.iter().for_each(|lane| to[*lane] += 1);
-                let key = (done + moved.len(), to);
-                match open.get(&key) {
-                    Some(other) => self.same_state(other.clone(), &then),
-                    None => {
-                        open.insert(key, then);
+                let known = open.entry((done + moved.len(), to)).or_default();
+                for way in &ways {
+                    let mut then = way.clone();
+                    if let Some(step) = step {
+                        self.step(step, &mut then);
+                        self.progress(&mut then);
                     }
+                    self.meet(known, then);
                 }
             }
         }
-        last
+        Vec::new()
+    }
+
+    /// Adds a path to those that reached the same positions, unless one of them has made equal progress.
+    fn meet(&mut self, known: &mut Vec<Way>, way: Way) {
+        let Some(first) = known.first() else {
+            return known.push(way);
+        };
+        self.same_state(first.clone(), &way);
+        let progress = self.progress_of(&way);
+        if known.len() < STATES && !known.iter().any(|known| self.progress_of(known) == progress) {
+            known.push(way);
+        }
     }
 
     /// Reports objects that concurrent steps share.
@@ -121,14 +110,17 @@ impl Walk<'_> {
     }
 
     /// Reports a race if two interleavings lead to different states.
-    fn same_state(&mut self, one: Way, other: &Way) {
+    fn same_state(&mut self, mut one: Way, other: &Way) {
+        let mut other = other.clone();
+        self.forget_progress(&mut one);
+        self.forget_progress(&mut other);
         if one.state == other.state {
             return;
         }
         let last = |way: &Way| self.history.back(way.here).next().map(|(step, _)| step.index());
         let differs = |one: &Way, other: &Way| one.state.iter().find(|fact| !other.state.holds(*fact));
-        let fact = differs(&one, other).or_else(|| differs(other, &one));
-        if let (Some(step), Some(second), Some(fact)) = (last(&one), last(other), fact) {
+        let fact = differs(&one, &other).or_else(|| differs(&other, &one));
+        if let (Some(step), Some(second), Some(fact)) = (last(&one), last(&other), fact) {
             let violation = Violation::Race {
                 step: step.min(second),
                 other: step.max(second),
@@ -137,4 +129,27 @@ impl Walk<'_> {
             self.wrong(violation, self.when(&one));
         }
     }
+}
+
+/// Returns the lanes that can go on from these positions: each lane with a step alone, lanes that meet at a
+/// synchronization point together.
+fn moves(lanes: &[Vec<&LaneItem>], places: &[usize], next: &[Option<&LaneItem>]) -> Vec<Vec<usize>> {
+    let mut moves = Vec::new();
+    for (lane, item) in next.iter().enumerate() {
+        match item {
+            Some(LaneItem::Step(_)) => moves.push(vec![lane]),
+            Some(LaneItem::Sync(name)) => {
+                let waits = |item: &&LaneItem| matches!(item, LaneItem::Sync(other) if other == name);
+                let met: Vec<usize> = (0..lanes.len())
+                    .filter(|lane| next[*lane].as_ref().is_some_and(waits))
+                    .collect();
+                let all = (0..lanes.len()).filter(|lane| lanes[*lane][places[*lane]..].iter().any(waits));
+                if met[0] == lane && all.eq(met.iter().copied()) {
+                    moves.push(met);
+                }
+            }
+            Some(LaneItem::Remark(_)) | None => {}
+        }
+    }
+    moves
 }

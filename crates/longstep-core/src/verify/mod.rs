@@ -8,6 +8,7 @@ mod bind_tree;
 mod claims;
 mod history;
 mod lanes;
+mod order;
 mod reachability;
 mod rules;
 #[cfg(test)]
@@ -18,25 +19,50 @@ pub use bind::bind;
 pub use bind::{Candidate, candidates};
 pub(crate) use bind::{bind_as_far, claimed_places};
 pub use bind_tree::bind_tree;
+pub(crate) use reachability::possibly;
 pub use reachability::{can_apply, can_be_brought_about};
 pub use rules::Waiver;
-pub(crate) use rules::{broken_at_end, wanted_at_end};
+pub(crate) use rules::broken_at_end;
+use rules::wanted_at_end;
 pub use walk::STATES;
 
 pub use crate::model::{Change, Ending, Missing, Trace, apply, broken_bindings, unmet};
 pub use crate::plan::{Assumption, StepClaim, Violation};
 
+use std::borrow::Cow;
+
 use crate::effort;
 use crate::environment::Claim;
-use crate::model::{ActionId, Domain, EntityId, Fact, Moment, State, Wanted, World, differences, holds, subject_of};
+use crate::model::{
+    ActionId, Domain, EntityId, Fact, Moment, Prohibition, State, Wanted, World, differences, holds, subject_of,
+};
 use crate::plan::{Plan, Step};
 use walk::{Walk, Way};
+
+/// A condition to achieve in a stage of a plan.
+#[derive(Debug, Clone)]
+pub struct Milestone {
+    /// The condition.
+    pub wanted: Wanted,
+    /// True if it must not hold when its stage begins: plates that were put on the table before it was wiped are not put
+    /// there after it.
+    pub anew: bool,
+}
 
 /// Purpose of a plan, as far as it is known.
 #[derive(Debug, Clone, Default)]
 pub struct Purpose {
     /// Conditions that must hold in the final state.
     pub wanted: Vec<Wanted>,
+    /// Conditions to achieve in order, stage by stage; empty if no order is required.
+    ///
+    /// The first stage begins in the initial state, each other one in the state in which all conditions of the stage
+    /// before it are achieved. A condition is achieved in the first state of its stage in which it holds; if it must
+    /// hold [anew](Milestone::anew), it counts only if it did not hold when its stage began. Events count from the
+    /// beginning of their stage. Conditions need not last: those that must hold in the final state are in `wanted` too.
+    pub stages: Vec<Vec<Milestone>>,
+    /// Prohibitions that are in force for this plan, besides those of the world.
+    pub prohibitions: Vec<Prohibition>,
     /// Rules that are suspended, each for an entity.
     pub waivers: Vec<Waiver>,
     /// True if the plan was made from a goal; then tidiness rules are mandatory.
@@ -47,6 +73,23 @@ pub struct Purpose {
     pub step_claims: Vec<StepClaim>,
     /// Entities that the instruction mentions. If there are any, moving another object is a warning.
     pub mentioned: Vec<EntityId>,
+}
+
+impl Purpose {
+    /// Returns all conditions on the final state: those of the purpose, then those of the domain's rules.
+    pub fn at_end(&self, domain: &Domain) -> Vec<Wanted> {
+        let mut wanted = self.wanted.clone();
+        wanted.extend(wanted_at_end(domain, &self.waivers, self.from_goal));
+        wanted
+    }
+
+    /// Returns the world with the prohibitions of this purpose in force.
+    pub fn world<'w>(&self, world: &'w World) -> Cow<'w, World> {
+        match self.prohibitions.is_empty() {
+            true => Cow::Borrowed(world),
+            false => Cow::Owned(world.with_prohibitions(self.prohibitions.iter().cloned())),
+        }
+    }
 }
 
 /// Result of verification.
@@ -164,14 +207,16 @@ pub fn check(world: &World, plan: Plan, purpose: &Purpose) -> Report {
 }
 
 fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
-    let mut walk = Walk::new(world, &plan, &purpose.step_claims);
+    let world = &*purpose.world(world);
+    let mut walk = Walk::new(world, &plan, purpose);
     let ends = walk.run();
     let claimed = purpose.claim.as_ref();
     let binding = claimed.map_or_else(Vec::new, |claim| binding_claims(world, &plan, claim));
     let kept = |way: &Way| binding.iter().all(|fact| way.state.holds(*fact));
     let as_claimed = claimed.and_then(|_| ends.iter().position(kept));
-    let endings = walk.each(ends, |walk, way| {
+    let endings = walk.each(ends, |walk, mut way| {
         end(walk, &way, purpose);
+        walk.forget_progress(&mut way);
         let when = walk.when(&way);
         if as_claimed.is_none() {
             for fact in binding.iter().filter(|fact| !way.state.holds(**fact)) {
@@ -242,6 +287,10 @@ fn end(walk: &mut Walk<'_>, way: &Way, purpose: &Purpose) {
             wrong.push(Violation::Goal { index });
         }
     }
+    // A goal that does not hold in the final state is reported already.
+    let unordered = walk.unordered(way);
+    let unordered = unordered.filter(|(index, _)| !wrong.contains(&Violation::Goal { index: *index }));
+    wrong.extend(unordered.map(|(index, first)| Violation::Order { index, first }));
     odd.extend(moved_unmentioned(world, state, &purpose.mentioned));
     let when = walk.when(way);
     wrong

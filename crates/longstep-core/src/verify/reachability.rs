@@ -32,15 +32,12 @@ pub(crate) fn possibly(world: &World, condition: &Condition, bindings: &mut Bind
 
 /// Returns true if the action with these arguments may be applicable in some state of this world.
 pub fn can_apply(world: &World, action: ActionId, arguments: &[EntityId]) -> bool {
-    possibly(
-        world,
-        &world.domain().action(action).precondition,
-        &mut arguments.to_vec(),
-    )
+    let precondition = &world.domain().action(action).precondition;
+    possibly(world, precondition, &mut arguments.to_vec())
 }
 
 /// Returns true if some action may add the fact in this world: no static fact contradicts the action's precondition or
-/// the effect's condition.
+/// the effect's condition, and no prohibition forbids the step.
 pub fn can_be_brought_about(world: &World, fact: Fact) -> bool {
     let domain = world.domain();
     domain.action_ids().any(|(id, action)| {
@@ -88,7 +85,10 @@ impl Maker<'_> {
     fn some_arguments(&self, arguments: &mut Vec<EntityId>) -> bool {
         let (domain, world) = (self.domain, self.world);
         let parameters = domain.action(self.action).parameters.len();
-        if arguments.len() == parameters && !can_apply(world, self.action, arguments) {
+        let possible = |arguments: &[EntityId]| {
+            world.forbids(self.action, arguments).is_none() && can_apply(world, self.action, arguments)
+        };
+        if arguments.len() == parameters && !possible(arguments) {
             return false;
         }
         let Some((kind, fixed)) = self.slots.get(arguments.len()) else {

@@ -20,10 +20,13 @@ impl Waiver {
     }
 }
 
-/// Returns true if the step newly breaks an `always` rule.
+/// Returns true if the step newly breaks an `always` rule of the domain. Prohibitions do not count: they decide whether
+/// a plan may be carried out, not what it means.
 pub(super) fn breaks_a_rule(world: &World, before: &State, after: &State) -> bool {
-    let mut always = world.domain().rules.iter().filter(|rule| rule.time == RuleTime::Always);
-    always.any(|rule| {
+    let mut always = world
+        .always_rules()
+        .filter(|(number, _)| world.prohibition(*number).is_none());
+    always.any(|(_, rule)| {
         let broken = broken_bindings(rule, world, after);
         !broken.is_empty() && {
             let known = broken_bindings(rule, world, before);

@@ -6,11 +6,12 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::history::{Here, History, with_culprits};
-use super::{StepClaim, Violation, claims, unmet};
+use super::order::Order;
+use super::{Purpose, StepClaim, Violation, claims, unmet};
 use crate::effort;
 use crate::model::{
-    Bindings, ChangedLists, Domain, Fact, Moment, PredicateId, RuleTime, State, World, apply_onto, broken_bindings,
-    ground, holds, rests_on,
+    Bindings, ChangedLists, Domain, Fact, Moment, PredicateId, State, World, apply_onto, broken_bindings, ground,
+    holds, rests_on,
 };
 use crate::plan::{Node, Plan, StepId, Test, tree};
 
@@ -48,6 +49,7 @@ pub(super) struct Walk<'a> {
     pub(super) rested: FxHashSet<Fact>,
     /// Claims of the steps, sorted by step.
     claims: &'a [StepClaim],
+    order: Order<'a>,
     found: Vec<Found>,
     sensed: Vec<PredicateId>,
     reached: Vec<bool>,
@@ -58,7 +60,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub(super) fn new(world: &'a World, plan: &'a Plan, claims: &'a [StepClaim]) -> Self {
+    pub(super) fn new(world: &'a World, plan: &'a Plan, purpose: &'a Purpose) -> Self {
         let domain = world.domain();
         let sensed = domain.actions.iter().flat_map(|action| &action.senses);
         let mut sensed: Vec<PredicateId> = sensed.map(|atom| atom.predicate).collect();
@@ -70,7 +72,8 @@ impl<'a> Walk<'a> {
             plan,
             history: History::default(),
             rested: FxHashSet::default(),
-            claims,
+            claims: &purpose.step_claims,
+            order: Order::new(world, purpose),
             found: Vec::new(),
             sensed,
             reached: vec![false; plan.steps().len()],
@@ -82,11 +85,12 @@ impl<'a> Walk<'a> {
 
     /// Simulates the whole plan; returns the paths that reach its end, at least one.
     pub(super) fn run(&mut self) -> Vec<Way> {
-        let start = Way {
+        let mut start = Way {
             state: self.world.state.clone(),
             here: None,
             broken: self.broken_always(&self.world.state),
         };
+        self.progress(&mut start);
         let mut ends = self.nodes(self.plan.body(), vec![start.clone()]);
         if !self.is_stopped() {
             let steps = 0..self.plan.steps().len();
@@ -168,7 +172,7 @@ impl<'a> Walk<'a> {
                 Node::Repeat { times, body } => self.counted(*times, body, ways),
                 Node::Parallel { lanes } => {
                     self.check_lanes(lanes);
-                    let ends = self.each(ways, |walk, way| vec![walk.side_by_side(lanes, way)]);
+                    let ends = self.each(ways, |walk, way| walk.side_by_side(lanes, way));
                     self.merged(ends)
                 }
                 Node::Remark(_) => ways,
@@ -234,8 +238,32 @@ impl<'a> Walk<'a> {
         let sensing = !self.domain.action(self.plan.step(id).action).senses.is_empty();
         self.each(ways, |walk, mut way| {
             walk.step(id, &mut way);
-            if sensing { walk.outcomes(id, way) } else { vec![way] }
+            let mut ways = if sensing { walk.outcomes(id, way) } else { vec![way] };
+            ways.iter_mut().for_each(|way| walk.progress(way));
+            ways
         })
+    }
+
+    /// Records what the state of a path achieves of the stages.
+    pub(super) fn progress(&self, way: &mut Way) {
+        if !self.order.is_empty() {
+            self.order.advance(self.world, &mut way.state);
+        }
+    }
+
+    /// Removes the progress from the state of a path.
+    pub(super) fn forget_progress(&self, way: &mut Way) {
+        self.order.forget(&mut way.state);
+    }
+
+    /// Returns the progress in the state of a path.
+    pub(super) fn progress_of(&self, way: &Way) -> Vec<Fact> {
+        way.state.iter_from(self.domain.predicates.len()).collect()
+    }
+
+    /// Returns the first goal that a path did not achieve in order, with `true` for one of the first stage.
+    pub(super) fn unordered(&self, way: &Way) -> Option<(usize, bool)> {
+        self.order.missing(&way.state)
     }
 
     /// Simulates one step.
@@ -265,10 +293,27 @@ impl<'a> Walk<'a> {
             let step = id.index();
             self.wrong(Violation::Precondition { step, missing }, self.when(way));
         }
+        if let Some(prohibition) = self.world.forbids(step.action, &step.arguments) {
+            let (prohibition, says) = (prohibition.written.clone(), prohibition.says.clone());
+            let step = id.index();
+            self.wrong(
+                Violation::Prohibited {
+                    step,
+                    prohibition,
+                    says,
+                },
+                self.when(way),
+            );
+        }
+        let before = self.order.counts_events().then(|| way.state.clone());
         let (bindings, fired) = (&mut self.bindings, &mut self.fired);
         way.here = self.history.add(id, way.here, |changes| {
             apply_onto(self.world, &mut way.state, action, bindings, fired, changes);
         });
+        if let Some(before) = before {
+            let order = &self.order;
+            order.step(self.world, &before, action, &mut self.bindings, &mut way.state);
+        }
         let changed = self
             .history
             .back(way.here)
@@ -288,10 +333,18 @@ impl<'a> Walk<'a> {
     fn always(&mut self, id: StepId, way: &mut Way) {
         let now = self.broken_always(&way.state);
         for (rule, bindings) in now.iter().filter(|broken| !way.broken.contains(broken)) {
-            let violation = Violation::Rule {
-                step: Some(id.index()),
-                rule: *rule,
-                bindings: bindings.clone(),
+            let step = id.index();
+            let violation = match self.world.prohibition(*rule) {
+                Some(prohibition) => Violation::Prohibited {
+                    step,
+                    prohibition: prohibition.written.clone(),
+                    says: prohibition.says.clone(),
+                },
+                None => Violation::Rule {
+                    step: Some(step),
+                    rule: *rule,
+                    bindings: bindings.clone(),
+                },
             };
             self.wrong(violation, self.when(way));
         }
@@ -300,9 +353,8 @@ impl<'a> Walk<'a> {
 
     /// Returns the `always` rules that are broken in a state, with their bindings.
     fn broken_always(&self, state: &State) -> Vec<(usize, Bindings)> {
-        let rules = self.domain.rules.iter().enumerate();
-        let always = rules.filter(|(_, rule)| rule.time == RuleTime::Always);
-        always
+        self.world
+            .always_rules()
             .flat_map(|(number, rule)| {
                 let broken = broken_bindings(rule, self.world, state).into_iter();
                 broken.map(move |bindings| (number, bindings))

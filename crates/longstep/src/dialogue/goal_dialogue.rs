@@ -314,14 +314,13 @@ impl GoalDialogue {
         if !answer.question.trim().is_empty() {
             return Ok(Some(self.answer_to_question(answer.question.trim().to_owned())));
         }
-        for part in answer.goals.iter().take(GOAL_LIMIT) {
-            for fact in goal::parse(&self.world, part)?.facts {
-                if !self.facts.contains(&fact) {
-                    self.facts.push(fact);
-                }
-            }
-        }
-        Ok(Some(self.done()))
+        let known = self.facts.iter().map(|fact| fact.everyday(&self.world));
+        let parts: Vec<String> = known.chain(answer.goals.into_iter().take(GOAL_LIMIT)).collect();
+        let goal = match parts.is_empty() {
+            true => Goal::default(),
+            false => goal::parse(&self.world, &parts.join(" & "))?,
+        };
+        Ok(Some(self.understood(goal)))
     }
 
     /// Returns true if the model denies an object that the instruction names and that exists. Small models do so if the
@@ -349,19 +348,21 @@ impl GoalDialogue {
         let facts = goal::already(&self.world, &self.mentioned);
         match facts.is_empty() {
             true => Understanding::Question(question),
-            false => Understanding::Goal(Goal { facts }, Vec::new()),
+            false => Understanding::Goal(Goal::from(facts), Vec::new()),
         }
     }
 
     fn done(&mut self) -> Understanding {
+        let goal = Goal::from(std::mem::take(&mut self.facts));
+        self.understood(goal)
+    }
+
+    fn understood(&self, goal: Goal) -> Understanding {
         let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_));
-        if self.undecidable && !self.facts.iter().any(depends) {
+        if self.undecidable && !goal.facts.iter().any(depends) {
             let question = "I cannot find out whether that is so. What should I do in any case?";
             return Understanding::Question(question.to_owned());
         }
-        let goal = Goal {
-            facts: std::mem::take(&mut self.facts),
-        };
         let unknown = self.correction.unknown.clone();
         understand_spoken(&self.world, &self.correction.spoken, unknown, goal)
     }

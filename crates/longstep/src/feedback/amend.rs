@@ -51,9 +51,9 @@ pub struct Amendment {
 ///     "object_states": {"<mug_3>": "ON(<desk_1>)"}, "asset_properties": {"<shelf_2>": ["NOT_OPENABLE"]}}"#;
 /// let world = environment::parse(&domain, "env.json", text).unwrap();
 /// let goal = goal::parse(&world, "put(mug, shelf)").unwrap();
-/// let outcome = solve(&world, &goal.wanted(&domain), &Limits::default());
+/// let outcome = solve(&world, &goal.purpose(&world), &Limits::default());
 /// let Outcome::Solved { plan, .. } = outcome else { panic!("{outcome:?}") };
-/// let amended = amend(&world, &plan, &[StepWish::Drop { step: 1 }], &goal.purpose(&domain));
+/// let amended = amend(&world, &plan, &[StepWish::Drop { step: 1 }], &goal.purpose(&world));
 /// let Amended::Impossible { why, .. } = amended else { panic!("{amended:?}") };
 /// assert_eq!(why[0].to_string(), "step 3: Put(<mug_3>, <shelf_2>) needs that the mug is in hand");
 /// ```

@@ -35,13 +35,13 @@ fn scene(name: &str, environment: &str, wanted: &str) -> Scene {
     let read = Environment::from_json(environment).unwrap();
     let world = environment::read(&domain, &read, "env.json", environment, &Path::default()).unwrap();
     let goal = goal::parse(&world, wanted).unwrap();
-    let outcome = search::solve(&world, &goal.wanted(&domain), &Limits::default());
+    let outcome = search::solve(&world, &goal.purpose(&world), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}")
     };
     Scene {
         plan,
-        purpose: goal.purpose(&domain),
+        purpose: goal.purpose(&world),
         domain,
         world,
     }

@@ -386,8 +386,16 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
     };
     let about_it = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
     let about = |fact: &GoalFact| fact.parts().into_iter().all(about_it);
-    if goal.facts.is_empty() {
+    if goal.is_empty() {
         return Understanding::Question("What should I do?".to_owned());
+    }
+    // Without one of its parts, an order or a prohibition would mean something else.
+    if !goal.stages.is_empty() || !goal.constraints.is_empty() {
+        if goal.facts.iter().all(about) {
+            return Understanding::Goal(goal, Vec::new());
+        }
+        let guess = goal.sentences(world).join("; ");
+        return Understanding::Question(format!("I am not sure what you want. Do you mean: {guess}?"));
     }
     // The goal is about something else because the instruction mentions an unknown object.
     if !goal.facts.iter().all(about)
@@ -415,7 +423,7 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
                 fact,
             })
             .collect();
-        let goal = Goal { facts: kept };
+        let goal = Goal::from(kept);
         // This question is asked once; the model interprets the answer.
         let unclear = (!spoken.later).then(|| which(world, spoken, &goal)).flatten();
         return match unclear {
@@ -432,10 +440,10 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
         return Understanding::Question(format!("I am not sure what you want. Do you mean that {guess}?"));
     }
     let mut facts = goal.facts.into_iter();
-    let first = facts.next().into_iter().collect();
+    let first: Vec<GoalFact> = facts.next().into_iter().collect();
     let why = "the instruction does not speak of it".to_owned();
     let left_out = facts.map(|fact| LeftOut { fact, why: why.clone() }).collect();
-    Understanding::Goal(Goal { facts: first }, left_out)
+    Understanding::Goal(Goal::from(first), left_out)
 }
 
 /// Finds a noun phrase after a determiner that matches no entity of the world.

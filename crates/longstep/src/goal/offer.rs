@@ -112,12 +112,12 @@ pub(crate) fn offers_on(world: &World, said: &[GoalFact], spoken: &Spoken, furth
 /// sensing.
 fn state_after(world: &World, said: &[GoalFact]) -> State {
     let domain = world.domain();
-    let goal = Goal { facts: said.to_vec() };
+    let goal = Goal::from(said.to_vec());
     let mut state = world.state.clone();
     if goal.depends_on_sensing(domain) {
         return state;
     }
-    if let Outcome::Solved { plan, .. } = search::solve(world, &goal.wanted(domain), &Limits::default()) {
+    if let Outcome::Solved { plan, .. } = search::solve(world, &goal.purpose(world), &Limits::default()) {
         for step in plan.steps() {
             verify::apply(world, &mut state, domain.action(step.action), &step.arguments);
         }

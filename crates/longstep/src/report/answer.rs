@@ -274,7 +274,7 @@ impl Answer {
             .map(|warning| warning.message(world, report.plan.steps(), goal))
             .collect();
         if let Some(goal) = goal {
-            answer.goal = goal.facts.iter().map(|fact| fact.exact(world)).collect();
+            answer.goal = goal.exact(world);
         }
         answer
     }

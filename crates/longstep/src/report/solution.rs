@@ -3,7 +3,7 @@
 use super::{Answer, Status};
 use crate::environment::{Voice, World};
 use crate::goal::Goal;
-use crate::search::{self, Limits, Outcome, Wanted};
+use crate::search::{self, Limits, Outcome};
 use crate::verify::{Purpose, VerifiedPlan, check};
 
 /// Returns milliseconds since a fixed moment. The library has no clock: pass one for timings, or `|| 0.0` without.
@@ -31,18 +31,15 @@ pub struct Solution {
 /// assert_eq!(solution.plan.unwrap().steps().len(), 6);
 /// ```
 pub fn of_goal(world: &World, goal: &Goal, summary: &str, limits: &Limits, now: Stopwatch) -> Solution {
-    let domain = world.domain();
-    let wanted = goal.wanted(domain);
-    let purpose = goal.purpose(domain);
-    let mut solution = of_wanted(world, &wanted, &purpose, Some(goal), summary, limits, now);
-    solution.answer.goal = goal.facts.iter().map(|fact| fact.exact(world)).collect();
+    let purpose = goal.purpose(world);
+    let mut solution = of_purpose(world, &purpose, Some(goal), summary, limits, now);
+    solution.answer.goal = goal.exact(world);
     solution
 }
 
-/// Searches for a plan and verifies it against `purpose`. `goal` serves only the wording of the answer.
-pub fn of_wanted(
+/// Searches for a plan for a purpose and verifies it. `goal` serves only the wording of the answer.
+pub fn of_purpose(
     world: &World,
-    wanted: &[Wanted],
     purpose: &Purpose,
     goal: Option<&Goal>,
     summary: &str,
@@ -50,7 +47,7 @@ pub fn of_wanted(
     now: Stopwatch,
 ) -> Solution {
     let started = now();
-    let found = search::solve(world, wanted, limits);
+    let found = search::solve(world, purpose, limits);
     let searched = now();
     let mut plan = None;
     let mut answer = match found {

@@ -36,8 +36,7 @@ impl Accepted {
     }
 
     pub(super) fn goal_texts(&self) -> Vec<String> {
-        let facts = self.goal.iter().flat_map(|goal| &goal.facts);
-        facts.map(|fact| fact.exact(&self.before)).collect()
+        self.goal.iter().flat_map(|goal| goal.exact(&self.before)).collect()
     }
 
     /// Returns the entities that a pronoun can refer to: the subjects of the goal, or else the handled objects.

@@ -131,7 +131,7 @@ impl Session {
 
     /// Plans for a goal.
     fn pursue(&mut self, turn: Turn, goal: Goal, left_out: &[LeftOut]) {
-        let (domain, world) = (&self.domain, &self.world);
+        let world = &self.world;
         let solution = report::of_goal(world, &goal, &turn.instruction, &self.limits, self.now);
         let mut answer = solution.answer;
         answer.tell_left_out(world, left_out);
@@ -146,7 +146,7 @@ impl Session {
             Some(plan) => {
                 let proposal = Proposal {
                     plan,
-                    purpose: goal.purpose(domain),
+                    purpose: goal.purpose(world),
                     goal: Some(goal),
                     answer,
                     refused: Vec::new(),
@@ -159,9 +159,8 @@ impl Session {
 
     /// Returns a round with the goal of the proposal and the feedback on it.
     pub(super) fn goal_round(&self, turn: &Turn, words: String) -> Round {
-        let facts = turn.proposal.iter().flat_map(|proposal| &proposal.goal);
-        let texts = facts.flat_map(|goal| &goal.facts);
-        let texts: Vec<String> = texts.map(|fact| fact.everyday(&self.world)).collect();
+        let goals = turn.proposal.iter().flat_map(|proposal| &proposal.goal);
+        let texts: Vec<String> = goals.flat_map(|goal| goal.everyday(&self.world)).collect();
         Round {
             reply: texts.join(goal::JOINT),
             message: words,

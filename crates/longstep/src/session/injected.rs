@@ -125,9 +125,8 @@ fn frame(session: &mut Session) -> (Vec<Message>, usize) {
 /// Checks that every accepted or proposed plan is valid, and that worlds follow from plans only.
 fn confirm(session: &Session) {
     for (number, accepted) in session.accepted().iter().enumerate() {
-        let domain = session.domain();
         let goal = accepted.goal.as_ref();
-        let purpose = goal.map_or_else(Purpose::default, |goal| goal.purpose(domain));
+        let purpose = goal.map_or_else(Purpose::default, |goal| goal.purpose(&accepted.before));
         let report = check(
             &accepted.before,
             Plan::sequence(accepted.plan.steps().to_vec()),

@@ -54,8 +54,7 @@ fn reread(name: &str, environment: &str, plan: (&str, &str), feedback: &str, cha
 
 fn goal_texts(session: &Session) -> Vec<String> {
     let goal = session.proposal().unwrap().goal.as_ref().unwrap();
-    let texts = goal.facts.iter();
-    texts.map(|fact| fact.everyday(session.world())).collect()
+    goal.everyday(session.world())
 }
 
 fn sentences(session: &Session) -> Vec<&str> {

@@ -21,7 +21,7 @@ use crate::verify::{Purpose, check};
 /// let world = environment::parse(&household, "env.json", text).unwrap();
 /// let goal = goal::parse(&world, "put(pen, shelf)").unwrap();
 /// let plan = report::of_goal(&world, &goal, "", &longstep::Limits::default(), || 0.0).plan.unwrap();
-/// let why = session::why(&world, plan.plan(), &goal.purpose(&household), Some(&goal), StepId::new(1));
+/// let why = session::why(&world, plan.plan(), &goal.purpose(&world), Some(&goal), StepId::new(1));
 /// assert_eq!(why.brings_about, ["the hand holds the pen"]);
 /// assert_eq!(why.without_it[0], "step 3: detach_from_plane() needs that the hand holds the pen");
 /// ```

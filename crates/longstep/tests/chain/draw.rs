@@ -30,8 +30,7 @@ impl Drawn {
 
     /// What is meant.
     pub fn told(&self, world: &World) -> String {
-        let facts = self.goal.facts.iter();
-        facts.map(|fact| fact.everyday(world)).collect::<Vec<_>>().join(" & ")
+        self.goal.everyday(world).join(" & ")
     }
 }
 
@@ -130,12 +129,10 @@ impl Draw {
             }
             let wording: &&str = self.one_of(wordings);
             let words = said(world, wording, &arguments);
-            let goal = Goal {
-                facts: vec![GoalFact::Word {
-                    word: offer.word,
-                    arguments,
-                }],
-            };
+            let goal = Goal::from(vec![GoalFact::Word {
+                word: offer.word,
+                arguments,
+            }]);
             if report::of_goal(world, &goal, "", &longstep::Limits::default(), || 0.0)
                 .plan
                 .is_some()

@@ -138,7 +138,7 @@ fn side_by_side() -> Work {
         let shared = found
             .plan
             .as_ref()
-            .and_then(|plan| schedule::share(&world, plan, &goal.purpose(&domain)));
+            .and_then(|plan| schedule::share(&world, plan, &goal.purpose(&world)));
         drop(shared);
         found.answer.status == Status::Verified
     })

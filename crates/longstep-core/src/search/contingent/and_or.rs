@@ -273,7 +273,7 @@ impl<'a> Search<'a> {
         let task = self.task;
         nodes.all[number as usize].expanded = true;
         effort::spend(self.expanding + self.looks.len());
-        for (index, operator) in task.operators.iter().enumerate().filter(|(_, o)| o.outcome.is_none()) {
+        for (index, operator) in task.steps().filter(|(_, operator)| operator.outcome.is_none()) {
             let node = &nodes.all[number as usize];
             if !operator.precondition.holds(&|literal| node.state.is(literal)) {
                 continue;
@@ -344,7 +344,7 @@ impl<'a> Search<'a> {
     fn outcomes_at_least(&mut self, state: &Bits, look: u32) -> Result<Option<(u32, u32)>, TooFar> {
         let (mut worst, mut sum) = (0, 0);
         for operator in self.looks[look as usize].clone() {
-            let next = after(state, &self.task.operators[operator as usize]);
+            let next = after(self.task, state, &self.task.operators[operator as usize]);
             let Some(cost) = self.estimate(&next, false)?.cost else {
                 return Ok(None);
             };
@@ -363,7 +363,7 @@ impl<'a> Search<'a> {
         let mut outcomes = Vec::new();
         self.heads.push(node.state.clone());
         for operator in self.looks[look as usize].clone() {
-            let next = after(&node.state, &self.task.operators[operator as usize]);
+            let next = after(self.task, &node.state, &self.task.operators[operator as usize]);
             match self.best(&next, left)? {
                 Some(course) => outcomes.push((operator, course)),
                 None => break,

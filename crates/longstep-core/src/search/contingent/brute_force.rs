@@ -9,7 +9,7 @@ use crate::domain::{self};
 use crate::environment::{self};
 use crate::goal::{self, Goal};
 use crate::json::Path;
-use crate::model::{ActionId, Environment, Moment, State, ground, holds};
+use crate::model::{ActionId, Environment, Moment, State, Wanted, ground, holds};
 use crate::plan::Node;
 use crate::verify::{apply, check as verify};
 
@@ -181,7 +181,7 @@ proptest! {
         let environment = Environment::from_json(&text).unwrap();
         let world = environment::read(&domain, &environment, "", &text, &Path::default()).unwrap();
         let goal: Goal = goal::parse(&world, &parts.join(" & ")).unwrap();
-        let wanted = goal.wanted(&domain);
+        let purpose = goal.purpose(&world);
         // Sensing that the goal does not mention is skipped, since every outcome doubles the number of states.
         let mentioned: Vec<String> = goal.facts.iter().map(|fact| fact.exact(&world)).collect();
         let mentioned = mentioned.join(" & ");
@@ -195,14 +195,14 @@ proptest! {
             let wiping = action.call != "wipe_on_plane" || mentioned.contains("wiped") || mentioned.contains("clean") || mentioned.contains("dirty");
             (action.senses.is_empty() || action.senses.iter().any(names)) && wiping && !action.call.contains("_by_rotate") && !action.call.contains("_by_slide")
         };
-        let Some(space) = space(&world, &wanted, &matters) else {
+        let Some(space) = space(&world, &purpose.at_end(&domain), &matters) else {
             return Ok(());
         };
         let expected = worst_case(&space);
         let limits = Limits { direct: 20_000, proof: 20_000, shortest: 20_000, any: 20_000 };
-        match solve(&world, &wanted, &limits) {
+        match solve(&world, &Target::of(&domain, &purpose), &limits) {
             Outcome::Solved { plan, worst, shortest, .. } => {
-                let report = verify(&world, plan.clone(), &goal.purpose(&domain));
+                let report = verify(&world, plan.clone(), &goal.purpose(&world));
                 prop_assert_eq!(&report.violations, &[]);
                 prop_assert_eq!(longest(plan.body()), worst);
                 match expected {

@@ -15,8 +15,9 @@ mod tests;
 
 use self::and_or::{Manner, Search, TooFar};
 use self::policy::Course;
+use super::target::Target;
 use super::task::Task;
-use super::{Found, Limits, Outcome, Requirements, Scope, Wanted, cheapest, forward, relevance, task};
+use super::{Found, Limits, Outcome, Requirements, Scope, cheapest, forward, relevance, task};
 use crate::effort;
 use crate::model::{EntityId, Fact, World};
 
@@ -36,8 +37,8 @@ const EFFORT: u64 = 12_000_000;
 /// Among plans with equal worst case, prefers fewer total steps, then earlier sensing. Each branch minimizes its own
 /// worst case first, so with nested branches a plan with fewer total steps may exist. The result is a deterministic
 /// function of the arguments: limits count states.
-pub(super) fn solve(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
-    let spent = effort::within(super::EFFORT, || solve_within(world, wanted, limits));
+pub(super) fn solve(world: &World, target: &Target, limits: &Limits) -> Outcome {
+    let spent = effort::within(super::EFFORT, || solve_within(world, target, limits));
     match (spent.exhausted, spent.result) {
         (false, outcome) => outcome,
         (true, outcome) => Outcome::GaveUp {
@@ -47,13 +48,10 @@ pub(super) fn solve(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcom
     }
 }
 
-fn solve_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
+fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
     let domain = world.domain();
-    let requirements = Requirements::of(domain, wanted);
-    let about: Vec<EntityId> = wanted
-        .iter()
-        .flat_map(|wanted| wanted.bindings.iter().copied())
-        .collect();
+    let requirements = Requirements::of(world, target.all());
+    let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
     let scope = match whole.is_bearable(domain) {
         true => Some(whole),
@@ -68,7 +66,7 @@ fn solve_within(world: &World, wanted: &[Wanted], limits: &Limits) -> Outcome {
         expanded: 0,
     };
     let Some(scope) = scope else { return too_large() };
-    let task = relevance::reduce(task::ground_sensing(world, &scope, wanted));
+    let task = relevance::reduce(task::ground_sensing(world, &scope, target));
     let outcome = match task.operators.iter().any(|operator| operator.outcome.is_some()) {
         true => of_task(world, &task, limits),
         false => forward::search(&task, limits).explained(world),

@@ -82,10 +82,10 @@ fn shown(domain: &crate::model::Domain, world: &World, plan: &Plan, nodes: &[Nod
 fn check(states: &str, text: &str, expected: &str) {
     let (domain, world) = scene(states);
     let goal = goal::parse(&world, text).unwrap();
-    let outcome = solve(&world, &goal.wanted(&domain), &Limits::default());
+    let outcome = solve(&world, &Target::of(&domain, &goal.purpose(&world)), &Limits::default());
     let found = match &outcome {
         Outcome::Solved { plan, shortest, .. } => {
-            let report = verify(&world, plan.clone(), &goal.purpose(&domain));
+            let report = verify(&world, plan.clone(), &goal.purpose(&world));
             assert_eq!(report.violations, [], "{text}");
             let more = if *shortest { "" } else { "~ " };
             format!("{more}{}", shown(&domain, &world, plan, plan.body()))

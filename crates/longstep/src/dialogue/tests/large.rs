@@ -85,11 +85,11 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
     };
     assert_eq!(left_out, []);
     assert_eq!(found, goal::parse(depot, answer).unwrap());
-    let outcome = solve(depot, &found.wanted(domain), &Limits::default());
+    let outcome = solve(depot, &found.purpose(depot), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
         panic!("{outcome:?}");
     };
-    let report = verify(depot, plan, &found.purpose(domain));
+    let report = verify(depot, plan, &found.purpose(depot));
     assert!(report.violations.is_empty());
 }
 

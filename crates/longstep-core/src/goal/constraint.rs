@@ -1,0 +1,256 @@
+//! Constraints in a goal: what must never happen, or always hold, while the plan runs.
+
+use super::conditional::places;
+use super::{GoalError, GoalFact, language};
+use crate::call::Call;
+use crate::model::{
+    Action, ActionId, Atom, Condition, Domain, EntityId, Moment, PredicateId, Prohibition, StepPattern, Term, TypeId,
+    Voice, Wanted, World,
+};
+use crate::verify::{can_be_brought_about, possibly};
+
+/// A constraint on every state and step of a plan.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Constraint {
+    /// The goal must hold in every state (`always`), or in none (`never`). It binds from the first state that keeps it.
+    State {
+        /// The goal, without conditions.
+        fact: GoalFact,
+        /// True for `always`.
+        holds: bool,
+    },
+    /// No step may call the action with these arguments.
+    Step {
+        /// The action.
+        action: ActionId,
+        /// By explicit parameter of the call: the argument; none for any.
+        arguments: Vec<Option<EntityId>>,
+    },
+    /// No step may have the entity as an argument, nor change its place or its state.
+    Untouched(EntityId),
+}
+
+/// The word before a goal that must hold in no state, or before a call that no step may make.
+pub const NEVER: &str = "never ";
+/// The word before a goal that must hold in every state.
+pub const ALWAYS: &str = "always ";
+/// The word for an entity that must be left alone.
+const UNTOUCHED: &str = "untouched";
+/// The notation of any argument of a call.
+const ANY: &str = "_";
+
+impl Constraint {
+    /// Reads a constraint; none if the text is a goal.
+    ///
+    /// # Errors
+    ///
+    /// The error in the constraint.
+    pub(super) fn read(world: &World, text: &str) -> Result<Option<Self>, GoalError> {
+        if let Some(inner) = text.strip_prefix(ALWAYS) {
+            let fact = language::plain(world, inner.trim())?;
+            return Self::state(world, text, fact, true).map(Some);
+        }
+        if let Some(inner) = text.strip_prefix(NEVER) {
+            return Self::never(world, inner.trim()).map(Some);
+        }
+        match Call::parse(text) {
+            Ok(call) if call.name == UNTOUCHED && call.arguments.len() == 1 => {
+                let names = [call.arguments[0].as_str()];
+                let entities = language::entities(world, text, &names, &[TypeId::OBJECT])?;
+                Ok(Some(Self::Untouched(entities[0])))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Returns the constraint on states, unless the goal can hold in no state at all.
+    fn state(world: &World, text: &str, fact: GoalFact, holds: bool) -> Result<Self, GoalError> {
+        let wanted = fact.wanted(world.domain(), &[]);
+        let moment = Moment {
+            world,
+            state: &world.state,
+        };
+        let possible = match &fact {
+            GoalFact::Plain(fact) => can_be_brought_about(world, *fact),
+            _ => possibly(world, &wanted.condition, &mut wanted.bindings.clone()),
+        };
+        if !possible && !crate::model::holds(moment, &wanted.condition, &mut wanted.bindings.clone()) {
+            return Err(GoalError::NeverHolds { part: text.to_owned() });
+        }
+        Ok(Self::State { fact, holds })
+    }
+
+    fn never(world: &World, text: &str) -> Result<Self, GoalError> {
+        let error = match language::plain(world, text) {
+            Ok(fact) => return Self::state(world, text, fact, false),
+            Err(error) => error,
+        };
+        // A goal word that is read with another name is an error of that name, unless an action is called the same.
+        let domain = world.domain();
+        let Ok(call) = Call::parse(text) else { return Err(error) };
+        let mut actions = domain.action_ids();
+        let Some((id, action)) = actions.find(|(_, action)| is_called(action, &call)) else {
+            return Err(error);
+        };
+        let mut arguments = Vec::new();
+        for (name, parameter) in call.arguments.iter().zip(&action.explicit) {
+            arguments.push(match name.as_str() {
+                ANY => None,
+                name => {
+                    let kind = action.parameters[*parameter].kind;
+                    Some(language::entities(world, text, &[name], &[kind])?[0])
+                }
+            });
+        }
+        arguments.resize(action.explicit.len(), None);
+        Ok(Self::Step { action: id, arguments })
+    }
+
+    /// Writes the constraint in the goal language; `name` gives the name of each entity.
+    pub(super) fn written(&self, domain: &Domain, name: &dyn Fn(EntityId) -> String) -> String {
+        match self {
+            Self::State { fact, holds } => {
+                let word = if *holds { ALWAYS } else { NEVER };
+                format!("{word}{}", fact.written(domain, name))
+            }
+            Self::Step { action, arguments } => {
+                let arguments = arguments
+                    .iter()
+                    .map(|entity| entity.map_or_else(|| ANY.to_owned(), name));
+                let arguments: Vec<String> = arguments.collect();
+                format!("{NEVER}{}({})", domain.action(*action).call, arguments.join(", "))
+            }
+            Self::Untouched(entity) => format!("{UNTOUCHED}({})", name(*entity)),
+        }
+    }
+
+    /// Writes the constraint with everyday names.
+    pub fn everyday(&self, world: &World) -> String {
+        self.written(world.domain(), &|entity| world.entity(entity).name.clone())
+    }
+
+    /// Writes the constraint with the environment's identifiers.
+    pub fn exact(&self, world: &World) -> String {
+        self.written(world.domain(), &|entity| world.entity(entity).identifier.clone())
+    }
+
+    /// Writes the constraint as a sentence for a person or a model.
+    pub fn sentence_in(&self, voice: Voice, world: &World) -> String {
+        match self {
+            Self::State { fact, holds: true } => format!("at all times: {}", fact.sentence_in(voice, world)),
+            Self::State { fact, holds: false } => format!("at no time: {}", fact.sentence_in(voice, world)),
+            Self::Step { .. } => {
+                let call = self.everyday(world);
+                format!("no step is `{}`", call.strip_prefix(NEVER).unwrap_or(&call))
+            }
+            Self::Untouched(entity) => format!("no step touches {}", voice.name(world, *entity)),
+        }
+    }
+
+    /// Writes the constraint as a sentence for a person.
+    pub fn sentence(&self, world: &World) -> String {
+        self.sentence_in(Voice::Person, world)
+    }
+
+    /// Returns the entities in the constraint.
+    pub fn about(&self, domain: &Domain) -> Vec<EntityId> {
+        match self {
+            Self::State { fact, .. } => fact.about(domain),
+            Self::Step { arguments, .. } => arguments.iter().flatten().copied().collect(),
+            Self::Untouched(entity) => vec![*entity],
+        }
+    }
+
+    /// Maps the constraint to another world by identifiers; none if an entity is missing there.
+    pub(super) fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Self> {
+        let there = |entity: EntityId| to.find(&from.entity(entity).identifier);
+        Some(match self {
+            Self::State { fact, holds } => Self::State {
+                fact: fact.carried(domain, from, to)?,
+                holds: *holds,
+            },
+            Self::Step { action, arguments } => Self::Step {
+                action: *action,
+                arguments: arguments
+                    .iter()
+                    .map(|entity| entity.map_or(Some(None), |entity| there(entity).map(Some)))
+                    .collect::<Option<Vec<_>>>()?,
+            },
+            Self::Untouched(entity) => Self::Untouched(there(*entity)?),
+        })
+    }
+
+    /// Returns the constraint for a world, where it can be put in force.
+    pub fn prohibition(&self, world: &World) -> Prohibition {
+        let domain = world.domain();
+        let (written, says) = (self.exact(world), self.sentence(world));
+        match self {
+            Self::State { fact, holds } => {
+                let Wanted { condition, bindings } = fact.wanted(domain, &[]);
+                let condition = condition.bound(&bindings);
+                let condition = if *holds { condition } else { condition.negated() };
+                Prohibition::new(written, says, Some(condition), Vec::new())
+            }
+            Self::Step { action, arguments } => {
+                let own = domain.action(*action);
+                let mut all = vec![None; own.parameters.len()];
+                for (parameter, argument) in own.explicit.iter().zip(arguments) {
+                    all[*parameter] = *argument;
+                }
+                let pattern = StepPattern {
+                    action: Some(*action),
+                    arguments: all,
+                    anywhere: None,
+                };
+                Prohibition::new(written, says, None, vec![pattern])
+            }
+            Self::Untouched(entity) => {
+                let pattern = StepPattern {
+                    action: None,
+                    arguments: Vec::new(),
+                    anywhere: Some(*entity),
+                };
+                Prohibition::new(written, says, Some(unchanged(domain, *entity)), vec![pattern])
+            }
+        }
+    }
+}
+
+fn is_called(action: &Action, call: &Call) -> bool {
+    (action.call == call.name || action.name == call.name) && call.arguments.len() <= action.explicit.len()
+}
+
+/// Returns the condition that an entity has the places and the states that it had initially.
+fn unchanged(domain: &Domain, entity: EntityId) -> Condition {
+    let entity = Term::Constant(entity);
+    let places = places(domain).into_iter();
+    let place = |predicate: PredicateId| {
+        let kind = domain.predicate(predicate).parameters[1].kind;
+        Condition::Forall(0, kind, Box::new(as_before(predicate, vec![entity, Term::Variable(0)])))
+    };
+    let words = domain.states.iter().map(|word| word.atom.predicate);
+    let mut states: Vec<PredicateId> = words
+        .filter(|predicate| domain.predicate(*predicate).parameters.len() == 1 && domain.words(*predicate).fluent)
+        .filter(|predicate| !domain.is_sensed(*predicate))
+        .collect();
+    states.sort_unstable();
+    states.dedup();
+    let states = states.into_iter().map(|predicate| as_before(predicate, vec![entity]));
+    Condition::And(places.map(place).chain(states).collect())
+}
+
+/// Returns the condition that an atom has its initial value.
+fn as_before(predicate: PredicateId, terms: Vec<Term>) -> Condition {
+    let atom = |holds: bool, initially: bool| Condition::Atom {
+        atom: Atom {
+            predicate,
+            terms: terms.clone(),
+        },
+        holds,
+        initially,
+    };
+    Condition::And(vec![
+        Condition::Or(vec![atom(false, false), atom(true, true)]),
+        Condition::Or(vec![atom(true, false), atom(false, true)]),
+    ])
+}

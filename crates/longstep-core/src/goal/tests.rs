@@ -1,0 +1,285 @@
+//! Plans for goals with an order and with constraints, in a warehouse domain without shipped rules.
+
+use super::{Goal, parse};
+use crate::domain::from_pddl;
+use crate::model::World;
+use crate::pddl::{read_problem, write_plan};
+use crate::search::{Limits, Outcome, solve};
+use crate::verify::check;
+
+const DOMAIN: &str = "(define (domain depot)
+  (:requirements :strips :typing :negative-preconditions)
+  (:types place thing - object)
+  (:predicates (at ?p - place) (on ?t - thing ?p - place) (holding ?t - thing) (free) (shut ?p - place) (clean ?p - place) (rung))
+  (:action go :parameters (?from ?to - place) :precondition (at ?from) :effect (and (not (at ?from)) (at ?to)))
+  (:action take :parameters (?t - thing ?p - place) :precondition (and (at ?p) (on ?t ?p) (free) (not (shut ?p)))
+    :effect (and (not (on ?t ?p)) (not (free)) (holding ?t)))
+  (:action drop :parameters (?t - thing ?p - place) :precondition (and (at ?p) (holding ?t) (not (shut ?p)))
+    :effect (and (on ?t ?p) (free) (not (holding ?t))))
+  (:action unlock :parameters (?p - place) :precondition (and (at ?p) (shut ?p)) :effect (not (shut ?p)))
+  (:action lock :parameters (?p - place) :precondition (and (at ?p) (not (shut ?p))) :effect (shut ?p))
+  (:action sweep :parameters (?p - place) :precondition (and (at ?p) (free)) :effect (clean ?p))
+  (:action ring :parameters () :precondition (at dock) :effect (rung)))";
+
+fn depot() -> World {
+    let domain = DOMAIN.replace("(:predicates", "(:constants dock - place) (:predicates");
+    let domain = from_pddl("domain.pddl", &domain).unwrap();
+    let problem = "(define (problem p) (:domain depot) (:objects hall store - place box vase - thing)
+        (:init (at hall) (on box hall) (on vase hall) (free) (shut store)) (:goal (free)))";
+    read_problem(&domain, "p.pddl", problem).unwrap().world
+}
+
+fn planned(world: &World, goal: &Goal) -> String {
+    match solve(world, &goal.purpose(world), &Limits::default()) {
+        Outcome::Solved { plan, shortest, .. } => {
+            let report = check(world, plan.clone(), &goal.purpose(world));
+            assert_eq!(report.violations, []);
+            assert!(shortest);
+            write_plan(world, plan.steps()).trim().replace('\n', " ")
+        }
+        Outcome::ProvenUnsolvable { .. } => "unsolvable".to_owned(),
+        other @ Outcome::GaveUp { .. } => format!("{other:?}"),
+    }
+}
+
+#[track_caller]
+fn check_plans(rows: &[(&str, &str)]) {
+    let world = depot();
+    for (text, expected) in rows {
+        let goal = parse(&world, text).unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert_eq!(planned(&world, &goal), *expected, "{text}");
+        let again = goal.exact(&world).join(" & ");
+        assert_eq!(parse(&world, &again).unwrap(), goal, "{again}");
+    }
+}
+
+#[test]
+fn stages_are_achieved_in_order() {
+    check_plans(&[
+        ("at(dock)", "(go hall dock)"),
+        // A place that a later stage excludes is left again; the last one stays.
+        ("at(dock) then at(hall)", "(go hall dock) (go dock hall)"),
+        (
+            "at(dock) then at(store) then at(hall)",
+            "(go hall dock) (go dock store) (go store hall)",
+        ),
+        ("at(hall) then at(dock)", "(go hall dock)"),
+        // What an earlier stage achieved still holds at the end.
+        (
+            "clean(dock) then on(box, hall) & at(dock)",
+            "(go hall dock) (sweep dock)",
+        ),
+        (
+            "clean(dock) then on(box, dock)",
+            "(go hall dock) (sweep dock) (go dock hall) (take box hall) (go hall dock) (drop box dock)",
+        ),
+        (
+            "on(box, dock) then clean(dock)",
+            "(take box hall) (go hall dock) (drop box dock) (sweep dock)",
+        ),
+        // A goal of the same stage may come first or last.
+        ("clean(hall) & clean(dock)", "(sweep hall) (go hall dock) (sweep dock)"),
+        (
+            "clean(dock) then clean(hall)",
+            "(go hall dock) (sweep dock) (go dock hall) (sweep hall)",
+        ),
+    ]);
+}
+
+#[test]
+fn constraints_bind_every_state_and_step() {
+    check_plans(&[
+        (
+            "on(box, store) & never at(dock)",
+            "(take box hall) (go hall store) (unlock store) (drop box store)",
+        ),
+        ("rung() & never at(dock)", "unsolvable"),
+        ("on(box, store) & always shut(store)", "unsolvable"),
+        ("on(box, store) & never unlock(store)", "unsolvable"),
+        ("on(box, store) & never unlock(_)", "unsolvable"),
+        (
+            "on(box, dock) & never go(hall, dock)",
+            "(take box hall) (go hall store) (go store dock) (drop box dock)",
+        ),
+        ("at(dock) & untouched(vase)", "(go hall dock)"),
+        ("on(vase, dock) & untouched(vase)", "unsolvable"),
+        (
+            "on(vase, dock) & never holding(box)",
+            "(take vase hall) (go hall dock) (drop vase dock)",
+        ),
+        (
+            "at(dock) then at(hall) & never at(store)",
+            "(go hall dock) (go dock hall)",
+        ),
+    ]);
+}
+
+/// Random goals against every sequence of steps up to a length.
+mod enumerated {
+    use proptest::prelude::*;
+
+    use super::super::parse;
+    use super::depot;
+    use crate::model::{EntityId, Moment, State, Wanted, World, apply, holds};
+    use crate::plan::{Plan, Step};
+    use crate::search::{GroundAction, Limits, Outcome, solve};
+    use crate::verify::{Purpose, check};
+
+    /// Maximum number of steps of an enumerated plan.
+    const LONGEST: usize = 4;
+
+    const FACTS: [&str; 12] = [
+        "at(hall)",
+        "at(dock)",
+        "at(store)",
+        "on(box, hall)",
+        "on(box, dock)",
+        "on(vase, dock)",
+        "clean(hall)",
+        "clean(dock)",
+        "shut(store)",
+        "shut(hall)",
+        "holding(box)",
+        "rung()",
+    ];
+    const CONSTRAINTS: [&str; 10] = [
+        "never at(dock)",
+        "never at(store)",
+        "always on(vase, hall)",
+        "never holding(box)",
+        "untouched(vase)",
+        "untouched(hall)",
+        "never take(box, _)",
+        "never go(hall, dock)",
+        "always shut(store)",
+        "never clean(hall)",
+    ];
+
+    fn goal() -> impl Strategy<Value = String> {
+        let stage = prop::collection::vec(prop::sample::select(&FACTS[..]), 1..3);
+        let stages = prop::collection::vec(stage, 1..4);
+        let constraints = prop::collection::vec(prop::sample::select(&CONSTRAINTS[..]), 0..3);
+        (stages, constraints).prop_map(|(stages, constraints)| {
+            let stages: Vec<String> = stages.iter().map(|facts| facts.join(" & ")).collect();
+            let goal = [stages.join(" then ")]
+                .into_iter()
+                .chain(constraints.into_iter().map(str::to_owned));
+            goal.collect::<Vec<_>>().join(" & ")
+        })
+    }
+
+    fn is_so(world: &World, state: &State, wanted: &Wanted) -> bool {
+        holds(Moment { world, state }, &wanted.condition, &mut wanted.bindings.clone())
+    }
+
+    /// Evaluates a purpose on the states of a plan, the initial one first.
+    fn fulfils(world: &World, purpose: &Purpose, states: &[State], steps: &[GroundAction]) -> bool {
+        let mut begin = 0;
+        for stage in &purpose.stages {
+            let mut end = begin;
+            for milestone in stage {
+                let mut open = (begin..states.len()).filter(|at| is_so(world, &states[*at], &milestone.wanted));
+                match open.next() {
+                    Some(at) if !(milestone.anew && at == begin) => end = end.max(at),
+                    _ => return false,
+                }
+            }
+            begin = end;
+        }
+        let last = &states[states.len() - 1];
+        purpose.wanted.iter().all(|wanted| is_so(world, last, wanted)) && allowed(world, purpose, states, steps)
+    }
+
+    fn allowed(world: &World, purpose: &Purpose, states: &[State], steps: &[GroundAction]) -> bool {
+        purpose.prohibitions.iter().all(|own| {
+            let forbidden = |step: &GroundAction| own.steps.iter().any(|one| one.fits(step.action, &step.arguments));
+            let is_kept = |state: &State| match &own.always {
+                Some(rule) => holds(Moment { world, state }, &rule.condition, &mut Vec::new()),
+                None => true,
+            };
+            !steps.iter().any(forbidden) && states.windows(2).all(|pair| is_kept(&pair[1]) || !is_kept(&pair[0]))
+        })
+    }
+
+    /// Returns every applicable step in a state.
+    fn applicable(world: &World, state: &State) -> Vec<GroundAction> {
+        let mut found = Vec::new();
+        for (id, action) in world.domain().action_ids() {
+            let mut choices: Vec<Vec<EntityId>> = vec![Vec::new()];
+            for parameter in &action.parameters {
+                let entities = world.of_kind(parameter.kind);
+                let with = |choice: &Vec<EntityId>| {
+                    let longer = |entity: &EntityId| choice.iter().copied().chain([*entity]).collect::<Vec<_>>();
+                    entities.iter().map(longer).collect::<Vec<_>>()
+                };
+                choices = choices.iter().flat_map(with).collect();
+            }
+            choices.retain(|choice| holds(Moment { world, state }, &action.precondition, &mut choice.clone()));
+            let step = |arguments| GroundAction { action: id, arguments };
+            found.extend(choices.into_iter().map(step));
+        }
+        found
+    }
+
+    /// Calls `visit` with the states and the steps of every plan, shorter ones first; stops when it returns true.
+    fn first(world: &World, visit: &mut dyn FnMut(&[State], &[GroundAction]) -> bool) -> Option<usize> {
+        let mut plans = vec![(vec![world.state.clone()], Vec::new())];
+        for length in 0..=LONGEST {
+            if plans.iter().any(|(states, steps)| visit(states, steps)) {
+                return Some(length);
+            }
+            let mut longer = Vec::new();
+            for (states, steps) in plans {
+                let now = &states[states.len() - 1];
+                for step in applicable(world, now) {
+                    let mut next = now.clone();
+                    apply(world, &mut next, world.domain().action(step.action), &step.arguments);
+                    if next != *now {
+                        longer.push((
+                            [states.clone(), vec![next]].concat(),
+                            [steps.clone(), vec![step]].concat(),
+                        ));
+                    }
+                }
+            }
+            plans = longer;
+        }
+        None
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+
+        #[test]
+        fn search_and_verification_agree_with_enumeration(text in goal(), sample in 0_usize..50) {
+            let world = depot();
+            let goal = parse(&world, &text).unwrap();
+            let purpose = goal.purpose(&world);
+            let mut number = 0;
+            let shortest = first(&world, &mut |states, steps| {
+                let expected = fulfils(&world, &purpose, states, steps);
+                number += 1;
+                if expected || number % 50 == sample {
+                    let step = |step: &GroundAction| Step::explained(&world, step.action, step.arguments.clone());
+                    let plan: Plan = steps.iter().map(step).collect();
+                    let report = check(&world, plan, &purpose);
+                    assert_eq!(report.violations.is_empty(), expected, "{text}: {steps:?} {:?}", report.violations);
+                }
+                expected
+            });
+            match solve(&world, &purpose, &Limits::default()) {
+                Outcome::Solved { plan, shortest: proven, .. } => {
+                    let length = plan.steps().len();
+                    let report = check(&world, plan, &purpose);
+                    prop_assert_eq!(&report.violations, &vec![], "{}", text);
+                    match shortest {
+                        Some(shortest) => prop_assert!(!proven || length == shortest, "{text}: {length} and not {shortest}"),
+                        None => prop_assert!(length > LONGEST, "{text}: {length}"),
+                    }
+                }
+                Outcome::ProvenUnsolvable { .. } => prop_assert_eq!(shortest, None, "{}", text),
+                Outcome::GaveUp { why, .. } => prop_assert!(false, "{}: {}", text, why),
+            }
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Progress through the stages of a purpose along an execution path.
+//!
+//! Progress is a set of facts of the simulated state, with predicates that the domain does not have. So paths with
+//! different progress stay apart, and loops are followed until their progress repeats too.
+
+use super::{Milestone, Purpose};
+use crate::effort;
+use crate::model::{Action, Bindings, EntityId, Fact, Moment, PredicateId, State, Wanted, World, fired, holds};
+
+/// The stages of a purpose, prepared for simulation.
+pub(super) struct Order<'a> {
+    stages: Vec<Vec<Condition<'a>>>,
+    /// The events that conditions of stages after the first one refer to.
+    events: Vec<PredicateId>,
+    /// Number of predicates of the domain; higher numbers are progress.
+    predicates: usize,
+}
+
+/// A condition of a stage.
+struct Condition<'a> {
+    wanted: &'a Wanted,
+    /// The fact that it was achieved in order.
+    done: Fact,
+    /// The fact that it was false when its stage began; none if it need not be.
+    open: Option<Fact>,
+}
+
+impl<'a> Order<'a> {
+    pub(super) fn new(world: &World, purpose: &'a Purpose) -> Self {
+        let domain = world.domain();
+        let later = purpose.stages.iter().skip(1).flatten();
+        let atoms = later.flat_map(|milestone| milestone.wanted.condition.atoms());
+        let mut events: Vec<PredicateId> = atoms.map(|(atom, _)| atom.predicate).collect();
+        events.sort_unstable();
+        events.dedup();
+        events.retain(|predicate| domain.words(*predicate).event);
+        let predicates = domain.predicates.len();
+        let flag = |number: usize| Fact::new(PredicateId::new(predicates), [EntityId::new(number)]);
+        let mut milestones = 0;
+        let mut condition = |milestone: &'a Milestone| {
+            milestones += 1;
+            Condition {
+                wanted: &milestone.wanted,
+                done: flag(2 * milestones),
+                open: milestone.anew.then(|| flag(2 * milestones + 1)),
+            }
+        };
+        let stages = purpose.stages.iter();
+        let stages = stages.map(|stage| stage.iter().map(&mut condition).collect()).collect();
+        Self {
+            stages,
+            events,
+            predicates,
+        }
+    }
+
+    /// Returns true if the purpose has no stages.
+    pub(super) fn is_empty(&self) -> bool {
+        self.stages.is_empty()
+    }
+
+    /// Returns true if conditions refer to the events since their stage began.
+    pub(super) fn counts_events(&self) -> bool {
+        !self.events.is_empty()
+    }
+
+    /// Returns the fact that a stage has begun.
+    fn begun(&self, stage: usize) -> Fact {
+        // The numbers from 2 on belong to the conditions.
+        let places = [EntityId::new(0), EntityId::new(stage)];
+        Fact::new(PredicateId::new(self.predicates), places)
+    }
+
+    /// Returns the event as a fact about a stage.
+    fn since(&self, stage: usize, event: Fact, arity: usize) -> Option<Fact> {
+        let index = self.events.binary_search(&event.predicate()).ok()?;
+        let predicate = self.predicates + 1 + stage * self.events.len() + index;
+        let arguments = (0..arity).map(|place| event.argument(place));
+        Some(Fact::new(PredicateId::new(predicate), arguments))
+    }
+
+    fn is_complete(&self, stage: usize, state: &State) -> bool {
+        self.stages[stage].iter().all(|condition| state.holds(condition.done))
+    }
+
+    /// Returns true if a condition holds, with the events since its stage began.
+    fn holds(&self, world: &World, state: &State, stage: usize, wanted: &Wanted) -> bool {
+        let mut bindings = wanted.bindings.clone();
+        if stage == 0 || self.events.is_empty() {
+            return holds(Moment { world, state }, &wanted.condition, &mut bindings);
+        }
+        let mut state = state.clone();
+        for (index, event) in self.events.iter().enumerate() {
+            let predicate = PredicateId::new(self.predicates + 1 + stage * self.events.len() + index);
+            let arity = world.domain().predicate(*event).parameters.len();
+            let since: Vec<Fact> = state.of_predicate(predicate).to_vec();
+            for fact in state.of_predicate(*event).to_vec() {
+                state.set(fact, false);
+            }
+            for fact in since {
+                state.set(Fact::new(*event, (0..arity).map(|place| fact.argument(place))), true);
+            }
+        }
+        let state = &state;
+        holds(Moment { world, state }, &wanted.condition, &mut bindings)
+    }
+
+    /// Records the events of a step. `before` is the state before it, `after` the one to record them in.
+    pub(super) fn step(
+        &self,
+        world: &World,
+        before: &State,
+        action: &Action,
+        arguments: &mut Bindings,
+        after: &mut State,
+    ) {
+        if self.events.is_empty() {
+            return;
+        }
+        let domain = world.domain();
+        let mut facts = Vec::new();
+        fired(world, before, action, arguments, &mut facts);
+        for (event, _) in facts.into_iter().filter(|(_, adds)| *adds) {
+            let arity = domain.predicate(event.predicate()).parameters.len();
+            for stage in 1..self.stages.len() {
+                if !before.holds(self.begun(stage)) {
+                    break;
+                }
+                if let Some(since) = self.since(stage, event, arity) {
+                    after.set(since, true);
+                }
+            }
+        }
+    }
+
+    /// Records what a state achieves.
+    pub(super) fn advance(&self, world: &World, state: &mut State) {
+        for (index, stage) in self.stages.iter().enumerate() {
+            if index > 0 && !state.holds(self.begun(index)) {
+                if !self.is_complete(index - 1, state) {
+                    return;
+                }
+                state.set(self.begun(index), true);
+                for (condition, open) in stage.iter().filter_map(|condition| Some((condition, condition.open?))) {
+                    let holds = self.holds(world, state, index, condition.wanted);
+                    state.set(open, !holds);
+                }
+            }
+            for condition in stage.iter().filter(|_| effort::spend(1)) {
+                let counts = condition.open.is_none_or(|open| state.holds(open)) && !state.holds(condition.done);
+                if counts && self.holds(world, state, index, condition.wanted) {
+                    state.set(condition.done, true);
+                }
+            }
+        }
+    }
+
+    /// Returns the first condition that a final state has not achieved in order, by its number among the conditions of
+    /// all stages, with `true` for one of the first stage.
+    pub(super) fn missing(&self, state: &State) -> Option<(usize, bool)> {
+        let first = self.stages.first().map_or(0, Vec::len);
+        let missing = self
+            .stages
+            .iter()
+            .flatten()
+            .position(|condition| !state.holds(condition.done))?;
+        Some((missing, missing < first))
+    }
+
+    /// Removes the progress from a state.
+    pub(super) fn forget(&self, state: &mut State) {
+        if !self.is_empty() {
+            state.truncate(self.predicates);
+        }
+    }
+}
