@@ -55,6 +55,9 @@ pub(crate) struct WorldArguments {
     /// Domain (the robot's actions): the name of a shipped domain, or a folder
     #[arg(long, value_name = "DOMAIN", default_value = "household")]
     pub(crate) domain: String,
+    /// File of rules that bind every plan, one a line: never opened(fridge)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) rules: Option<PathBuf>,
 }
 
 /// The language model and its settings.
@@ -176,6 +179,9 @@ pub(crate) struct ChatArguments {
     /// Folder for the session [default: a new one, listed by `longstep session list`]
     #[arg(long, value_name = "FOLDER")]
     pub(crate) session: Option<PathBuf>,
+    /// File of rules that bind every plan, one a line: never opened(fridge)
+    #[arg(long, value_name = "FILE", conflicts_with = "resume")]
+    pub(crate) rules: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) model: ModelArguments,
     #[command(flatten)]
@@ -346,6 +352,9 @@ pub(crate) struct DraftArguments {
     /// Domain (the robot's actions): the name of a shipped domain, or a folder
     #[arg(long, value_name = "DOMAIN", default_value = "household")]
     pub(crate) domain: String,
+    /// File of rules that bind every plan, one a line: never opened(fridge)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) rules: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -406,6 +415,9 @@ pub(crate) struct SolveArguments {
     /// Domain (the robot's actions): the name of a shipped domain, or a folder [default: household]
     #[arg(long, value_name = "DOMAIN")]
     pub(crate) domain: Option<String>,
+    /// File of rules that bind every plan, one a line: never opened(fridge)
+    #[arg(long, value_name = "FILE", conflicts_with = "problem")]
+    pub(crate) rules: Option<PathBuf>,
     /// Print the task as a PDDL problem for the domain's domain.pddl instead of solving it
     #[arg(long, conflicts_with_all = ["problem", "json", "save"])]
     pub(crate) pddl: bool,

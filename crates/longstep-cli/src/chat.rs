@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &ChatArguments) -> Result<u8> {
 fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
     let named = arguments.domain.as_deref().unwrap_or("household");
     let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
-    let world = inputs::world(&domain, env)?;
+    let world = inputs::world(&domain, env, arguments.rules.as_deref())?;
     let settings = Settings {
         accept: arguments.yes,
         ..arguments.strategy.settings()

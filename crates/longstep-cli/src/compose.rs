@@ -20,7 +20,7 @@ use crate::{inputs, output, show};
 pub(crate) fn run(arguments: &ComposeArguments) -> Result<u8> {
     let started = stopwatch();
     let domain = load_domain(&arguments.world.domain)?;
-    let world = inputs::world(&domain, &arguments.world.env)?;
+    let world = inputs::world(&domain, &arguments.world.env, arguments.world.rules.as_deref())?;
     let stored = stored(&arguments.plans)?;
     compose::check_names(&domain, &stored).map_err(|clash| {
         Failure::unreadable(clash.to_string()).hint("the file name is the name of a plan: rename one of the files")

@@ -23,7 +23,7 @@ impl Draft {
         let (draft, text) = inputs::plan(&arguments.plan)?;
         let shown = arguments.plan.display().to_string();
         let world = match (&arguments.env, &draft.file.environment_before) {
-            (Some(path), _) => inputs::world(&domain, path)?,
+            (Some(path), _) => inputs::world(&domain, path, None)?,
             (None, Some(environment)) => {
                 let inside = json::Path::key("environment_before");
                 inputs::read_world(&domain, environment, &shown, &text, &inside)?
@@ -35,6 +35,7 @@ impl Draft {
                     .into());
             }
         };
+        let world = inputs::with_rules(world, arguments.rules.as_deref())?;
         Ok(Self { world, draft })
     }
 

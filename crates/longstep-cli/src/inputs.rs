@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use longstep::domain::{self, Domain};
 use longstep_core::environment::{self, Environment, World};
+use longstep_core::goal;
 use longstep_core::json;
 use longstep_core::plan::{self, PlanFile, TaskCohesion};
 use longstep_llm::{load_domain, load_domain_with_prompt, plain_reason, read_text, write_whole};
@@ -19,8 +20,31 @@ pub(crate) fn domain_with_prompt(name: &str, prompt: Option<&Path>) -> Result<Do
     })
 }
 
-/// Reads an environment file as a world of the domain.
-pub(crate) fn world(domain: &Domain, path: &Path) -> Result<World> {
+/// Reads an environment file as a world of the domain, with the rules of a file in force.
+pub(crate) fn world(domain: &Domain, path: &Path, rules: Option<&Path>) -> Result<World> {
+    with_rules(bare_world(domain, path)?, rules)
+}
+
+/// Puts the rules of a file in force: one rule a line, with empty lines and comments after `#`.
+pub(crate) fn with_rules(world: World, path: Option<&Path>) -> Result<World> {
+    let Some(path) = path else { return Ok(world) };
+    let text = read_text(path)?;
+    let mut rules = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.split_once('#').map_or(line, |(rule, _)| rule).trim();
+        if !line.is_empty() {
+            let found = goal::rules(&world, line).map_err(|error| {
+                let place = format!("{}:{}", path.display(), index + 1);
+                Failure::unreadable(format!("{place}: {error}"))
+                    .hint("a rule is `never GOAL`, `always GOAL` or `untouched(NAME)`")
+            })?;
+            rules.extend(found);
+        }
+    }
+    Ok(world.with_prohibitions(rules))
+}
+
+fn bare_world(domain: &Domain, path: &Path) -> Result<World> {
     let text = read_text(path)?;
     let shown = path.display().to_string();
     let (environment, wrapped) = Environment::parse(&text).map_err(|error| {

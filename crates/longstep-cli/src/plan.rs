@@ -21,7 +21,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let instruction = checked_instruction(&arguments.instruction)?;
     let named = &arguments.world.domain;
     let domain = inputs::domain_with_prompt(named, arguments.strategy.prompt.as_deref())?;
-    let world = inputs::world(&domain, &arguments.world.env)?;
+    let world = inputs::world(&domain, &arguments.world.env, arguments.world.rules.as_deref())?;
     let opening = stopwatch();
     let mut model = ask::model(&arguments.model.model, &arguments.model)?;
     let opened = stopwatch() - opening;

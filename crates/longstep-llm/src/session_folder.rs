@@ -177,7 +177,16 @@ impl SessionFolder {
             return Ok(());
         }
         let at = jiff::Timestamp::now().to_string();
-        let lasting = |event: &Event| matches!(event, Event::Begin { .. } | Event::Accept { .. } | Event::Undo { .. });
+        let lasting = |event: &Event| {
+            matches!(
+                event,
+                Event::Begin { .. }
+                    | Event::Accept { .. }
+                    | Event::Undo { .. }
+                    | Event::Rule { .. }
+                    | Event::Lifted { .. }
+            )
+        };
         let through = events.iter().any(lasting);
         let mut text = String::new();
         let mut numbers = Vec::new();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::session::{self, Settings, Strategy};
+use longstep::session::{self, RuleError, Settings, Strategy};
 use longstep_core::diagnostic::nearest;
 use longstep_core::plan::StepId;
 use longstep_llm::{ModelError, create_private_folder, plain_reason};
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::output::print_line;
 use crate::{ask, inputs, output, show};
 
-const COMMANDS: [(&str, &str); 9] = [
+const COMMANDS: [(&str, &str); 10] = [
     ("/plan", "show the current plan, or the last accepted one"),
     ("/why STEP", "show what a step achieves, and what would fail without it"),
     ("/env", "show the current world"),
@@ -22,11 +22,26 @@ const COMMANDS: [(&str, &str); 9] = [
         "/save FOLDER",
         "save the accepted plans to a folder: 0.json, 1.json, ...",
     ),
+    (
+        "/rules [RULE]",
+        "list the rules that bind every plan, or add one: never opened(fridge)",
+    ),
     ("/model NAME", "use another model from now on"),
     ("/strategy goal|direct", "let the model write a goal, or the whole plan"),
     ("/help", "show this list"),
     ("/quit", "end the conversation; the session is saved"),
 ];
+
+fn unfit(error: RuleError) -> Failure {
+    let hint = match &error {
+        RuleError::Unknown(number) => {
+            return Failure::unreadable(format!("there is no rule {}", number + 1)).hint("`/rules` lists them");
+        }
+        RuleError::OutOfTurn(_) => "accept the plan or `/undo` it first",
+        _ => "a rule is `never GOAL`, `always GOAL` or `untouched(NAME)`",
+    };
+    Failure::unreadable(error.to_string()).hint(hint)
+}
 
 impl Chat<'_> {
     pub(super) fn command(&mut self, line: &str) -> Result<Next> {
@@ -36,6 +51,7 @@ impl Chat<'_> {
             "plan" => screen::plan(&self.session),
             "why" => self.why(rest)?,
             "env" => screen::environment(&self.session),
+            "rules" => self.rules(rest)?,
             "undo" => self.undo()?,
             "save" => self.save(rest)?,
             "model" => self.change_model(rest)?,
@@ -83,6 +99,33 @@ impl Chat<'_> {
             }
             false => show::list("Without it", &why.without_it),
         }
+        Ok(())
+    }
+
+    /// Lists the rules in force, adds one or lifts one.
+    fn rules(&mut self, rest: &str) -> Result<()> {
+        if rest.is_empty() {
+            screen::rules(&self.session);
+            return Ok(());
+        }
+        let lifted = rest.strip_prefix("lift ").map(str::trim);
+        let notice = match lifted {
+            Some(number) => {
+                let number: Option<usize> = number.parse().ok().and_then(|number: usize| number.checked_sub(1));
+                let number = number.ok_or_else(|| {
+                    Failure::unreadable("`/rules lift` needs the number of a rule").hint("`/rules` lists them")
+                })?;
+                let lifted = self.session.lift_rule(number).map_err(unfit)?;
+                format!("Lifted: {lifted}")
+            }
+            None => {
+                self.session.add_rule(rest).map_err(unfit)?;
+                "From now on, no plan breaks this rule; `/rules lift NUMBER` lifts it".to_owned()
+            }
+        };
+        // The change is saved before it is reported.
+        self.folder.keep(&mut self.session)?;
+        screen::notice(&notice);
         Ok(())
     }
 

@@ -145,7 +145,7 @@ pub(super) fn at_hand(session: &Session) -> Option<(&World, &Plan, Purpose, Opti
     }
     let last = session.accepted().last()?;
     let goal = last.goal.as_ref();
-    let purpose = goal.map_or_else(Purpose::default, |goal| goal.purpose(session.domain()));
+    let purpose = goal.map_or_else(Purpose::default, |goal| goal.purpose(session.world()));
     Some((&last.before, last.plan.plan(), purpose, goal))
 }
 
@@ -165,6 +165,17 @@ pub(super) fn plan(session: &Session) {
             show::steps(&lines, |_| false);
         }
         None => print_line!("There is no plan yet"),
+    }
+}
+
+/// Prints the rules in force with their numbers.
+pub(super) fn rules(session: &Session) {
+    if session.rules().is_empty() {
+        notice("No rules; `/rules never opened(fridge)` adds one");
+    }
+    for (number, rule) in session.rules().iter().enumerate() {
+        let (written, says) = (visible::line(&rule.written), visible::line(&rule.says));
+        print_line!("  {}. {written}  ({says})", number + 1);
     }
 }
 

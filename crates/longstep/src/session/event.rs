@@ -12,7 +12,7 @@ use crate::environment::Environment;
 use crate::plan::PlanFile;
 
 /// The version of logs that this library writes, and the newest that it reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// An event of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +41,16 @@ pub enum Event {
     },
     /// The settings for the following inputs.
     Settings(Settings),
+    /// A standing rule is put in force.
+    Rule {
+        /// The rule in the goal language, with identifiers of the environment.
+        text: String,
+    },
+    /// A standing rule is lifted.
+    Lifted {
+        /// Its number, from 0, among the rules in force.
+        number: usize,
+    },
     /// An instruction of the person.
     Instruction {
         /// Its text.

@@ -49,6 +49,9 @@ mod reread;
 #[cfg(test)]
 mod reread_tests;
 mod resume;
+mod rules;
+#[cfg(test)]
+mod rules_tests;
 mod settings;
 mod stage;
 #[cfg(test)]
@@ -61,6 +64,7 @@ pub use event::{Event, MessageRecord, StepRecord, UsageRecord, VERSION};
 pub use log::{Entry, Log, LogError};
 pub use refusal::{Failure, Refusal};
 pub use resume::{Replay, ReplayDifference, ResumeError, Resumed, replay};
+pub use rules::RuleError;
 pub use settings::{ModelFacts, RepairPolicy, Settings, Strategy};
 pub use stage::{OutOfTurn, Proposal, Response};
 pub use why::{Why, why};
@@ -122,6 +126,13 @@ impl Session {
             now,
         };
         session.set_model(model);
+        let rules = session.world.prohibitions().iter();
+        let rules: Vec<Event> = rules
+            .map(|rule| Event::Rule {
+                text: rule.written.clone(),
+            })
+            .collect();
+        session.events.extend(rules);
         session
     }
 
@@ -416,7 +427,10 @@ impl Session {
                 state: "has no accepted plan",
             });
         };
+        // Rules that were given or lifted since stay as they are.
+        let rules = self.world.prohibitions().to_vec();
         self.world = last.before;
+        self.world.set_prohibitions(rules);
         self.stage = Stage::Idle;
         let number = self.accepted.len();
         self.events.push(Event::Undo { number });

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::{Accepted, Event, Log, ModelFacts, OutOfTurn, Session, Stage, StepRecord};
+use super::{Accepted, Event, Log, ModelFacts, OutOfTurn, RuleError, Session, Stage, StepRecord};
 use crate::diagnostic::Diagnostics;
 use crate::dialogue::{ConstraintKind, Message, Role};
 use crate::environment;
@@ -92,6 +92,10 @@ impl Session {
                         .map_err(|error| ResumeError::Contradiction(error.to_string()))?;
                     session.settle(&mut tail);
                 }
+                Event::Rule { .. } | Event::Lifted { .. } => {
+                    let contradiction = |error: OutOfTurn| ResumeError::Contradiction(error.to_string());
+                    session.take(event, &mut None).map_err(contradiction)?;
+                }
                 Event::Prompt { messages, .. } => session.prompts.push(messages.iter().map(message).collect()),
                 Event::Instruction { .. } => {
                     session.settle(&mut tail);
@@ -143,7 +147,7 @@ impl Session {
             from_goal: false,
             ..goal
                 .as_ref()
-                .map_or_else(Purpose::default, |goal| goal.purpose(&self.domain))
+                .map_or_else(Purpose::default, |goal| goal.purpose(&self.world))
         };
         let steps: Option<Vec<Step>> = steps.iter().map(|step| self.step(step)).collect();
         let steps = steps.ok_or_else(|| invalid("it has steps that the domain does not know".to_owned()))?;
@@ -211,6 +215,8 @@ impl Session {
                 self.set_settings(*settings);
                 Ok(())
             }
+            Event::Rule { text } => self.add_rule(text).map_err(RuleError::in_a_log),
+            Event::Lifted { number } => self.lift_rule(*number).map(|_| ()).map_err(RuleError::in_a_log),
             Event::Refused { why } => {
                 self.refuse_as_recorded(why);
                 Ok(())
