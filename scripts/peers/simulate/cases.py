@@ -13,9 +13,9 @@ from .plan import read
 from .walk import OverBound
 from .world import World
 
-CLASSES = ["flat", "tree", "lanes", "hidden", "claims", "domain", "solve"]
+CLASSES = ["flat", "tree", "lanes", "hidden", "claims", "domain", "solve", "order"]
 # How often each class comes when all are asked for.
-SHARES = {"flat": 18, "tree": 24, "lanes": 10, "hidden": 16, "claims": 14, "domain": 14, "solve": 4}
+SHARES = {"flat": 18, "tree": 24, "lanes": 10, "hidden": 16, "claims": 14, "domain": 14, "solve": 4, "order": 4}
 # Cases in one world, and worlds in one random domain.
 PER_WORLD, PER_DOMAIN = 5, 2
 SCENES = {
@@ -44,6 +44,9 @@ class Case:
     file: dict = field(default_factory=dict)
     script: bool = False
     goals: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
+    # The numbers of the goals that begin a stage, and constraints: "never" or "always" with a goal, "untouched" with a name.
+    stages: list[int] = field(default_factory=list)
+    constraints: list[tuple] = field(default_factory=list)
 
     def world(self, faults: frozenset = frozenset()) -> World:
         """The world of the case; cases in one environment share it."""
@@ -53,8 +56,18 @@ class Case:
         """The case as the batch program reads it."""
         common = {"domain": self.domain, "environment": self.environment}
         if self.goals:
-            return {"command": "solve", **common, "goal": " & ".join(self.goal_text(*goal) for goal in self.goals)}
+            return {"command": "solve", **common, "goal": " & ".join(self.parts())}
         return {"command": "verify", **common, "plan": render.plan_text(self.file, self.world(), self.script)}
+
+    def parts(self) -> list[str]:
+        """The parts of the goal in the words of `longstep solve --goal`."""
+        parts = []
+        for number, goal in enumerate(self.goals):
+            parts.append(("then " if number in self.stages else "") + self.goal_text(*goal))
+        for word, subject in self.constraints:
+            written = render.written(self.world(), subject) if word == "untouched" else self.goal_text(*subject)
+            parts.append(f"untouched({written})" if word == "untouched" else f"{word} {written}")
+        return parts
 
     def goal_text(self, form: str, arguments: tuple[str, ...]) -> str:
         """A goal in the words of `longstep solve --goal`."""
@@ -103,7 +116,7 @@ class Source:
     def batch(self) -> list[Case]:
         """The cases of this seed: one class, one domain, one or more worlds."""
         kind = self.random.choices(self.kinds, [SHARES[name] for name in self.kinds])[0]
-        if kind == "domain" or (kind == "solve" and self.random.random() < 0.5):
+        if kind == "domain" or (kind in ("solve", "order") and self.random.random() < 0.5):
             folder = self.folder / f"domain-{self.seed}"
             domain = str(domains.write(folder, self.random, sensing=kind == "domain" and self.random.random() < 0.5))
             return [case for _ in range(PER_DOMAIN) for case in self.in_world(kind, domain, scenes.any_domain)]
@@ -127,7 +140,7 @@ class Source:
         world = shared_world(domain, json.dumps(environment), frozenset())
         if world.broken("start", world.initial):
             return
-        if kind == "solve":
+        if kind in ("solve", "order"):
             yield from self.goals(kind, domain, environment, world)
             return
         grower = plans.Grower(world, self.random)
@@ -226,5 +239,17 @@ class Source:
         self.random.shuffle(options)
         for number in range(min(3, len(options))):
             chosen = options[number : number + (2 if self.random.random() < 0.3 else 1)]
-            yield Case(kind, self.seed, domain, environment, goals=chosen)
+            if kind == "solve":
+                yield Case(kind, self.seed, domain, environment, goals=chosen)
+                continue
+            chosen = [self.random.choice(options) for _ in range(self.random.choice([1, 2, 2, 3]))]
+            stages = [at for at in range(1, len(chosen)) if self.random.random() < 0.7]
+            if any(chosen[at] in chosen[:at] and at not in stages for at in range(len(chosen))):
+                continue
+            constraints = []
+            for _ in range(self.random.choice([0, 0, 1, 1, 2])):
+                word = self.random.choice(["never", "never", "always", "untouched"])
+                entities = [name for name in world.types if name not in dict(world.words.pddl.constants)]
+                constraints.append((word, self.random.choice(entities if word == "untouched" else options)))
+            yield Case(kind, self.seed, domain, environment, goals=chosen, stages=stages, constraints=constraints)
 

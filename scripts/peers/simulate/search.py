@@ -47,6 +47,25 @@ class Compiler:
         exec(text, scope)
         return scope["effect"]
 
+    def events(self, action):
+        """The events that an action brings about, as a function of the state."""
+        lines = [
+            f"    if {self.source(when)}: e |= {self.bit(fact)}"
+            for when, sign, fact in action.effects
+            if sign and fact[0] in self.world.words.events
+        ]
+        scope: dict = {}
+        exec("def events(s):\n    e = 0\n" + "\n".join(lines) + "\n    return e\n", scope)
+        return scope["events"]
+
+    def all_bits(self) -> list[tuple[tuple, int]]:
+        """Every fact with its bit."""
+        return [(fact, 1 << place) for fact, place in self.bits.items()]
+
+    def split(self, number: int) -> list[int]:
+        """The bits of a number."""
+        return [1 << place for place in range(number.bit_length()) if number >> place & 1]
+
     def number(self, state: frozenset) -> int:
         """A state as a number."""
         return sum(self.bit(fact) for fact in state)
@@ -55,11 +74,18 @@ class Compiler:
 def goal_condition(world: World, goals: list[tuple[str, tuple[str, ...]]]):
     """What has to hold in the last state: the goals, and the rules that they do not set aside."""
     parts = []
-    spoken: dict[str, set[str]] = {}
     for form, arguments in goals:
         goal = world.words.goals[form]
         parts.append(world.ground(goal.condition, dict(zip((name for name, _ in goal.parameters), arguments))))
+    return join("and", parts + at_end(world, goals))
+
+
+def at_end(world: World, goals: list[tuple[str, tuple[str, ...]]]) -> list:
+    """The rules for the last state that goals do not set aside."""
+    spoken: dict[str, set[str]] = {}
+    for form, arguments in goals:
         spoken.setdefault(form.split("(")[0], set()).update(arguments)
+    parts = []
     for sort in ("end", "tidy"):
         for rule in world.words.rules:
             if rule.holds != sort:
@@ -68,7 +94,7 @@ def goal_condition(world: World, goals: list[tuple[str, tuple[str, ...]]]):
             for binding in world.bindings(rule.variables):
                 if not aside & set(binding.values()):
                     parts.append(world.ground(rule.condition, binding))
-    return join("and", parts)
+    return parts
 
 
 def shortest(world: World, goals: list[tuple[str, tuple[str, ...]]], limit: int = LIMIT) -> int | str:
