@@ -2,9 +2,9 @@
 
 use super::{Goal, parse};
 use crate::domain::from_pddl;
-use crate::model::World;
+use crate::model::{Voice, World};
 use crate::pddl::{read_problem, write_plan};
-use crate::search::{Limits, Outcome, solve};
+use crate::search::{Limits, Outcome, solve, why_not};
 use crate::verify::check;
 
 const DOMAIN: &str = "(define (domain depot)
@@ -112,6 +112,50 @@ fn constraints_bind_every_state_and_step() {
             "(go hall dock) (go dock hall)",
         ),
     ]);
+}
+
+#[test]
+fn an_unsolvable_goal_has_reasons() {
+    let world = depot();
+    for (text, expected) in [
+        (
+            "rung() & never at(dock) & untouched(vase)",
+            "[\"never at(dock)\"] [] false",
+        ),
+        (
+            "on(box, store) & never unlock(store) & always shut(store)",
+            "[\"never unlock(store)\", \"always shut(store)\"] [] false",
+        ),
+        ("at(hall) & at(dock)", "[] [] true"),
+    ] {
+        let goal = parse(&world, text).unwrap();
+        let why = why_not(&world, &goal.purpose(&world), &Limits::default());
+        assert_eq!(
+            format!("{:?} {:?} {}", why.prohibitions, why.goals, why.together),
+            expected,
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn a_fact_that_nothing_brings_about_is_named() {
+    let household = crate::domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>", "<window>", "<box>"], "objects": ["<cup>", "<box_lid>", "<pot>", "<pot_lid>"],
+        "object_states": {"<cup>": "on_something(<table>)", "<box_lid>": "closed()", "<pot>": "on_something(<table>)",
+            "<pot_lid>": "closed()"}}"#;
+    let world = crate::environment::parse(&household, "scene", text).unwrap();
+    for (text, expected) in [
+        ("opened(table)", "the table is open"),
+        ("on_something(cup, cup) & put(pot, box)", "the cup"),
+    ] {
+        let goal = parse(&world, text).unwrap();
+        let why = why_not(&world, &goal.purpose(&world), &Limits::default());
+        assert_eq!(why.goals, [0], "{text}: {why:?}");
+        let (fact, holds) = why.missing.expect(text);
+        let message = Voice::Person.fact(&world, fact, holds);
+        assert!(message.contains(expected), "{text}: {message}");
+    }
 }
 
 /// Random goals against every sequence of steps up to a length.

@@ -18,6 +18,7 @@ mod scope;
 mod stages;
 mod target;
 mod task;
+mod why_not;
 
 pub(crate) use formula::{Formula, Literal};
 pub use forward::Limits;
@@ -27,6 +28,7 @@ pub use outcome::Outcome;
 pub(crate) use relevance::reduce;
 pub(crate) use scope::{Requirements, Scope};
 pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
+pub use why_not::{WhyNot, why_not};
 
 use crate::effort;
 use crate::model::{ActionId, EntityId, Moment, World, apply, holds};

@@ -45,7 +45,8 @@ pub(super) fn focus(task: &Task) -> Task {
     renumber(task)
 }
 
-fn index(literal: Literal) -> usize {
+/// Returns the index of a literal in a list by literal.
+pub(super) fn index(literal: Literal) -> usize {
     literal.fact as usize * 2 + usize::from(literal.holds)
 }
 
@@ -88,12 +89,23 @@ fn keep_allowed(task: &mut Task) -> bool {
 
 /// Keeps the operators that are reachable in the delete relaxation.
 fn keep_reachable(task: &mut Task) {
-    let mut reached: Vec<bool> = task.initial.iter().flat_map(|holds| [!holds, *holds]).collect();
-    let mut applied = vec![false; task.operators.len()];
     let units = task.units();
+    let (_, applied) = relaxed(&task.initial, &task.operators, units);
+    keep(&mut task.operators, &applied);
+}
+
+/// By literal ([`index`]): true if the delete relaxation reaches it.
+pub(super) fn reached(initial: &[bool], operators: &[Operator]) -> Vec<bool> {
+    relaxed(initial, operators, operators.len()).0
+}
+
+/// Returns the literals and the operators that the delete relaxation reaches; a round takes `units` of work.
+fn relaxed(initial: &[bool], operators: &[Operator], units: usize) -> (Vec<bool>, Vec<bool>) {
+    let mut reached: Vec<bool> = initial.iter().flat_map(|holds| [!holds, *holds]).collect();
+    let mut applied = vec![false; operators.len()];
     while effort::spend(units) {
         let mut changed = false;
-        for (operator, applied) in task.operators.iter().zip(&mut applied) {
+        for (operator, applied) in operators.iter().zip(&mut applied) {
             if !*applied && !operator.precondition.holds(&|literal| reached[index(literal)]) {
                 continue;
             }
@@ -111,7 +123,7 @@ fn keep_reachable(task: &mut Task) {
             break;
         }
     }
-    keep(&mut task.operators, &applied);
+    (reached, applied)
 }
 
 /// Keeps the marked operators.

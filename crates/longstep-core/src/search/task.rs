@@ -344,7 +344,7 @@ impl<'a> Grounder<'a> {
     }
 
     /// Returns the facts by number; requires a task without extra facts.
-    fn facts(self) -> Vec<Fact> {
+    pub(super) fn facts(self) -> Vec<Fact> {
         let mut facts: Vec<(u32, Fact)> = self.numbers.into_iter().map(|(fact, number)| (number, fact)).collect();
         facts.sort_unstable();
         facts.into_iter().map(|(_, fact)| fact).collect()

@@ -3,7 +3,7 @@
 use super::{Answer, Status};
 use crate::environment::{Voice, World};
 use crate::goal::Goal;
-use crate::search::{self, Limits, Outcome};
+use crate::search::{self, Limits, Outcome, WhyNot};
 use crate::verify::{Purpose, VerifiedPlan, check};
 
 /// Returns milliseconds since a fixed moment. The library has no clock: pass one for timings, or `|| 0.0` without.
@@ -68,6 +68,8 @@ pub fn of_purpose(
         Outcome::ProvenUnsolvable { when, .. } => {
             let mut answer = Answer::without_plan(Status::Unsolvable, world, summary, "");
             let facts = when.map(|fact| Voice::Person.fact(world, fact, true));
+            let why = search::why_not(world, purpose, limits);
+            answer.notes.extend(reasons(world, goal, &why));
             answer
                 .notes
                 .extend(facts.map(|fact| format!("there is no way if it turns out that {fact}")));
@@ -81,4 +83,32 @@ pub fn of_purpose(
     };
     answer.timings_ms.search = searched - started;
     Solution { plan, answer }
+}
+
+/// Writes the reasons why there is no plan as sentences.
+fn reasons(world: &World, goal: Option<&Goal>, why: &WhyNot) -> Vec<String> {
+    let mut reasons = Vec::new();
+    match &why.prohibitions[..] {
+        [] => {}
+        [one] => reasons.push(format!("`{one}` prevents it: there is a plan without this rule")),
+        several => reasons.push(format!(
+            "these rules prevent it: {}",
+            several
+                .iter()
+                .map(|rule| format!("`{rule}`"))
+                .collect::<Vec<_>>()
+                .join(", ")
+        )),
+    }
+    if why.order {
+        reasons.push("all goals can be reached, but not in this order".to_owned());
+    }
+    if why.together {
+        reasons.push("each goal can be reached, but not all of them together".to_owned());
+    }
+    let facts = why.goals.iter().filter_map(|index| goal?.facts.get(*index));
+    reasons.extend(facts.map(|fact| format!("this cannot be reached, not even by itself: {}", fact.sentence(world))));
+    let missing = why.missing.map(|(fact, holds)| Voice::Person.fact(world, fact, holds));
+    reasons.extend(missing.map(|text| format!("it would need that {text}, and no action can make that so")));
+    reasons
 }

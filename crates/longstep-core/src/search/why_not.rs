@@ -1,0 +1,243 @@
+//! Reasons why there is no plan: rules, the order, single goals, and facts that nothing can make true.
+//!
+//! A planner that answers "unsolvable" leaves a person alone with a goal of several parts. [`why_not`] solves the task
+//! again without some of its requirements, and follows a goal that cannot be reached back to a fact that no action
+//! brings about.
+
+use super::task::{Grounder, Operator};
+use super::{Formula, Limits, Literal, Outcome, Requirements, Scope, relevance, solve};
+use crate::effort;
+use crate::model::{Atom, Bindings, Condition, EntityId, Fact, Term, Wanted, World, ground, holds, static_value};
+use crate::model::{Moment, Prohibition};
+use crate::verify::Purpose;
+
+/// Work units of the whole analysis.
+const EFFORT: u64 = 40_000_000;
+
+/// Maximum number of arguments that are tried for an action that cannot bring a fact about.
+const CHOICES: usize = 2_000;
+
+/// Reasons why no plan serves a purpose. Empty if none was found within the budget.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct WhyNot {
+    /// The prohibitions that prevent a plan, in the goal language: without any one of them there is a plan, or, if no
+    /// single one prevents it, without all of them.
+    pub prohibitions: Vec<String>,
+    /// True if all goals can be reached, but not in their order.
+    pub order: bool,
+    /// The indices of the goals that cannot be reached even by themselves.
+    pub goals: Vec<usize>,
+    /// True if each goal can be reached, but not all together.
+    pub together: bool,
+    /// A fact that a goal needs, and that no action can bring about; with `false` for a fact that must not hold.
+    pub missing: Option<(Fact, bool)>,
+}
+
+/// Finds the reasons why there is no plan for a purpose that [`solve`] has proven unsolvable.
+///
+/// ```
+/// use longstep_core::{domain, environment, goal, search::{self, Limits}};
+/// let household = domain::shipped("household").unwrap().unwrap();
+/// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
+/// let world = environment::parse(&household, "env.json", text).unwrap();
+/// let goal = goal::parse(&world, "put(cup, shelf) & untouched(cup)").unwrap();
+/// let why = search::why_not(&world, &goal.purpose(&world), &Limits::default());
+/// assert_eq!(why.prohibitions, ["untouched(<cup>)"]);
+/// ```
+pub fn why_not(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
+    effort::within(EFFORT, || analyzed(world, purpose, limits)).result
+}
+
+fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
+    let world = &*purpose.world(world);
+    let purpose = &Purpose {
+        prohibitions: Vec::new(),
+        ..purpose.clone()
+    };
+    let is_solved = |world: &World, purpose: &Purpose| matches!(solve(world, purpose, limits), Outcome::Solved { .. });
+    let without = |left_out: &dyn Fn(usize) -> bool| {
+        let mut free = world.clone();
+        let kept = world
+            .prohibitions()
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| !left_out(*index));
+        let kept: Vec<Prohibition> = kept.map(|(_, own)| own.clone()).collect();
+        free.set_prohibitions(kept);
+        free
+    };
+    let mut why = WhyNot::default();
+    let rules = world.prohibitions();
+    if !rules.is_empty() && is_solved(&without(&|_| true), purpose) {
+        let prevents = |index: &usize| rules.len() == 1 || is_solved(&without(&|other| other == *index), purpose);
+        let single: Vec<usize> = (0..rules.len()).filter(prevents).collect();
+        let which = if single.is_empty() {
+            (0..rules.len()).collect()
+        } else {
+            single
+        };
+        why.prohibitions = which.into_iter().map(|index| rules[index].written.clone()).collect();
+        return why;
+    }
+    let unordered = Purpose {
+        stages: Vec::new(),
+        ..purpose.clone()
+    };
+    if !purpose.stages.is_empty() && is_solved(world, &unordered) {
+        why.order = true;
+        return why;
+    }
+    let alone = |index: usize| Purpose {
+        wanted: vec![conditions(purpose)[index].clone()],
+        ..unordered.clone()
+    };
+    let count = conditions(purpose).len();
+    why.goals = (0..count).filter(|index| !is_solved(world, &alone(*index))).collect();
+    why.together = count > 1 && why.goals.is_empty();
+    why.missing = why
+        .goals
+        .first()
+        .and_then(|index| missing(world, &conditions(purpose)[*index]));
+    if effort::is_exhausted() { WhyNot::default() } else { why }
+}
+
+/// Returns the condition of each goal, whether or not it must last.
+fn conditions(purpose: &Purpose) -> Vec<Wanted> {
+    match purpose.stages.is_empty() {
+        true => purpose.wanted.clone(),
+        false => {
+            let stages = purpose.stages.iter().flatten();
+            stages.map(|milestone| milestone.wanted.clone()).collect()
+        }
+    }
+}
+
+/// Returns a fact that the condition needs and that nothing brings about, following the conditions of actions back.
+fn missing(world: &World, wanted: &Wanted) -> Option<(Fact, bool)> {
+    let scope = Scope::whole(world, &Requirements::of(world, [wanted]));
+    if !scope.is_bearable(world.domain()) {
+        return None;
+    }
+    let mut grounder = Grounder::new(world, &scope);
+    let goal = grounder.goal(std::slice::from_ref(wanted));
+    let operators = grounder.operators(&wanted.bindings.iter().copied().collect());
+    let initial = grounder.initial.clone();
+    let facts = grounder.facts();
+    if goal.is_false() {
+        return denied(world, &wanted.condition, &mut wanted.bindings.clone());
+    }
+    let reached = relevance::reached(&initial, &operators);
+    let mut open = lacking(&goal, &reached);
+    let mut seen: Vec<Literal> = Vec::new();
+    let mut last = None;
+    while let Some(literal) = open.iter().copied().find(|literal| !seen.contains(literal)) {
+        last = Some(literal);
+        seen.push(literal);
+        let needs = |operator: &Operator| {
+            let effects = operator.effects.iter().filter(|effect| effect.literal == literal);
+            let needs = effects.map(|effect| {
+                [
+                    lacking(&operator.precondition, &reached),
+                    lacking(&effect.condition, &reached),
+                ]
+                .concat()
+            });
+            needs.min_by_key(Vec::len)
+        };
+        match operators.iter().filter_map(needs).min_by_key(Vec::len) {
+            Some(needs) => open = needs,
+            None => break,
+        }
+    }
+    let literal = last?;
+    let fact = facts[literal.fact as usize];
+    Some(match literal.holds {
+        true => prevented(world, fact).unwrap_or((fact, true)),
+        false => (fact, false),
+    })
+}
+
+/// Returns the fewest literals of a condition that are not reached.
+fn lacking(formula: &Formula, reached: &[bool]) -> Vec<Literal> {
+    match formula {
+        Formula::Literal(literal) if reached[relevance::index(*literal)] => Vec::new(),
+        Formula::Literal(literal) => vec![*literal],
+        Formula::And(parts) => parts.iter().flat_map(|part| lacking(part, reached)).collect(),
+        Formula::Or(parts) => {
+            let parts = parts.iter().map(|part| lacking(part, reached));
+            parts.min_by_key(Vec::len).unwrap_or_default()
+        }
+    }
+}
+
+/// Returns a static part of a condition that is false, with the value that it would need.
+fn denied(world: &World, condition: &Condition, bindings: &mut Bindings) -> Option<(Fact, bool)> {
+    let moment = Moment {
+        world,
+        state: &world.state,
+    };
+    match condition {
+        Condition::Atom { atom, holds, .. } => match static_value(world, condition, bindings) {
+            Some(false) => Some((ground(atom, bindings), *holds)),
+            _ => None,
+        },
+        Condition::And(parts) => parts.iter().find_map(|part| denied(world, part, bindings)),
+        Condition::Or(parts) if !holds(moment, condition, bindings) => {
+            parts.iter().find_map(|part| denied(world, part, bindings))
+        }
+        _ => None,
+    }
+}
+
+/// Returns what prevents every action that would add a fact: the static fact that most nearly suffices for one of them.
+fn prevented(world: &World, fact: Fact) -> Option<(Fact, bool)> {
+    let domain = world.domain();
+    let mut best: Option<(usize, (Fact, bool))> = None;
+    for action in &domain.actions {
+        for effect in action.effects.iter().filter(|effect| effect.adds) {
+            let mut arguments = vec![None; action.parameters.len()];
+            if effect.atom.predicate != fact.predicate() || !unified(&effect.atom, fact, &mut arguments) {
+                continue;
+            }
+            let mut choices: Vec<Bindings> = vec![Vec::new()];
+            for (parameter, fixed) in action.parameters.iter().zip(&arguments) {
+                let all = world.of_kind(parameter.kind);
+                let candidates = fixed.as_ref().map_or(all, std::slice::from_ref);
+                let longer = |choice: &Bindings| {
+                    let with = |entity: &EntityId| choice.iter().copied().chain([*entity]).collect::<Bindings>();
+                    candidates.iter().map(with).collect::<Vec<_>>()
+                };
+                choices = choices.iter().flat_map(longer).take(CHOICES).collect();
+            }
+            for mut choice in choices {
+                if !effort::spend(action.parameters.len() + 1) {
+                    return None;
+                }
+                let parts: Vec<&Condition> = action.precondition.conjuncts().collect();
+                let denied: Vec<(Fact, bool)> = parts
+                    .iter()
+                    .filter_map(|part| denied(world, part, &mut choice))
+                    .collect();
+                if let Some(first) = denied.first()
+                    && best.as_ref().is_none_or(|(fewest, _)| denied.len() < *fewest)
+                {
+                    best = Some((denied.len(), *first));
+                }
+            }
+        }
+    }
+    best.map(|(_, fact)| fact)
+}
+
+fn unified(atom: &Atom, fact: Fact, arguments: &mut [Option<EntityId>]) -> bool {
+    atom.terms.iter().enumerate().all(|(place, term)| {
+        let entity = fact.argument(place);
+        match *term {
+            Term::Constant(constant) => constant == entity,
+            Term::Variable(slot) => arguments
+                .get_mut(slot)
+                .is_none_or(|own| *own.get_or_insert(entity) == entity),
+        }
+    })
+}
