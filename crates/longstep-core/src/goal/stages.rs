@@ -4,7 +4,7 @@ use super::{Goal, GoalFact};
 use crate::effort;
 use crate::model::{
     Atom, Condition, Domain, EntityId, Fact, Moment, PredicateId, RuleTime, State, Term, Wanted, World,
-    broken_bindings, holds,
+    broken_bindings, holds, unify,
 };
 use crate::search::{Formula, Literal, ground_condition};
 use crate::verify::Milestone;
@@ -80,7 +80,7 @@ type Literals = Vec<(Fact, bool)>;
 /// Maximum number of alternatives of a goal that are considered.
 const ALTERNATIVES: usize = 32;
 
-/// What a goal needs: the literals of one of its alternatives.
+/// The needs of a goal: the literals of each of its alternatives.
 struct Needs<'g> {
     fact: &'g GoalFact,
     /// Empty if there are too many alternatives.
@@ -343,20 +343,6 @@ fn implies(world: &World, made: Fact, required: Fact) -> bool {
         }
     }
     makers > 0
-}
-
-/// Binds the parameters in an atom so that it is the fact; returns false if that is impossible.
-fn unify(atom: &Atom, fact: Fact, arguments: &mut [Option<EntityId>]) -> bool {
-    atom.terms.iter().enumerate().all(|(place, term)| {
-        let entity = fact.argument(place);
-        match *term {
-            Term::Constant(constant) => constant == entity,
-            // A variable of the effect itself may be any entity.
-            Term::Variable(slot) => arguments
-                .get_mut(slot)
-                .is_none_or(|own| *own.get_or_insert(entity) == entity),
-        }
-    })
 }
 
 /// Returns true if an atom is the fact, whatever the open parameters are.

@@ -251,6 +251,20 @@ pub(crate) fn static_value(world: &World, condition: &Condition, bindings: &[Ent
     }
 }
 
+/// Binds open variables so that the atom is the fact; returns false if that is impossible. Variables without a place in
+/// `bound` may be any entity.
+pub(crate) fn unify(atom: &Atom, fact: Fact, bound: &mut [Option<EntityId>]) -> bool {
+    atom.terms.iter().enumerate().all(|(place, term)| {
+        let entity = fact.argument(place);
+        match *term {
+            Term::Constant(constant) => constant == entity,
+            Term::Variable(slot) => bound
+                .get_mut(slot)
+                .is_none_or(|own| *own.get_or_insert(entity) == entity),
+        }
+    })
+}
+
 /// Returns the atom grounded with `bindings`.
 pub(crate) fn ground(atom: &Atom, bindings: &[EntityId]) -> Fact {
     Fact::new(

@@ -32,7 +32,7 @@ pub use domain::{
 };
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};
-pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term, static_value};
+pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground, grounded_term, static_value, unify};
 pub(crate) use fact::ChangedLists;
 pub use fact::{EntityId, Fact, FactSet, State};
 pub(crate) use id::id;

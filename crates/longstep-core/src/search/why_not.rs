@@ -7,8 +7,9 @@
 use super::task::{Grounder, Operator};
 use super::{Formula, Limits, Literal, Outcome, Requirements, Scope, relevance, solve};
 use crate::effort;
-use crate::model::{Atom, Bindings, Condition, EntityId, Fact, Term, Wanted, World, ground, holds, static_value};
-use crate::model::{Moment, Prohibition};
+use crate::model::{
+    Bindings, Condition, EntityId, Fact, Moment, Prohibition, Wanted, World, ground, holds, static_value, unify,
+};
 use crate::verify::Purpose;
 
 /// Work units of the whole analysis.
@@ -197,7 +198,7 @@ fn prevented(world: &World, fact: Fact) -> Option<(Fact, bool)> {
     for action in &domain.actions {
         for effect in action.effects.iter().filter(|effect| effect.adds) {
             let mut arguments = vec![None; action.parameters.len()];
-            if effect.atom.predicate != fact.predicate() || !unified(&effect.atom, fact, &mut arguments) {
+            if effect.atom.predicate != fact.predicate() || !unify(&effect.atom, fact, &mut arguments) {
                 continue;
             }
             let mut choices: Vec<Bindings> = vec![Vec::new()];
@@ -228,16 +229,4 @@ fn prevented(world: &World, fact: Fact) -> Option<(Fact, bool)> {
         }
     }
     best.map(|(_, fact)| fact)
-}
-
-fn unified(atom: &Atom, fact: Fact, arguments: &mut [Option<EntityId>]) -> bool {
-    atom.terms.iter().enumerate().all(|(place, term)| {
-        let entity = fact.argument(place);
-        match *term {
-            Term::Constant(constant) => constant == entity,
-            Term::Variable(slot) => arguments
-                .get_mut(slot)
-                .is_none_or(|own| *own.get_or_insert(entity) == entity),
-        }
-    })
 }

@@ -8,6 +8,7 @@ mod bind_tree;
 mod claims;
 mod history;
 mod lanes;
+mod loop_states;
 mod order;
 mod reachability;
 mod rules;

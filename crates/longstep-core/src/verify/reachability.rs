@@ -3,7 +3,7 @@
 //! The tests are one-sided: false is certain, true means that no static fact contradicts.
 
 use crate::effort;
-use crate::model::{ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, Term, TypeId, World, static_value};
+use crate::model::{ActionId, Bindings, Condition, Domain, Effect, EntityId, Fact, TypeId, World, static_value, unify};
 
 /// Returns true if the condition can hold in some state of this world; fluent facts may have any value.
 pub(crate) fn possibly(world: &World, condition: &Condition, bindings: &mut Bindings) -> bool {
@@ -48,23 +48,16 @@ pub fn can_be_brought_about(world: &World, fact: Fact) -> bool {
         adding.into_iter().any(|effect| {
             let kinds = action.parameters.iter().map(|parameter| parameter.kind);
             let own = effect.forall.iter().map(|(_, kind)| *kind);
-            let mut maker = Maker {
+            let kinds: Vec<TypeId> = kinds.chain(own).collect();
+            let mut bound = vec![None; kinds.len()];
+            let fits = unify(&effect.atom, fact, &mut bound);
+            let maker = Maker {
                 domain,
                 world,
                 action: id,
                 effect,
-                slots: kinds.chain(own).map(|kind| (kind, None)).collect(),
+                slots: kinds.into_iter().zip(bound).collect(),
             };
-            let fits = effect.atom.terms.iter().enumerate().all(|(place, term)| {
-                let entity = fact.argument(place);
-                match *term {
-                    Term::Constant(constant) => constant == entity,
-                    Term::Variable(slot) => match maker.slots.get_mut(slot) {
-                        Some((_, bound)) => *bound.get_or_insert(entity) == entity,
-                        None => true,
-                    },
-                }
-            });
             fits && maker.some_arguments(&mut Vec::new())
         })
     })

@@ -6,6 +6,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::history::{Here, History, with_culprits};
+use super::loop_states::{LoopStates, kept_units};
 use super::order::Order;
 use super::{Purpose, StepClaim, Violation, claims, unmet};
 use crate::effort;
@@ -464,7 +465,7 @@ impl<'a> Walk<'a> {
     /// Returns the paths after a loop with a condition.
     fn repeated(&mut self, condition: &Test, body: &[Node], ways: Vec<Way>, before: Option<usize>) -> Vec<Way> {
         let start = &self.world.state;
-        let mut heads = Heads::default();
+        let mut heads = LoopStates::default();
         for way in ways {
             heads.meet(way, start);
         }
@@ -524,65 +525,9 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The states at the start of a loop iteration.
-#[derive(Default)]
-struct Heads {
-    numbers: FxHashMap<ChangedLists, usize>,
-    ways: Vec<Way>,
-    /// Number of states that have been followed.
-    followed: usize,
-    /// By state: true if the loop can end there.
-    leaves: Vec<bool>,
-    /// Transitions between the states by an iteration.
-    follows: Vec<(usize, usize)>,
-}
-
-impl Heads {
-    fn meet(&mut self, way: Way, start: &State) -> usize {
-        let state = way.state.changed_lists(start);
-        if let Some(number) = self.numbers.get(&state) {
-            return *number;
-        }
-        effort::spend(kept_units(&state));
-        self.numbers.insert(state, self.ways.len());
-        self.ways.push(way);
-        self.leaves.push(false);
-        self.ways.len() - 1
-    }
-
-    fn next(&mut self) -> Option<(usize, Way)> {
-        let way = self.ways.get(self.followed)?.clone();
-        self.followed += 1;
-        Some((self.followed - 1, way))
-    }
-
-    /// Returns a state from which the loop can never end.
-    fn endless(&self) -> Option<usize> {
-        let mut before: Vec<Vec<usize>> = vec![Vec::new(); self.ways.len()];
-        for (from, to) in &self.follows {
-            before[*to].push(*from);
-        }
-        let mut ends = self.leaves.clone();
-        let mut open: Vec<usize> = (0..ends.len()).filter(|number| ends[*number]).collect();
-        while let Some(number) = open.pop() {
-            for from in &before[number] {
-                if !std::mem::replace(&mut ends[*from], true) {
-                    open.push(*from);
-                }
-            }
-        }
-        ends.iter().position(|ends| !ends)
-    }
-}
-
 /// Returns the first step in a node, from 0; none if it has no steps.
 fn first_of(node: &Node) -> Option<usize> {
     tree::steps(std::slice::from_ref(node)).next().map(StepId::index)
-}
-
-/// Returns the work units for storing a state: the part that is not shared with the initial state.
-fn kept_units(state: &ChangedLists) -> usize {
-    state.iter().map(|(_, facts)| 2 * facts.len() + 1).sum()
 }
 
 /// Merges the findings of a loop whenever their number has doubled, since iterations repeat them.
