@@ -7,9 +7,11 @@ use super::{Domain, Entity, EntityId, Fact, World, base_name, head, plain_words,
 
 /// Returns for every identifier a unique everyday name and all its names, synonyms included.
 ///
-/// A name comes from the environment file, else from the domain's lexicon, else from the cleaned identifier. Entities
-/// of one kind are numbered in order (plate 1, plate 2). Entities of different kinds that share a name take their
-/// longer one (kitchen table, coffee table).
+/// A name comes from the environment file, else from the domain's lexicon, else from the cleaned identifier. Entities of
+/// one kind keep the numbers of their identifiers (`<pallet_2>` is pallet 2), so a number never means another entity than
+/// the one that carries it. Numbers that only identify, as in a simulator's graph ([`are_serial`]), say nothing to a
+/// person: then entities are numbered in order (plate 1, plate 2), as are those without a number. Entities of different
+/// kinds that share a name take their longer one (kitchen table, coffee table).
 pub(crate) fn name_entities(
     domain: &Domain,
     identifiers: &[&str],
@@ -40,11 +42,22 @@ pub(crate) fn name_entities(
     }
     // An entity of its own may already have the name "table 2".
     let mut taken: FxHashSet<String> = shown.iter().cloned().collect();
+    // The domain's constants, which are the first entities, have no numbers of the environment.
+    let serial = are_serial(identifiers.get(domain.constants.len()..).unwrap_or_default());
+    let numbered = |(identifier, name): (&&str, &String)| match counts[name.as_str()] {
+        1 => Some(name.clone()),
+        _ if serial => None,
+        _ => {
+            let own = format!("{name} {}", number_of(identifier)?);
+            taken.insert(own.clone()).then_some(own)
+        }
+    };
+    let kept: Vec<Option<String>> = identifiers.iter().zip(&shown).map(numbered).collect();
     let mut next: FxHashMap<&str, usize> = FxHashMap::default();
     let mut unique = Vec::with_capacity(shown.len());
-    for name in &shown {
-        if counts[name.as_str()] == 1 {
-            unique.push(name.clone());
+    for (name, kept) in shown.iter().zip(kept) {
+        if let Some(kept) = kept {
+            unique.push(kept);
             continue;
         }
         let number = next.entry(name).or_default();
@@ -58,6 +71,28 @@ pub(crate) fn name_entities(
         unique.push(free);
     }
     unique.into_iter().zip(choices).collect()
+}
+
+/// Minimum number of kinds of entities for their numbers to be serial.
+const KINDS: usize = 4;
+
+/// Returns true if the numbers of identifiers are serial numbers of the environment and no labels: every identifier has
+/// one, no two are equal, and there are several kinds. Labels begin anew for each kind (`<pallet_1>`, `<dock_1>`).
+fn are_serial(identifiers: &[&str]) -> bool {
+    let mut seen = FxHashSet::default();
+    let kinds: FxHashSet<String> = identifiers.iter().map(|identifier| base_name(identifier)).collect();
+    kinds.len() >= KINDS
+        && identifiers
+            .iter()
+            .all(|identifier| number_of(identifier).is_some_and(|number| seen.insert(number)))
+}
+
+/// Returns the number at the end of an identifier, after an underscore.
+fn number_of(identifier: &str) -> Option<&str> {
+    let bare = identifier.trim_start_matches('<').trim_end_matches('>');
+    let (_, number) = bare.rsplit_once('_')?;
+    let digits = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    digits.then_some(number)
 }
 
 /// The reader of a sentence, which decides how it names entities.
@@ -114,5 +149,42 @@ impl Entity {
             parts.filter(|part| occurs(part)).count()
         };
         self.names.iter().map(fit).max().unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check_names(identifiers: &[&str], expected: &[&str]) {
+        let household = crate::domain::shipped("household").unwrap().unwrap();
+        let names = name_entities(&household, identifiers, None);
+        let names: Vec<String> = names.into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, expected, "{identifiers:?}");
+    }
+
+    #[test]
+    fn numbers_that_label_are_kept_and_those_that_identify_are_not() {
+        check_names(
+            &["<pallet_2>", "<pallet_3>", "<pallet_4>"],
+            &["pallet 2", "pallet 3", "pallet 4"],
+        );
+        check_names(
+            &["<pallet_3>", "<pallet_1>", "<dock>"],
+            &["pallet 3", "pallet 1", "dock"],
+        );
+        check_names(&["<bay_01>", "<bay_02>", "<hook_1>"], &["bay 01", "bay 02", "hook"]);
+        // What has no number takes one that nothing carries.
+        check_names(
+            &["<table>", "<table_1>", "<table_3>"],
+            &["table 2", "table 1", "table 3"],
+        );
+        // A simulator's graph.
+        let graph = ["<plate_274>", "<plate_278>", "<sink_11>", "<fridge_306>", "<table_7>"];
+        check_names(&graph, &["plate 1", "plate 2", "sink", "fridge", "table"]);
+        // Labels begin anew for each kind.
+        let labelled = ["<cup_5>", "<cup_7>", "<sink_1>", "<shelf_1>", "<table_2>"];
+        check_names(&labelled, &["cup 5", "cup 7", "sink", "shelf", "table"]);
     }
 }
