@@ -7,7 +7,7 @@ use longstep::report;
 use longstep_core::domain::Domain;
 use longstep_core::environment::{EntityId, World, differences, subject_of};
 use longstep_core::plan::Plan;
-use longstep_core::verify::{Ending, Purpose, VerifiedPlan, check};
+use longstep_core::verify::{Ending, Purpose, VerifiedPlan, Violation, check};
 
 /// The deviations of a plan from a goal, as sentences; empty if there are none.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -82,12 +82,16 @@ impl<'a> Standard<'a> {
 
     fn amiss_for(&self, plan: &Plan, goal: &Goal, reference: Option<&VerifiedPlan>) -> Amiss {
         let (domain, world) = (self.domain, self.world);
+        let own = goal.purpose(world);
         let purpose = Purpose {
-            wanted: goal.purpose(world).wanted,
+            wanted: own.wanted,
+            stages: own.stages,
+            prohibitions: own.prohibitions,
             ..Purpose::default()
         };
         let report = check(world, plan.clone(), &purpose);
-        let unreached = report.violations.iter().filter(|violation| violation.kind() == "goal");
+        let of_the_goal = |violation: &&Violation| matches!(violation.kind(), "goal" | "order" | "prohibited");
+        let unreached = report.violations.iter().filter(of_the_goal);
         let unreached = unreached
             .map(|violation| violation.message(world, report.plan.steps(), Some(goal)))
             .collect();

@@ -205,3 +205,34 @@ fn questions_are_right_where_they_are_expected() {
     );
     assert_eq!((nonsense.correct, kinds(&nonsense)), (false, vec!["unusable reply"]));
 }
+
+#[test]
+fn an_expected_order_and_an_expected_prohibition_are_judged() {
+    let mug = [WALK, GRAB, GO, PUT];
+    let magazine = [WALK, "Grab(<magazine_11>)", GO, "Put(<magazine_11>, <sofa_2>)"];
+    for (goal, steps, why) in [
+        ("put(mug, sofa) then put(magazine, sofa)", [mug, magazine], None),
+        (
+            "put(mug, sofa) then put(magazine, sofa)",
+            [magazine, mug],
+            Some("the plan does not achieve this after what comes before it: the magazine is at the sofa"),
+        ),
+        (
+            "put(mug, sofa) & put(magazine, sofa) & never Grab(magazine)",
+            [mug, magazine],
+            Some("is forbidden by `never Grab(<magazine_11>)`"),
+        ),
+    ] {
+        let calls = steps.concat();
+        let reply = json!({"task_cohesion": {"task_sequence": calls, "step_instructions": vec![""; calls.len()]}});
+        let attempt = attempt(
+            Strategy::Direct,
+            "Put the mug and the magazine on the sofa.",
+            &format!("goal = '{goal}'"),
+            &reply,
+        );
+        assert_eq!(attempt.correct, why.is_none(), "{goal}: {:?}", attempt.why);
+        let found = attempt.why.join("; ");
+        assert!(found.contains(why.unwrap_or_default()), "{goal}: {found}");
+    }
+}
