@@ -66,7 +66,7 @@ fn check_names(identifiers: &[&str], expected: &[&str]) {
 #[test]
 fn names_are_everyday_and_unique() {
     check_names(&["<mug_3>", "<pillow_4>"], &["mug", "pillow"]);
-    check_names(&["<mug_3>", "<mug_4>"], &["mug 1", "mug 2"]);
+    check_names(&["<mug_3>", "<mug_4>"], &["mug 3", "mug 4"]);
     check_names(
         &["<kitchentable_1>", "<coffeetable_2>"],
         &["kitchen table", "coffee table"],
