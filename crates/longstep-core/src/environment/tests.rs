@@ -74,7 +74,7 @@ fn names_are_everyday_and_unique() {
     check_names(&["<strange_thing_7>", "<thing2>"], &["strange thing", "thing 2"]);
     check_names(
         &["<thing2>", "<thing_1>", "<thing_5>"],
-        &["thing 2", "thing 1", "thing 3"],
+        &["thing 2", "thing 1", "thing 5"],
     );
 }
 
