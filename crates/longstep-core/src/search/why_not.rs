@@ -89,17 +89,17 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
         why.order = true;
         return why;
     }
-    let alone = |index: usize| Purpose {
-        wanted: vec![conditions(purpose)[index].clone()],
+    let conditions = conditions(purpose);
+    let alone = |wanted: &Wanted| Purpose {
+        wanted: vec![wanted.clone()],
         ..unordered.clone()
     };
-    let count = conditions(purpose).len();
-    why.goals = (0..count).filter(|index| !is_solved(world, &alone(*index))).collect();
+    let count = conditions.len();
+    why.goals = (0..count)
+        .filter(|index| !is_solved(world, &alone(&conditions[*index])))
+        .collect();
     why.together = count > 1 && why.goals.is_empty();
-    why.missing = why
-        .goals
-        .first()
-        .and_then(|index| missing(world, &conditions(purpose)[*index]));
+    why.missing = why.goals.first().and_then(|index| missing(world, &conditions[*index]));
     if effort::is_exhausted() { WhyNot::default() } else { why }
 }
 
