@@ -26,13 +26,14 @@ pub(crate) fn world(domain: &Domain, path: &Path, rules: Option<&Path>) -> Resul
 }
 
 /// Puts the rules of a file in force: one rule a line, with empty lines and comments after `#`.
-pub(crate) fn with_rules(world: World, path: Option<&Path>) -> Result<World> {
+pub(crate) fn with_rules(mut world: World, path: Option<&Path>) -> Result<World> {
     let Some(path) = path else { return Ok(world) };
     let text = read_text(path)?;
     let mut rules = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.split_once('#').map_or(line, |(rule, _)| rule).trim();
         if !line.is_empty() {
+            world.add_values(line);
             let found = goal::rules(&world, line).map_err(|error| {
                 let place = format!("{}:{}", path.display(), index + 1);
                 Failure::unreadable(format!("{place}: {error}"))

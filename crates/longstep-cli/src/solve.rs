@@ -24,8 +24,9 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         (_, _, problem) => return problem::run(arguments, problem.as_deref().unwrap_or(Path::new(""))),
     };
     let domain = load_domain(arguments.domain.as_deref().unwrap_or("household"))?;
-    let world = inputs::world(&domain, env, arguments.rules.as_deref())?;
+    let mut world = inputs::world(&domain, env, arguments.rules.as_deref())?;
     let text = goal;
+    world.add_values(text);
     let goal = goal::parse(&world, text)?;
     if arguments.pddl {
         let name = env.file_stem().unwrap_or_default().to_string_lossy();

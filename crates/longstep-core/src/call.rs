@@ -19,7 +19,8 @@ pub struct NotACall {
 }
 
 impl Call {
-    /// Parses a call; a call without arguments may omit the parentheses.
+    /// Parses a call; a call without arguments may omit the parentheses. Text in double quotes is one argument, whatever
+    /// it contains.
     ///
     /// # Errors
     ///
@@ -43,13 +44,16 @@ impl Call {
             None => (trimmed, ""),
         };
         let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-');
-        if name.is_empty() || !name.chars().all(word) || inner.contains(['(', ')']) {
+        if name.is_empty() || !name.chars().all(word) || unquoted(inner).any(|(_, c)| matches!(c, '(' | ')')) {
             return Err(error());
         }
         let arguments: Vec<String> = if inner.trim().is_empty() {
             Vec::new()
         } else {
-            inner.split(',').map(|argument| argument.trim().to_owned()).collect()
+            split_unquoted(inner, ',')
+                .into_iter()
+                .map(|argument| argument.trim().to_owned())
+                .collect()
         };
         if arguments.iter().any(String::is_empty) {
             return Err(error());
@@ -59,6 +63,37 @@ impl Call {
             arguments,
         })
     }
+}
+
+/// Iterates over the characters of a text outside double quotes, with their places.
+pub(crate) fn unquoted(text: &str) -> impl Iterator<Item = (usize, char)> {
+    let mut quoted = false;
+    text.char_indices().filter(move |(_, letter)| {
+        let mark = *letter == '"';
+        quoted ^= mark;
+        !quoted && !mark
+    })
+}
+
+/// Splits a text at every separator outside double quotes.
+pub(crate) fn split_unquoted(text: &str, separator: char) -> Vec<&str> {
+    let mut parts = Vec::new();
+    let mut start = 0;
+    for (at, letter) in unquoted(text) {
+        if letter == separator {
+            parts.push(&text[start..at]);
+            start = at + letter.len_utf8();
+        }
+    }
+    parts.push(&text[start..]);
+    parts
+}
+
+/// Returns the first place of a pattern outside double quotes.
+pub(crate) fn find_unquoted(text: &str, pattern: &str) -> Option<usize> {
+    unquoted(text)
+        .map(|(at, _)| at)
+        .find(|at| text[*at..].starts_with(pattern))
 }
 
 impl fmt::Display for Call {

@@ -47,6 +47,10 @@ impl Violation {
                 let place = step.map_or("`object_name`".to_owned(), |step| format!("step {}", step + 1));
                 format!("{place}: the environment lists no `{name}`{}", near(n))
             }
+            Self::OutOfRange { step, error } => {
+                let place = step.map_or("`object_name`".to_owned(), |step| format!("step {}", step + 1));
+                format!("{place}: {error}")
+            }
             Self::NotSensing { step, call, senses } => {
                 let mut message = format!("step {}: `{call}` tells nothing, so no condition can ask it", step + 1);
                 if !senses.is_empty() {

@@ -89,7 +89,8 @@ impl Planner {
         environment::parse(&self.domain, file, environment).map_err(Error::environment)
     }
 
-    /// Reads a goal, for example `put(milk, fridge) & closed(fridge handle)`.
+    /// Reads a goal, for example `put(milk, fridge) & closed(fridge handle)`. Values in it must have been added to the
+    /// world ([`World::add_values`]).
     ///
     /// # Errors
     ///
@@ -105,7 +106,9 @@ impl Planner {
     ///
     /// [`Goal`](crate::ErrorKind::Goal), [`Unsolvable`](crate::ErrorKind::Unsolvable), [`GaveUp`](crate::ErrorKind::GaveUp).
     pub fn solve(&self, world: &World, goal: &str) -> Result<VerifiedPlan, Error> {
-        let solution = self.solution(world, &self.goal(world, goal)?)?;
+        let mut world = world.clone();
+        world.add_values(goal);
+        let solution = self.solution(&world, &self.goal(&world, goal)?)?;
         solution.plan.ok_or_else(|| Error::no_plan(solution.answer))
     }
 

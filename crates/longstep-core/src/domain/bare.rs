@@ -87,6 +87,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         rules: Vec::new(),
         goal_words: Vec::new(),
         repair: RepairCosts::default(),
+        values: Vec::new(),
         lexicon: Lexicon::default(),
         implied: indexmap::IndexMap::new(),
         actions: semantics

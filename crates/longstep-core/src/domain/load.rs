@@ -2,6 +2,7 @@
 
 mod goals;
 mod sensing;
+mod values;
 
 use toml::Spanned;
 
@@ -221,6 +222,7 @@ impl Loader<'_> {
         let implied = self.implied(&file.implied);
         let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
         let repair = self.repair_costs(&file.repair);
+        let values = self.values(&file.value, &environment);
         let data = DomainData {
             name: file.name,
             pddl_name: self.semantics.name.clone(),
@@ -238,6 +240,7 @@ impl Loader<'_> {
             rules,
             goal_words,
             repair,
+            values,
             lexicon: Lexicon::new(file.lexicon),
             implied,
         };

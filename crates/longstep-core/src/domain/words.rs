@@ -34,6 +34,8 @@ pub struct DomainFile {
     #[serde(default)]
     pub repair: RepairEntry,
     #[serde(default)]
+    pub value: IndexMap<Text, ValueEntry>,
+    #[serde(default)]
     pub lexicon: IndexMap<String, Vec<String>>,
     #[serde(default)]
     pub implied: IndexMap<Text, Vec<Text>>,
@@ -182,4 +184,23 @@ pub struct AcceptEntry {
     pub lint: Text,
     pub of: Vec<String>,
     pub why: Text,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ValueEntry {
+    pub unit: Option<Text>,
+    #[serde(default)]
+    pub units: IndexMap<Text, Spanned<NumberEntry>>,
+    pub min: Option<Spanned<NumberEntry>>,
+    pub max: Option<Spanned<NumberEntry>>,
+    #[serde(default)]
+    pub text: bool,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(untagged)]
+pub enum NumberEntry {
+    Whole(i64),
+    Decimal(f64),
 }

@@ -6,6 +6,8 @@ mod subworld;
 mod successor;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod value_tests;
 mod write;
 
 pub use crate::model::{

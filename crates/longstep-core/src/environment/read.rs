@@ -185,6 +185,7 @@ impl EnvironmentReader<'_> {
                 kind: *kind,
                 name,
                 names,
+                is_value: false,
             })
             .collect();
         let mut world = World::new(domain, entities, environment.clone());
@@ -200,18 +201,15 @@ impl EnvironmentReader<'_> {
                 self.properties(&mut world, section, identifier, words, &mut denied, &mut given);
             }
         }
-        let bases: Vec<String> = world
-            .entities
-            .iter()
-            .map(|entity| base_name(&entity.identifier))
-            .collect();
+        let listed = world.entities.iter().take_while(|entity| !entity.is_value);
+        let bases: Vec<String> = listed.map(|entity| base_name(&entity.identifier)).collect();
         for derivation in &domain.derivations {
             let not = derive(derivation, &mut world, &bases, &denied, &given);
             // Properties in the environment take precedence over derivations from names.
             denied.extend(not.into_iter().filter(|fact| !world.state.holds(*fact)));
         }
         for default in &domain.defaults {
-            for index in 0..world.entities.len() {
+            for index in 0..bases.len() {
                 let entity = EntityId::new(index);
                 let mut bindings: Bindings = vec![entity];
                 let moment = Moment {
@@ -231,7 +229,7 @@ impl EnvironmentReader<'_> {
                 let predicate = &domain.predicates[index];
                 for entity in world.of_kind(predicate.parameters[0].kind).to_vec() {
                     let fact = Fact::new(crate::model::PredicateId::new(index), [entity]);
-                    if !denied.contains(&fact) && world.state.set(fact, true) {
+                    if !world.entity(entity).is_value && !denied.contains(&fact) && world.state.set(fact, true) {
                         Arc::make_mut(&mut world.assumed).insert(fact, AssumptionSource::Unknown);
                     }
                 }
@@ -260,7 +258,7 @@ impl EnvironmentReader<'_> {
     fn states(&mut self, world: &mut World, section: &str, states: &indexmap::IndexMap<String, Words>) {
         for (identifier, words) in states {
             let path = Path::key(section).push(identifier);
-            let Some(subject) = world.find(identifier) else {
+            let Some(subject) = self.entity(world, identifier) else {
                 self.unlisted(&path, identifier, &world.by_identifier);
                 continue;
             };
@@ -269,10 +267,21 @@ impl EnvironmentReader<'_> {
                     Words::One(_) => path.clone(),
                     Words::Many(_) => path.index(index),
                 };
+                for argument in Call::parse(word).into_iter().flat_map(|call| call.arguments) {
+                    self.entity(world, &argument);
+                }
                 if let Some(fact) = self.state(world, &path, subject, word) {
                     world.state.set(fact, true);
                 }
             }
+        }
+    }
+
+    /// Returns the entity with this identifier. A value is added to the world.
+    fn entity(&self, world: &mut World, identifier: &str) -> Option<EntityId> {
+        match self.domain.value(identifier) {
+            Some(Ok(value)) if world.find(identifier).is_none() => world.add_value(&value, identifier),
+            _ => world.find(identifier),
         }
     }
 
@@ -310,9 +319,13 @@ impl EnvironmentReader<'_> {
         }
         let mut bindings: Bindings = vec![subject];
         for argument in &call.arguments {
-            match world.find(argument) {
-                Some(entity) => bindings.push(entity),
-                None => {
+            match (world.named(argument), domain.value(argument)) {
+                (Some(entity), _) => bindings.push(entity),
+                (None, Some(Err(beyond))) => {
+                    self.report(path, beyond.to_string(), None);
+                    return None;
+                }
+                (None, _) => {
                     self.unlisted(path, argument, &world.by_identifier);
                     return None;
                 }

@@ -11,8 +11,8 @@ use crate::call::Call;
 impl World {
     /// Returns the world restricted to these entities, for readers with limited space.
     ///
-    /// Entities keep their identifiers, everyday names ("plate 17" stays 17) and order, and the domain's constants are
-    /// always included. Facts about removed entities are dropped, from the environment too. Ids change; results in the
+    /// Entities keep their identifiers, everyday names ("plate 17" stays 17) and order. The domain's constants and all
+    /// values are included. Facts about removed entities are dropped, from the environment too. Ids change; results in the
     /// restricted world are mapped back by identifier ([`World::find`], [`crate::goal::Goal::carried`]).
     ///
     /// ```
@@ -31,6 +31,8 @@ impl World {
         let domain = self.domain();
         let mut kept: Vec<EntityId> = (0..domain.constants.len()).map(EntityId::new).collect();
         kept.extend(keep);
+        let values = self.entities().filter(|(_, entity)| entity.is_value);
+        kept.extend(values.map(|(id, _)| id));
         kept.sort_unstable();
         kept.dedup();
         let mut renumbered: Vec<Option<EntityId>> = vec![None; self.entities.len()];

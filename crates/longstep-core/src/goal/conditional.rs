@@ -1,6 +1,7 @@
 //! Conditional goals, which depend on sensed facts: `if expired(milk) then put(milk, bin) else put(milk, fridge)`.
 
 use super::GoalFact;
+use crate::call::unquoted;
 use crate::model::{Atom, Condition, Domain, EntityId, Fact, PredicateId, Term, Voice, Wanted, World, written_fact};
 
 /// A goal that depends on a sensed fact.
@@ -74,7 +75,7 @@ fn parts(mut text: &str) -> Vec<&str> {
 /// Splits a text at the first occurrence of a word outside parentheses with a blank after it.
 pub(super) fn split_once<'t>(text: &'t str, word: &str) -> Option<(&'t str, &'t str)> {
     let mut depth = 0_usize;
-    for (at, letter) in text.char_indices() {
+    for (at, letter) in unquoted(text) {
         match letter {
             '(' => depth += 1,
             ')' => depth = depth.saturating_sub(1),

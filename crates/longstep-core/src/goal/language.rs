@@ -3,11 +3,11 @@
 use super::conditional::{IF, THEN, split_once};
 use super::constraint::Constraint;
 use super::{Conditional, Goal, GoalFact, WrittenConditional};
-use crate::call::Call;
+use crate::call::{Call, find_unquoted, split_unquoted};
 use crate::diagnostic::nearest;
 use crate::model::{
-    EntityId, Fact, FormPiece, GoalWord, GoalWordId, Predicate, PredicateId, Prohibition, TypeId, World, ground,
-    state_word,
+    EntityId, Fact, FormPiece, GoalWord, GoalWordId, OutOfRange, Predicate, PredicateId, Prohibition, TypeId, World,
+    ground, state_word,
 };
 
 /// The prefix of a question in a model's answer.
@@ -63,6 +63,15 @@ pub enum GoalError {
         /// An entity name that resembles it.
         near: Option<String>,
     },
+    /// A quantity that is out of range for its type.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// A value that the world does not have, since no text with it was given to [`World::add_values`].
+    #[error("`{written}` is a value that was not added to the world")]
+    NewValue {
+        /// The value.
+        written: String,
+    },
     /// A condition that no sensing action reveals.
     #[error("`{condition}` is nothing that sensing tells here, so no goal can depend on it{}", if forms.is_empty() { String::new() } else { format!("; write {forms}") })]
     NotSensed {
@@ -102,7 +111,7 @@ pub enum GoalError {
 /// The error in the first unreadable part.
 pub fn parse(world: &World, text: &str) -> Result<Goal, GoalError> {
     let mut goal = Goal::default();
-    for part in text.split('&').map(str::trim) {
+    for part in split_unquoted(text, '&').into_iter().map(str::trim) {
         let (begins, part) = match part.strip_prefix(STAGE) {
             Some(part) => (true, part.trim()),
             None => (false, part),
@@ -321,7 +330,7 @@ pub fn read_form<'t>(word: &GoalWord, text: &'t str) -> Option<Vec<&'t str>> {
             FormPiece::Text(text) => rest = rest.strip_prefix(text.as_str())?,
             FormPiece::Parameter(index) => {
                 let end = match pieces.peek() {
-                    Some(FormPiece::Text(next)) if !next.is_empty() => rest.find(next.as_str())?,
+                    Some(FormPiece::Text(next)) if !next.is_empty() => find_unquoted(rest, next)?,
                     _ => rest.len(),
                 };
                 names[*index] = rest[..end].trim();
@@ -341,7 +350,12 @@ pub(super) fn entities(
     let domain = world.domain();
     let mut entities = Vec::with_capacity(names.len());
     for (name, kind) in names.iter().zip(kinds) {
-        let Some(entity) = world.find(name).or_else(|| world.find_name(name)) else {
+        let Some(entity) = world.named(name) else {
+            match domain.value(name) {
+                Some(Err(beyond)) => return Err(GoalError::OutOfRange(beyond)),
+                Some(Ok(value)) => return Err(GoalError::NewValue { written: value.written }),
+                None => {}
+            }
             let known = world.entities().map(|(_, entity)| entity.name.as_str());
             return Err(GoalError::UnknownName {
                 part: part.to_owned(),

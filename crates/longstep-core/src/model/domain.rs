@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use super::id;
-use super::{Atom, Condition, Effect, EntityId, Fact, Lexicon, Template};
+use super::{Atom, Condition, Effect, EntityId, Fact, Lexicon, Template, ValueType};
 
 id!(
     /// A type of entities; [`TypeId::OBJECT`] is the root.
@@ -456,6 +456,8 @@ pub struct DomainData {
     pub goal_words: Vec<GoalWord>,
     /// The costs of edits in repair.
     pub repair: RepairCosts,
+    /// The types whose entities are values.
+    pub values: Vec<ValueType>,
     /// The everyday names.
     pub lexicon: Lexicon,
     /// Stems of words that imply an entity without naming it, by the last word of its identifier: "throw away" implies

@@ -109,7 +109,7 @@ impl Voice {
     pub fn name(self, world: &World, entity: EntityId) -> String {
         let entity = world.entity(entity);
         match self {
-            Self::Person => with_article(&entity.name),
+            Self::Person => entity.with_article(),
             Self::Model => entity.identifier.clone(),
         }
     }
@@ -128,8 +128,11 @@ pub fn fact_text(world: &World, fact: Fact, holds: bool) -> String {
 }
 
 impl Entity {
-    /// Returns the everyday name with its article.
+    /// Returns the everyday name with its article, which a value does not take.
     pub fn with_article(&self) -> String {
+        if self.is_value {
+            return self.name.clone();
+        }
         with_article(&self.name)
     }
 

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 
-use super::{Domain, EntityId, Environment, Fact, Prohibition, State, TypeId};
+use super::value::VALUE_LIMIT;
+use super::{Domain, EntityId, Environment, Fact, Prohibition, State, TypeId, Value};
 
 /// The largest number of entities; ids have 16 bits in a [`Fact`].
 pub(crate) const ENTITY_LIMIT: usize = 60_000;
@@ -20,6 +21,8 @@ pub struct Entity {
     pub name: String,
     /// All names that a text may use for it, synonyms included.
     pub names: Vec<String>,
+    /// True for a value, which no environment lists: `22 degC`.
+    pub is_value: bool,
 }
 
 /// The reason to assume a fact that the environment does not give.
@@ -102,7 +105,84 @@ impl World {
         self.prohibitions = prohibitions.into_iter().collect();
     }
 
-    /// Iterates over all entities with their ids: constants of the domain, assets, objects.
+    /// Adds the values in a text as entities, unless the world has them. The ids of other entities stay as they are.
+    ///
+    /// Quantities that are out of range for their type are not added: using one in a goal or a plan is an error.
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment, goal};
+    /// let files = domain::shipped_files("household").unwrap();
+    /// # let mut files = files;
+    /// # files.pddl = files.pddl.replacen("(:types", "(:types duration - object", 1);
+    /// # files.words.push_str("\n[value.duration]\nunit = \"s\"\nunits = { min = 60 }\n");
+    /// let domain = domain::load(&files).unwrap();
+    /// let mut world = environment::parse(&domain, "env.json", r#"{"assets": ["<table>"]}"#).unwrap();
+    /// world.add_values("wait for 3 min");
+    /// assert!(world.find("180 s").is_some());
+    /// assert_eq!(world.find("180 s"), world.named("3 min"));
+    /// ```
+    pub fn add_values(&mut self, text: &str) {
+        let mentions = self.domain.values_in(text);
+        for mention in mentions.into_iter().take(VALUE_LIMIT) {
+            if let Ok(value) = mention.value {
+                self.add_value(&value, &text[mention.place]);
+            }
+        }
+    }
+
+    /// Adds the values of another world of the same domain.
+    pub fn share_values(&mut self, other: &World) {
+        for (_, entity) in other.entities().filter(|(_, entity)| entity.is_value) {
+            if self.find(&entity.identifier).is_none()
+                && let Some(Ok(value)) = self.domain.value(&entity.identifier)
+            {
+                self.add_value(&value, entity.names.last().unwrap_or(&entity.name));
+            }
+        }
+    }
+
+    /// Adds a value as an entity, which a text mentions in these words. None if the world has no room for it.
+    pub(crate) fn add_value(&mut self, value: &Value, mentioned: &str) -> Option<EntityId> {
+        let mentioned = mentioned
+            .trim_matches(['"', '“', '”', '„', '«', '»', '「', '」'])
+            .trim();
+        if let Some(known) = self.find(&value.written) {
+            if !self.entity(known).names.iter().any(|name| name == mentioned) {
+                let mut entities = self.entities.to_vec();
+                entities[known.index()].names.push(mentioned.to_owned());
+                self.entities = entities.into();
+            }
+            return Some(known);
+        }
+        if self.entities.len() >= ENTITY_LIMIT {
+            return None;
+        }
+        let id = EntityId::new(self.entities.len());
+        let mut names = vec![value.written.clone()];
+        if mentioned != value.written {
+            names.push(mentioned.to_owned());
+        }
+        let mut entities = self.entities.to_vec();
+        entities.push(Entity {
+            identifier: value.written.clone(),
+            kind: value.kind,
+            name: value.written.clone(),
+            names,
+            is_value: true,
+        });
+        self.entities = entities.into();
+        Arc::make_mut(&mut self.by_identifier).insert(value.written.clone(), id);
+        let mut by_kind = self.by_kind.to_vec();
+        for (kind, members) in by_kind.iter_mut().enumerate() {
+            if self.domain.types.is_a(value.kind, TypeId::new(kind)) {
+                members.push(id);
+            }
+        }
+        self.by_kind = by_kind.into();
+        Some(id)
+    }
+
+    /// Iterates over all entities with their ids: constants of the domain, assets, objects, values.
     pub fn entities(&self) -> impl Iterator<Item = (EntityId, &Entity)> {
         self.entities
             .iter()
@@ -125,6 +205,15 @@ impl World {
         self.entities()
             .find(|(_, entity)| entity.name == name)
             .map(|(id, _)| id)
+    }
+
+    /// Returns the entity with this identifier, this everyday name or this value in any of its units.
+    pub fn named(&self, text: &str) -> Option<EntityId> {
+        let value = || match self.domain.value(text)? {
+            Ok(value) => self.find(&value.written),
+            Err(_) => None,
+        };
+        self.find(text).or_else(|| self.find_name(text)).or_else(value)
     }
 
     /// Returns the entities of a type, in order.

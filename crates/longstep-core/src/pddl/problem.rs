@@ -175,6 +175,7 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
         kind: *kind,
         name: name.clone(),
         names: vec![name.clone()],
+        is_value: false,
     };
     let entities: Vec<Entity> = names.constants.iter().map(entity).collect();
     let environment = environment(domain, &entities, &state);

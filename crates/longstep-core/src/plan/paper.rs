@@ -1,5 +1,7 @@
 //! The paper's JSON format for plans.
 
+use std::borrow::Cow;
+
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
@@ -7,7 +9,7 @@ use serde_json::Value;
 use super::{Node, Plan, StepId, Written, WrittenStep, read_tree, write_tree};
 use crate::call::{Call, NotACall};
 use crate::json::Path;
-use crate::model::{Ending, Environment, Fact, World, written_fact};
+use crate::model::{Ending, Environment, Fact, Words, World, written_fact};
 
 /// A plan file: the reply format of the paper's model, and the output of `longstep plan --save`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +45,34 @@ impl From<TaskCohesion> for PlanFile {
             instruction_summary: String::new(),
             question: String::new(),
         }
+    }
+}
+
+impl PlanFile {
+    /// Returns the world with all values that the plan and its claim mention; borrowed if it has them.
+    pub fn world_of<'w>(&self, world: &'w World) -> Cow<'w, World> {
+        let mut own = Cow::Borrowed(world);
+        if world.domain().values.is_empty() {
+            return own;
+        }
+        let tree = self.task_cohesion.task_tree.iter().flat_map(|tree| &tree.steps);
+        let steps = tree.flat_map(|step| {
+            let implicit = step.implicit.iter().map(|(_, argument)| argument.clone());
+            step.call.arguments.iter().cloned().chain(implicit)
+        });
+        let claims = self.environment_after.iter();
+        let claims = claims.flat_map(|environment| [&environment.asset_states, &environment.object_states]);
+        let claims = claims.flat_map(|states| states.values()).flat_map(Words::as_slice);
+        let calls = self.task_cohesion.task_sequence.iter().chain(claims);
+        let of_calls = calls
+            .filter_map(|text| Call::parse(text).ok())
+            .flat_map(|call| call.arguments);
+        for argument in steps.chain(of_calls) {
+            if let Some(Ok(value)) = world.domain().value(&argument) {
+                own.to_mut().add_value(&value, &argument);
+            }
+        }
+        own
     }
 }
 

@@ -252,7 +252,14 @@ impl Resolver<'_> {
     }
 
     pub(super) fn entity(&mut self, step: Option<usize>, name: &str) -> Option<EntityId> {
-        let found = self.world.find(name).or_else(|| fuzzy_names::entity(self.world, name));
+        let found = match self.domain.value(name) {
+            Some(Err(error)) => {
+                self.issues.push(Violation::OutOfRange { step, error });
+                return None;
+            }
+            Some(Ok(_)) => self.world.named(name),
+            None => self.world.find(name).or_else(|| fuzzy_names::entity(self.world, name)),
+        };
         match found {
             Some(entity) => self.read_as(step, name, &self.world.entity(entity).identifier),
             None => {

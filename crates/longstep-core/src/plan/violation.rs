@@ -1,6 +1,6 @@
 //! Violations: findings of verification about a plan.
 
-use crate::model::{AssumptionSource, EntityId, Fact, Missing};
+use crate::model::{AssumptionSource, EntityId, Fact, Missing, OutOfRange};
 
 /// A violation in a plan. Steps count from 0.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -23,6 +23,13 @@ pub enum Violation {
         name: String,
         /// A listed name that is similar.
         near: Option<String>,
+    },
+    /// A value is out of range for its type.
+    OutOfRange {
+        /// The step; none for a name in `object_name` or `object_names`.
+        step: Option<usize>,
+        /// The value and the limit.
+        error: OutOfRange,
     },
     /// A condition calls an action that is not a sensing action.
     NotSensing {
@@ -262,6 +269,7 @@ impl Violation {
         match self {
             Self::UnknownAction { .. } => "unknown_action",
             Self::UnknownEntity { .. } => "unknown_entity",
+            Self::OutOfRange { .. } => "out_of_range",
             Self::NotSensing { .. } => "not_sensing",
             Self::UnknownCondition { .. } => "unknown_condition",
             Self::UnknownParameter { .. } => "unknown_parameter",
@@ -315,6 +323,7 @@ impl Violation {
             | Self::Prohibited { step, .. }
             | Self::Precondition { step, .. } => Some(*step),
             Self::UnknownEntity { step, .. }
+            | Self::OutOfRange { step, .. }
             | Self::Rule { step, .. }
             | Self::Unsensed { step, .. }
             | Self::EndlessLoop { step }
@@ -360,6 +369,7 @@ impl Violation {
                 }
             }
             Self::UnknownEntity { step, .. }
+            | Self::OutOfRange { step, .. }
             | Self::Rule { step, .. }
             | Self::Unsensed { step, .. }
             | Self::EndlessLoop { step }

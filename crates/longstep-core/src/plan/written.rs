@@ -2,7 +2,7 @@
 
 use super::tree::{self, Lane, Node, Rebuild, Test};
 use super::{Plan, StepId};
-use crate::call::Call;
+use crate::call::{Call, unquoted};
 use crate::model::{Domain, EntityId, Fact, World, state_word};
 
 /// A plan before resolution: its steps in reading order, and the tree over them.
@@ -177,6 +177,8 @@ pub(super) fn is_name(text: &str) -> bool {
 
 /// Returns true if both notations accept the text as an argument.
 pub(super) fn is_argument(text: &str) -> bool {
-    let odd = |character: char| matches!(character, ',' | '(' | ')') || character.is_control();
-    !text.is_empty() && text.trim() == text && !text.contains(odd)
+    let odd = |character: char| matches!(character, ',' | '(' | ')');
+    let control = |character: char| character.is_control();
+    let odd = unquoted(text).any(|(_, character)| odd(character));
+    !text.is_empty() && text.trim() == text && !odd && !text.contains(control) && text.matches('"').count() % 2 == 0
 }

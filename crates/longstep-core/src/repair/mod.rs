@@ -198,12 +198,12 @@ fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpos
     }
 }
 
-/// Returns the reason why a repair would be a guess: the handled object is unknown, or steps cannot be resolved and no
-/// claim shows their purpose.
+/// Returns the reason why a repair would be a guess: the handled object is unknown, a value is out of range, or steps
+/// cannot be resolved and no claim shows their purpose.
 fn unclear(world: &World, draft: &Resolved, purpose: &Purpose) -> Option<String> {
     let without_aim = purpose.claim.is_none() && purpose.wanted.is_empty();
     let issue = draft.issues.iter().find(|issue| match issue {
-        Violation::UnknownEntity { step: None, .. } => true,
+        Violation::UnknownEntity { step: None, .. } | Violation::OutOfRange { .. } => true,
         issue => without_aim && issue.step().is_some(),
     })?;
     let message = issue.message(world, &[], None);

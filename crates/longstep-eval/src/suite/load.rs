@@ -81,6 +81,22 @@ enum Goals {
     AnyOf(Vec<String>),
 }
 
+impl CaseEntry {
+    /// Iterates over all expected goals.
+    fn goals(&self) -> impl Iterator<Item = &String> {
+        let steps = self
+            .steps
+            .iter()
+            .flatten()
+            .filter_map(|step| step.get_ref().goal.as_ref());
+        let all = self.goal.iter().chain(steps);
+        all.flat_map(|goals| match goals.get_ref() {
+            Goals::One(text) => std::slice::from_ref(text),
+            Goals::AnyOf(texts) => texts,
+        })
+    }
+}
+
 /// The expected result of a step, as the file has it.
 struct Wished<'a> {
     goal: Option<&'a Spanned<Goals>>,
@@ -122,6 +138,16 @@ pub fn load(files: &Files, domain: &Domain) -> Result<Suite, Diagnostics> {
         let file = format!("{}scenes/{name}.json", files.folder);
         scenes.extend(read_scene(domain, &file, text, &mut faults).map(|world| (name.clone(), world)));
     }
+    let mut case_files: Vec<(&String, &String, CasesFile)> = Vec::new();
+    for (name, text) in &files.cases {
+        let read = parse(&format!("{}{name}", files.folder), text);
+        case_files.extend(keep(read, &mut faults).map(|entries| (name, text, entries)));
+    }
+    for entry in case_files.iter().flat_map(|(_, _, entries)| &entries.case) {
+        if let Some(world) = scenes.get_mut(entry.get_ref().scene.get_ref()) {
+            entry.get_ref().goals().for_each(|goal| world.add_values(goal));
+        }
+    }
     let mut loader = Loader {
         files,
         scenes: &scenes,
@@ -131,14 +157,10 @@ pub fn load(files: &Files, domain: &Domain) -> Result<Suite, Diagnostics> {
         seen: BTreeMap::new(),
     };
     let mut cases = Vec::new();
-    for (name, text) in &files.cases {
+    for (name, text, entries) in &case_files {
         loader.file = format!("{}{name}", files.folder);
         loader.text = text;
-        let read: Result<CasesFile, Diagnostic> = parse(&loader.file, text);
-        match read {
-            Ok(entries) => cases.extend(entries.case.iter().filter_map(|entry| loader.case(entry))),
-            Err(fault) => loader.faults.push(fault),
-        }
+        cases.extend(entries.case.iter().filter_map(|entry| loader.case(entry)));
     }
     let mut faults = loader.faults;
     if cases.is_empty() && faults.is_empty() {

@@ -35,15 +35,14 @@ pub(crate) fn check_example(domain: &Domain, example: &Example) -> Result<(), St
 }
 
 fn check_part(domain: &Domain, example: &Example, part: &str) -> Result<(), String> {
-    let fits = |word: &GoalWord| {
-        read_form(word, part).is_some_and(|names| names.iter().all(|name| example.names().any(|n| n == *name)))
-    };
+    let is_known = |name: &str| example.names().any(|n| n == name) || matches!(domain.value(name), Some(Ok(_)));
+    let fits = |word: &GoalWord| read_form(word, part).is_some_and(|names| names.iter().all(|name| is_known(name)));
     if domain.goal_words.iter().any(fits) {
         return Ok(());
     }
     Err(match domain.goal_words.iter().find_map(|word| read_form(word, part)) {
         Some(names) => {
-            let missing = names.iter().find(|name| !example.names().any(|n| n == **name));
+            let missing = names.iter().find(|name| !is_known(name));
             format!("`{}` in `{part}` is not in the example's scene", missing.unwrap_or(&""))
         }
         None => format!("`{part}` has the form of no goal word of this domain"),

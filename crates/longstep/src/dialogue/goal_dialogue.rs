@@ -316,6 +316,9 @@ impl GoalDialogue {
         }
         let known = self.facts.iter().map(|fact| fact.everyday(&self.world));
         let parts: Vec<String> = known.chain(answer.goals.into_iter().take(GOAL_LIMIT)).collect();
+        for part in &parts {
+            self.world.add_values(part);
+        }
         let goal = match parts.is_empty() {
             true => Goal::default(),
             false => goal::parse(&self.world, &parts.join(" & "))?,

@@ -113,6 +113,9 @@ fn asking(domain: &Domain, world: &World, summary: &str, question: &str) -> Answ
 
 /// Finds a shortest plan for a goal; it senses if the goal depends on unknown facts.
 fn planned(domain: &Domain, world: &World, text: &str, summary: &str) -> Result<AnswerText, String> {
+    let mut world = world.clone();
+    world.add_values(text);
+    let world = &world;
     let goal = goal::parse(world, text).map_err(|error| error.to_string())?;
     let Solution { plan, answer } = report::of_goal(world, &goal, summary, &crate::search::Limits::default(), || 0.0);
     match (plan, answer.status) {

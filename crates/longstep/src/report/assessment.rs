@@ -1,5 +1,6 @@
 //! Assessment of a written plan, shared by `longstep verify`, `longstep repair` and the direct strategy.
 
+use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use super::feedback::feedback;
@@ -16,7 +17,7 @@ const LISTED_EDITS: usize = 4;
 /// A written plan in a world. Simulation and repair run on first use and at most once.
 #[derive(Debug, Clone)]
 pub struct Assessment<'a> {
-    world: &'a World,
+    world: Cow<'a, World>,
     /// The plan as written.
     pub file: PlanFile,
     /// The plan resolved in domain and world.
@@ -55,19 +56,20 @@ impl<'a> Assessment<'a> {
     /// ```
     pub fn new(world: &'a World, draft: plan::Draft, instruction: Option<&str>) -> Self {
         let file = draft.file;
+        let world = file.world_of(world);
         let mut notes: Vec<String> = draft.leniencies.iter().map(|leniency| leniency.message()).collect();
         let claim = file
             .environment_after
             .as_ref()
-            .map(|environment| Claim::read(world, environment));
+            .map(|environment| Claim::read(&world, environment));
         for ignored in claim.iter().flat_map(|claim| &claim.ignored) {
             notes.push(format!("`environment_after` was compared without {ignored}"));
         }
-        let resolved = resolve(world, &file.task_cohesion);
+        let resolved = resolve(&world, &file.task_cohesion);
         let instruction = instruction.unwrap_or(&file.instruction_summary).trim();
         let mentioned = match instruction {
             "" => Vec::new(),
-            instruction => Spoken::of(world, instruction).entities.into_iter().collect(),
+            instruction => Spoken::of(&world, instruction).entities.into_iter().collect(),
         };
         let ignored = resolved.ignored.iter();
         notes.extend(ignored.map(|claim| format!("the plan was checked without what it claims here: {claim}")));
@@ -113,8 +115,8 @@ impl<'a> Assessment<'a> {
     pub(crate) fn simulation(&self) -> Result<&Simulation, &[Violation]> {
         let simulate = || {
             let claim = self.purpose.claim.as_ref();
-            let (plan, open) = bind_tree(self.world, &self.resolved, claim)?;
-            let report = check(self.world, plan, &self.purpose);
+            let (plan, open) = bind_tree(&self.world, &self.resolved, claim)?;
+            let report = check(&self.world, plan, &self.purpose);
             Ok(Simulation { report, open })
         };
         self.simulation.get_or_init(simulate).as_ref().map_err(Vec::as_slice)
@@ -122,7 +124,7 @@ impl<'a> Assessment<'a> {
 
     /// Returns the answer without repair.
     pub fn verdict(&self) -> Answer {
-        let world = self.world;
+        let world = &*self.world;
         if let Some(question) = self.question() {
             return Answer::without_plan(Status::Question, world, &self.file.instruction_summary, question);
         }
@@ -138,7 +140,7 @@ impl<'a> Assessment<'a> {
 
     /// Creates the answer for a simulated plan.
     fn answer(&self, report: &Report, open: &[Assumption]) -> Answer {
-        let world = self.world;
+        let world = &*self.world;
         let mut answer = Answer::of_report(world, report, None, &self.file.instruction_summary);
         answer.assumptions.extend(open.iter().map(|a| a.message(world)));
         let claim = self.purpose.claim.as_ref();
@@ -164,14 +166,14 @@ impl<'a> Assessment<'a> {
     fn remark(&self, answer: &mut Answer) {
         answer.plan.question.clone_from(&self.file.question);
         let readings = self.resolved.readings.iter();
-        let messages = readings.map(|reading| reading.message(self.world));
+        let messages = readings.map(|reading| reading.message(&self.world));
         answer.assumptions.splice(0..0, messages);
         answer.notes.splice(0..0, self.notes.iter().cloned());
     }
 
     /// Finds the cheapest repair that keeps the pinned steps.
     pub fn repair(&self) -> &RepairOutcome {
-        let find = || repair_pinned(self.world, &self.resolved, &self.purpose, &self.pins);
+        let find = || repair_pinned(&self.world, &self.resolved, &self.purpose, &self.pins);
         self.repair.get_or_init(find)
     }
 
@@ -182,7 +184,7 @@ impl<'a> Assessment<'a> {
 
     /// Returns the answer after repair.
     pub fn repaired(&self) -> Answer {
-        let world = self.world;
+        let world = &*self.world;
         let outcome = self.repair();
         let mut answer = match outcome {
             RepairOutcome::Repaired(repaired) => self.answer(repaired.plan.report(), &[]),
@@ -227,7 +229,7 @@ impl<'a> Assessment<'a> {
             0..=LISTED_EDITS => repaired.edits.iter().map(|edit| edit.description(length)).collect(),
             many => vec![format!("{many} changes")],
         };
-        let given_up = given_up(self.world, repaired).into_iter();
+        let given_up = given_up(&self.world, repaired).into_iter();
         changes.extend(given_up.map(|fact| format!("give up that {fact}")));
         if changes.is_empty() {
             changes.push("its steps stay as they are".to_owned());
@@ -257,7 +259,7 @@ impl<'a> Assessment<'a> {
             _ => &[],
         };
         let length = self.resolved.written.len();
-        feedback(self.world, violations, steps, length, edits)
+        feedback(&self.world, violations, steps, length, edits)
     }
 }
 

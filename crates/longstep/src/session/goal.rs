@@ -106,6 +106,7 @@ impl Session {
                 self.stage = Stage::Asking(turn, Asking::new(What::Goal(Some(fitted))));
             }
             Ok(Some(understood)) => {
+                self.world.share_values(fitted.dialogue.world());
                 let carried = match fitted.is_narrowed {
                     true => understood.carried(&self.domain, fitted.dialogue.world(), &self.world),
                     false => Some(understood),

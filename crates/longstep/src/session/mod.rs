@@ -56,6 +56,8 @@ mod settings;
 mod stage;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod value_tests;
 mod why;
 
 pub use accepted::Accepted;
@@ -300,6 +302,7 @@ impl Session {
             _ => return Err(self.out_of_turn("an instruction")),
         }
         self.events.push(Event::Instruction { text: text.to_owned() });
+        self.world.add_values(text);
         let turn = Turn {
             instruction: text.to_owned(),
             rounds: Vec::new(),
@@ -324,6 +327,7 @@ impl Session {
         };
         let (mut turn, reply) = (turn.clone(), reply.clone());
         self.events.push(Event::Answer { text: text.to_owned() });
+        self.world.add_values(text);
         turn.rounds.push(Round {
             reply,
             message: text.to_owned(),
@@ -338,6 +342,7 @@ impl Session {
     ///
     /// There is neither a proposed plan nor a stuck instruction.
     pub fn feedback(&mut self, text: &str) -> Result<(), OutOfTurn> {
+        self.world.add_values(text);
         let (turn, asking) = match &self.stage {
             Stage::Proposed(turn) => {
                 let mut turn = turn.clone();
@@ -456,6 +461,7 @@ impl Session {
 
     fn propose(&mut self, mut turn: Turn, proposal: Proposal) {
         self.verdict(&proposal.answer);
+        self.world.share_values(proposal.plan.world());
         turn.proposal = Some(Box::new(proposal));
         // The round stays: it is part of how this goal came about.
         turn.rereading = None;

@@ -97,8 +97,9 @@ impl Session {
                     session.take(event, &mut None).map_err(contradiction)?;
                 }
                 Event::Prompt { messages, .. } => session.prompts.push(messages.iter().map(message).collect()),
-                Event::Instruction { .. } => {
+                Event::Instruction { text } => {
                     session.settle(&mut tail);
+                    session.world.add_values(text);
                     tail.push(event);
                 }
                 event => tail.push(event),
@@ -138,6 +139,10 @@ impl Session {
     ) -> Result<(), ResumeError> {
         let number = self.accepted.len();
         let invalid = |why: String| ResumeError::Plan { number, why };
+        for part in goal {
+            self.world.add_values(part);
+        }
+        self.world = file.world_of(&self.world).into_owned();
         let goal: Option<Goal> = match goal {
             [] => None,
             parts => Some(goal::parse(&self.world, &parts.join(" & ")).map_err(|error| invalid(error.to_string()))?),

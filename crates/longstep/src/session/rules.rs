@@ -44,6 +44,7 @@ impl Session {
     /// The text is no constraint of the goal language, the rule is in force already, or an instruction is in progress.
     pub fn add_rule(&mut self, text: &str) -> Result<(), RuleError> {
         self.between_instructions("a rule")?;
+        self.world.add_values(text);
         let rules = goal::rules(&self.world, text)?;
         for rule in &rules {
             if self.rules().iter().any(|known| known.written == rule.written) {

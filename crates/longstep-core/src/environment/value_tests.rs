@@ -1,0 +1,143 @@
+//! Tests of values: quantities and texts as arguments.
+
+use super::*;
+use crate::domain::{Files, load};
+use crate::goal::{self, GoalError};
+use crate::model::Domain;
+use crate::pddl;
+use crate::plan::{PlanFile, TaskCohesion, Written, resolve, script};
+use crate::search::{Limits, Outcome, solve};
+use crate::verify::check;
+
+fn home() -> Domain {
+    let files = Files {
+        pddl: include_str!("../../tests/home/domain.pddl").to_owned(),
+        words: include_str!("../../tests/home/domain.toml").to_owned(),
+        ..Files::default()
+    };
+    load(&files).unwrap_or_else(|findings| panic!("{findings}"))
+}
+
+const FLAT: &str = r#"{"assets": ["<thermostat>", "<oven>"], "objects": ["<pie>"],
+    "asset_states": {"<thermostat>": "set_to(18 degC)"}, "asset_properties": {"<oven>": ["OVEN"]}}"#;
+
+fn flat(text: &str) -> World {
+    let mut world = parse(&home(), "flat.json", FLAT).unwrap();
+    world.add_values(text);
+    world
+}
+
+#[track_caller]
+fn check_plan(text: &str, expected: &[&str]) {
+    let world = flat(text);
+    let goal = goal::parse(&world, text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    assert_eq!(
+        goal::parse(&world, &goal.exact(&world).join(" & ")).unwrap(),
+        goal,
+        "{text}"
+    );
+    let purpose = goal.purpose(&world);
+    let Outcome::Solved { plan, .. } = solve(&world, &purpose, &Limits::default()) else {
+        panic!("no plan for {text}");
+    };
+    let calls: Vec<String> = plan.steps().iter().map(|step| step.call(&world).to_string()).collect();
+    assert_eq!(calls, expected, "{text}");
+    let verified = check(&world, plan.clone(), &purpose).into_verified().unwrap();
+
+    // Every notation of the plan is read back in a world without the values.
+    let fresh = flat("");
+    let written = Written::of_plan(&world, &plan);
+    let texts = [
+        TaskCohesion {
+            task_sequence: calls,
+            ..TaskCohesion::default()
+        },
+        TaskCohesion::from_written(script::read(&script::write(&written)).unwrap()),
+    ];
+    for cohesion in texts {
+        let file = PlanFile::from(cohesion);
+        let own = file.world_of(&fresh);
+        let resolved = resolve(&own, &file.task_cohesion);
+        assert_eq!(
+            (resolved.issues.len(), resolved.readings.len()),
+            (0, 0),
+            "{text}: {:?}",
+            resolved.issues
+        );
+    }
+
+    // The environment after the plan is read as the state after the plan.
+    let after = world.after(verified.ending());
+    let again = read(&home(), after.environment(), "", "", &Default::default()).unwrap();
+    assert_eq!(write(&again, &again.state), *after.environment(), "{text}");
+    if !goal.stages.is_empty() {
+        // A PDDL problem has no order.
+        return;
+    }
+    let problem = pddl::write_problem(&world, &purpose, "flat").unwrap();
+    assert!(
+        pddl::read_problem(&home(), "flat.pddl", &problem).is_ok(),
+        "{text}: {problem}"
+    );
+}
+
+#[test]
+fn goals_with_values_are_solved_written_and_read_again() {
+    check_plan("set(thermostat, 22 degrees)", &["Set(<thermostat>, 22 degC)"]);
+    check_plan("set(thermostat, 20.5°C)", &["Set(<thermostat>, 20.5 degC)"]);
+    check_plan("heated(pie, oven, 3 min)", &["Heat(<pie>, <oven>, 180 s)"]);
+    check_plan(
+        "announced(\"soup & bread, (hot) then tea\") then set(thermostat, 18 degC)",
+        &["Announce(\"soup & bread, (hot) then tea\")"],
+    );
+}
+
+#[test]
+fn a_value_out_of_range_is_an_error_with_its_limit() {
+    let world = flat("set(thermostat, 35 degC)");
+    let error = goal::parse(&world, "set(thermostat, 35 degC)").unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "`35 degC` is more than `30 degC`, the limit for a temperature"
+    );
+    let plan = PlanFile::from(TaskCohesion {
+        task_sequence: vec!["Set(<thermostat>, 35 degC)".to_owned()],
+        ..TaskCohesion::default()
+    });
+    let own = plan.world_of(&world);
+    let issues = resolve(&own, &plan.task_cohesion).issues;
+    let messages: Vec<String> = issues.iter().map(|issue| issue.message(&own, &[], None)).collect();
+    assert_eq!(
+        messages,
+        ["step 1: `35 degC` is more than `30 degC`, the limit for a temperature"]
+    );
+    let text = FLAT.replace("18 degC", "50 degC");
+    let findings = parse(&home(), "flat.json", &text).unwrap_err().to_string();
+    assert!(findings.contains("`50 degC` is more than `30 degC`"), "{findings}");
+}
+
+#[test]
+fn a_value_that_was_not_added_is_an_error_and_no_panic() {
+    let world = flat("");
+    let error = goal::parse(&world, "set(thermostat, 22 degC)").unwrap_err();
+    assert_eq!(
+        error,
+        GoalError::NewValue {
+            written: "22 degC".to_owned()
+        }
+    );
+}
+
+#[test]
+fn added_values_leave_other_ids_as_they_are() {
+    let before = flat("");
+    let mut world = before.clone();
+    world.add_values("22 degrees, 3 min, 22 °C, \"hello\"");
+    assert_eq!(world.entities().count(), before.entities().count() + 3);
+    for (id, entity) in before.entities() {
+        assert_eq!(world.entity(id).identifier, entity.identifier);
+    }
+    let value = world.named("22 degC").unwrap();
+    assert_eq!(world.entity(value).names, ["22 degC", "22 degrees", "22 °C"]);
+    assert!(world.narrowed(&[]).find("180 s").is_some());
+}
