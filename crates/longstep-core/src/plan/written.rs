@@ -180,5 +180,9 @@ pub(super) fn is_argument(text: &str) -> bool {
     let odd = |character: char| matches!(character, ',' | '(' | ')');
     let control = |character: char| character.is_control();
     let odd = unquoted(text).any(|(_, character)| odd(character));
-    !text.is_empty() && text.trim() == text && !odd && !text.contains(control) && text.matches('"').count() % 2 == 0
+    !text.is_empty()
+        && text.trim() == text
+        && !odd
+        && !text.contains(control)
+        && text.matches('"').count().is_multiple_of(2)
 }
