@@ -2,6 +2,7 @@
 """Compares our search with Fast Downward's. See docs/peers.md.
 
     scripts/peers/compare.py shipped        our own domains, written as PDDL: shortest plans of the same length
+    scripts/peers/compare.py order          goals with an order and prohibitions, written as ground PDDL tasks
     scripts/peers/compare.py virtualhome    338 problems of somebody else's: as many solved, plans as short, faster
 
 Exits with 1 where the planners disagree. Times are told and never decide.
@@ -33,7 +34,7 @@ LENGTH_LIMIT = 1.10
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["shipped", "virtualhome"])
+    parser.add_argument("what", choices=["shipped", "order", "virtualhome"])
     parser.add_argument("--runner", type=Path, help="the built example `peers` [default: build it]")
     parser.add_argument("--processes", type=int, default=1, help="tasks at a time; more than 1 blurs the times")
     arguments = parser.parse_args()
@@ -41,7 +42,7 @@ def main() -> None:
     wheels.fetch(wheels.FAST_DOWNWARD)
     runner = (arguments.runner or build()).resolve()
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(arguments.processes) as pool:
-        compare = {"shipped": compare_shipped, "virtualhome": compare_virtualhome}[arguments.what]
+        compare = {"shipped": compare_shipped, "order": compare_order, "virtualhome": compare_virtualhome}[arguments.what]
         disagreements = compare(runner, Path(folder), pool)
     for line in disagreements:
         print(f"DISAGREE  {line}")
@@ -103,6 +104,36 @@ def compare_shipped(runner: Path, folder: Path, pool: ThreadPoolExecutor) -> lis
         print(f"{own!s:>10}  {other!s:>10}  {told}")
     disagreements += bad_plans(runner, folder, plans)
     print(f"\n{len(tasks)} tasks: {len(tasks) - undecided} compared, {undecided} given up by one of the two")
+    return disagreements
+
+
+def compare_order(runner: Path, folder: Path, pool: ThreadPoolExecutor) -> list[str]:
+    """Goals with an order or a prohibition: cheapest plans of both are equally long, and theirs are good to us."""
+    tasks = ours(runner, "order", str(folder))
+
+    def ask(task: dict) -> fast_downward.Answer:
+        domain, problem = Path(task["domain"]), Path(task["problem"])
+        return fast_downward.solve(domain, problem, fast_downward.SHORTEST, SEARCH_LIMIT)
+
+    disagreements, lines, undecided, lengths = [], [], 0, {}
+    for number, (task, theirs) in enumerate(zip(tasks, pool.map(ask, tasks))):
+        name = f"{task['scene']}: {task['goal']}"
+        lengths[name] = task
+        if "gave_up" in (task["outcome"], theirs.outcome):
+            undecided += 1
+        elif task["outcome"] != theirs.outcome:
+            disagreements.append(f"{name}: {task['outcome']} here, {theirs.outcome} there")
+        elif theirs.outcome == "solved":
+            file = folder / f"{number}.plan"
+            file.write_text(theirs.plan)
+            lines.append(f"{task['scene']}\t{task['goal']}\t{file}\n")
+    for line in ours(runner, "check-order", lines="".join(lines)):
+        own = lengths[line["problem"]]
+        if not line["valid"]:
+            disagreements.append(f"{line['problem']}: our verifier refuses Fast Downward's plan")
+        elif own["length"] < line["length"] or (own["shortest"] and own["length"] > line["length"]):
+            disagreements.append(f"{line['problem']}: {own['length']} steps here, {line['length']} there")
+    print(f"{len(tasks)} ordered tasks: {len(tasks) - undecided} compared, {undecided} given up by one of the two")
     return disagreements
 
 

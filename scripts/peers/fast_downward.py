@@ -1,5 +1,7 @@
 """Fast Downward, run as a program."""
 
+import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -44,10 +46,19 @@ def solve(domain: Path, problem: Path, configuration: list[str], limit: int | No
         options, search = ([], configuration) if configuration[0] == "--search" else (configuration, [])
         command += [*options, str(domain.resolve()), str(problem.resolve()), *search]
         started = time.perf_counter()
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        process = subprocess.Popen(
+            command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+        try:
+            # Its translator has no limit of its own, and may need one.
+            out, err = process.communicate(timeout=None if limit is None else limit + 60)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            return Answer("gave_up", "", time.perf_counter() - started)
         seconds = time.perf_counter() - started
-        if done.returncode not in OUTCOMES:
-            said = (done.stdout + done.stderr)[-2000:]
+        if process.returncode not in OUTCOMES:
+            said = (out + err)[-2000:]
             sys.exit(f"error: Fast Downward cannot read {problem}\n{said}")
-        outcome = OUTCOMES[done.returncode]
+        outcome = OUTCOMES[process.returncode]
         return Answer(outcome, plan.read_text() if outcome == "solved" else "", seconds)

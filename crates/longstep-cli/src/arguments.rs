@@ -421,6 +421,10 @@ pub(crate) struct SolveArguments {
     /// Print the task as a PDDL problem for the domain's domain.pddl instead of solving it
     #[arg(long, conflicts_with_all = ["problem", "json", "save"])]
     pub(crate) pddl: bool,
+    /// Write the task as a PDDL domain and problem without variables into a folder instead of solving it, for goals with
+    /// an order and for rules, which a problem alone cannot say
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["problem", "json", "save", "pddl"])]
+    pub(crate) pddl_task: Option<PathBuf>,
     /// Let hands, arms or robots work in parallel where that saves time
     #[arg(long, conflicts_with_all = ["problem", "pddl"])]
     pub(crate) parallel: bool,

@@ -116,3 +116,17 @@ pub(crate) fn save(path: &Path, plan: &PlanFile) -> Result<()> {
     })?;
     Ok(())
 }
+
+/// Writes files into a folder, which is made if there is none.
+pub(crate) fn write_files(folder: &Path, files: &[(&str, &str)]) -> Result<()> {
+    let failed = |path: &Path, error: &std::io::Error| {
+        Failure::unreadable(format!("cannot write {}: {}", path.display(), plain_reason(error)))
+            .hint("check that the folder is writable")
+    };
+    std::fs::create_dir_all(folder).map_err(|error| failed(folder, &error))?;
+    for (name, text) in files {
+        let path = folder.join(name);
+        write_whole(&path, text.as_bytes()).map_err(|error| failed(&path, &error))?;
+    }
+    Ok(())
+}

@@ -8,11 +8,12 @@ use longstep::goal::{self, Goal};
 use longstep::report;
 use longstep::report::{Answer, Status};
 use longstep_core::environment::World;
-use longstep_core::pddl;
+use longstep_core::pddl::{self, WriteError};
 use longstep_llm::load_domain;
 
 use crate::arguments::SolveArguments;
 use crate::clock::{milliseconds, stopwatch};
+use crate::failure::Failure;
 use crate::output::{self, Line, print_line, remark};
 use crate::{inputs, lanes, problem, show};
 
@@ -30,8 +31,26 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
     let goal = goal::parse(&world, text)?;
     if arguments.pddl {
         let name = env.file_stem().unwrap_or_default().to_string_lossy();
-        let written = pddl::write_problem(&world, &goal.purpose(&world), &name)?;
+        let written = pddl::write_problem(&world, &goal.purpose(&world), &name).map_err(|error| {
+            let failure = Failure::unreadable(error.to_string());
+            match error {
+                WriteError::Order | WriteError::Always { .. } => {
+                    failure.hint("`--pddl-task FOLDER` writes a domain and a problem that can")
+                }
+                _ => failure,
+            }
+        })?;
         output::document(&written);
+        return Ok(Status::Verified.exit_code());
+    }
+    if let Some(folder) = &arguments.pddl_task {
+        let name = env.file_stem().unwrap_or_default().to_string_lossy();
+        let task = pddl::GroundTask::write(&world, &goal.purpose(&world), &name)?;
+        inputs::write_files(
+            folder,
+            &[("domain.pddl", &task.domain), ("problem.pddl", &task.problem)],
+        )?;
+        remark!("Wrote domain.pddl and problem.pddl to {}", folder.display());
         return Ok(Status::Verified.exit_code());
     }
     let report::Solution { plan, mut answer } =

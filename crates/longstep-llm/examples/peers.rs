@@ -1,6 +1,9 @@
 //! Our side of the comparison with other planners; `scripts/peers/compare.py` runs it.
 //!
 //! - `peers export FOLDER`: writes goals of every shipped domain and example as PDDL tasks, one folder each.
+//! - `peers order FOLDER`: writes goals with an order and with prohibitions as ground PDDL tasks.
+//! - `peers check-order`: checks other planners' plans for them; a line of the input is `SCENE GOAL PLAN`, with tabs
+//!   between.
 //! - `peers solve DOMAIN.pddl PROBLEM.pddl...`: plans for PDDL problems.
 //! - `peers check`: checks other planners' plans; a line of the input is `DOMAIN.pddl PROBLEM.pddl PLAN`, with tabs
 //!   between.
@@ -30,11 +33,16 @@ fn main() -> Anyhow<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match &words[..] {
         ["export", folder] => export(Path::new(folder)),
+        ["order", folder] => export_order(Path::new(folder)),
+        ["check-order"] => {
+            let scenes = scenes()?;
+            std::io::stdin().lines().try_for_each(|line| check_order(&scenes, &line?))
+        }
         ["solve", domain, problems @ ..] if !problems.is_empty() => {
             problems.iter().try_for_each(|problem| solve(domain, problem))
         }
         ["check"] => std::io::stdin().lines().try_for_each(|line| check_plan(&line?)),
-        _ => Err("usage: peers export FOLDER | peers solve DOMAIN.pddl PROBLEM.pddl... | peers check".into()),
+        _ => Err("usage: peers export FOLDER | peers order FOLDER | peers check-order | peers solve DOMAIN.pddl PROBLEM.pddl... | peers check".into()),
     }
 }
 
@@ -154,6 +162,89 @@ fn export_goal(folder: &Path, name_of_task: &str, scene: &Scene, goal: &Goal) ->
         other => name(&other).into(),
     };
     println!("{line}");
+    Ok(())
+}
+
+/// Goals with an order or a prohibition, made of the single goals of a scene.
+fn ordered_goals(scene: &Scene) -> Vec<String> {
+    let single: Vec<String> = goals(&scene.domain, &scene.world)
+        .iter()
+        .filter(|goal| goal.facts.len() == 1 && !goal.depends_on_sensing(&scene.domain))
+        .map(|goal| goal.exact(&scene.world).concat())
+        .collect();
+    let next = |index: usize| &single[(index * 7 + 3) % single.len()];
+    let mut all = Vec::new();
+    // A few for each scene: both planners need seconds for some of them.
+    let step = single.len().div_ceil(3).max(1);
+    for (index, first) in single.iter().enumerate().step_by(step) {
+        let (second, third) = (next(index), next(index + 1));
+        all.push(format!("{first} then {second}"));
+        all.push(format!("{first} then {second} then {first}"));
+        all.push(format!("{first} & never {second}"));
+        all.push(format!("{first} then {second} & never {third}"));
+    }
+    // A constraint on what can never hold is no goal.
+    all.retain(|text| goal::parse(&scene.world, text).is_ok());
+    all
+}
+
+fn export_order(folder: &Path) -> Anyhow<()> {
+    let mut number = 0;
+    for scene in scenes()? {
+        let world = &scene.world;
+        if scene.domain.actions.iter().any(|action| !action.senses.is_empty()) {
+            continue;
+        }
+        for text in ordered_goals(&scene) {
+            number += 1;
+            let purpose = goal::parse(world, &text)?.purpose(world);
+            let task = pddl::GroundTask::write(world, &purpose, &format!("task-{number}"))?;
+            // The other planner's translator is written for tasks with variables and takes minutes for larger ones.
+            if task.domain.len() > 60_000 {
+                continue;
+            }
+            let folder = folder.join(format!("{number:04}"));
+            std::fs::create_dir_all(&folder)?;
+            let (domain_file, problem_file) = (folder.join("domain.pddl"), folder.join("problem.pddl"));
+            std::fs::write(&domain_file, &task.domain)?;
+            std::fs::write(&problem_file, &task.problem)?;
+            let outcome = search::solve(world, &purpose, &Limits::default());
+            let mut line = json!({
+                "scene": scene.name,
+                "goal": text,
+                "domain": domain_file,
+                "problem": problem_file,
+                "outcome": name(&outcome),
+            });
+            if let Outcome::Solved { plan, shortest, .. } = outcome {
+                line["length"] = plan.steps().len().into();
+                line["shortest"] = shortest.into();
+            }
+            println!("{line}");
+        }
+    }
+    Ok(())
+}
+
+fn check_order(scenes: &[Scene], line: &str) -> Anyhow<()> {
+    let [scene_name, text, plan_file] = line.split('\t').collect::<Vec<_>>()[..] else {
+        return Err(format!("not a scene, a goal and a file: {line}").into());
+    };
+    let scene = scenes.iter().find(|scene| scene.name == scene_name);
+    let world = &scene.ok_or("no such scene")?.world;
+    let purpose = goal::parse(world, text)?.purpose(world);
+    let task = pddl::GroundTask::write(world, &purpose, "task")?;
+    let steps = task.read_plan(&std::fs::read_to_string(plan_file)?);
+    let steps = steps.ok_or("the plan has an action that the task does not have")?;
+    let length = steps.len();
+    let explained = steps
+        .into_iter()
+        .map(|step| Step::explained(world, step.action, step.arguments));
+    let valid = check(world, explained.collect(), &purpose).violations.is_empty();
+    println!(
+        "{}",
+        json!({"problem": format!("{scene_name}: {text}"), "length": length, "valid": valid})
+    );
     Ok(())
 }
 

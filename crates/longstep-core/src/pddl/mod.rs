@@ -1,7 +1,8 @@
 //! PDDL problems and plans, for exchange with other planners.
 //!
 //! [`read_problem`] reads a problem file for a domain. [`write_problem`] writes a world and a goal as a problem that
-//! any planner reads together with the unchanged `domain.pddl`. [`read_plan`] and [`write_plan`] read and write plans,
+//! any planner reads together with the unchanged `domain.pddl`. [`GroundTask`] writes goals with an order and rules, which
+//! PDDL cannot say, as a task of its own. [`read_plan`] and [`write_plan`] read and write plans,
 //! one `(action argument ...)` per line.
 //!
 //! ```
@@ -20,6 +21,7 @@
 //! # Ok::<(), longstep_core::diagnostic::Diagnostics>(())
 //! ```
 
+mod ground;
 mod names;
 mod plan;
 mod problem;
@@ -27,6 +29,7 @@ mod problem;
 mod tests;
 mod write;
 
+pub use ground::GroundTask;
 pub use names::object_names;
 pub use plan::{read_plan, write_plan};
 pub use problem::{Problem, read_problem};

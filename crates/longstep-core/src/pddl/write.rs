@@ -24,6 +24,9 @@ pub enum WriteError {
     /// The goals must be achieved in an order.
     #[error("the goals must be achieved in an order, which a PDDL problem cannot say")]
     Order,
+    /// A goal depends on sensing.
+    #[error("the goal depends on sensing, which PDDL cannot say")]
+    Sensing,
     /// The goal or a rule has too many instances in the world.
     #[error("the goal has too many instances in this world to be written without quantifiers")]
     TooLarge,
@@ -47,7 +50,7 @@ pub fn write_problem(world: &World, purpose: &Purpose, name: &str) -> Result<Str
     affordable(|| problem(&purpose.world(world), purpose, name))?
 }
 
-fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
+pub(super) fn affordable<T>(write: impl FnOnce() -> T) -> Result<T, WriteError> {
     let spent = effort::within(EFFORT, write);
     match spent.exhausted {
         true => Err(WriteError::TooLarge),

@@ -31,7 +31,7 @@ pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator,
 pub use why_not::{WhyNot, why_not};
 
 use crate::effort;
-use crate::model::{ActionId, EntityId, Moment, World, apply, holds};
+use crate::model::{ActionId, EntityId, Fact, Moment, World, apply, holds};
 use crate::verify::Purpose;
 use target::Target;
 
@@ -87,6 +87,14 @@ pub fn solve(world: &World, purpose: &Purpose, limits: &Limits) -> Outcome {
         Straight::ProvenUnsolvable { .. } if senses() => contingent::solve(world, &target, limits),
         found => found.explained(world),
     }
+}
+
+/// Grounds the whole task of a purpose without sensing, and returns it with its facts by number; none for facts that
+/// record progress.
+pub(crate) fn ground_task(world: &World, purpose: &Purpose) -> (Task, Vec<Option<Fact>>) {
+    let target = Target::of(world.domain(), purpose);
+    let scope = Scope::whole(world, &Requirements::of(world, target.all()));
+    task::ground_with_facts(world, &scope, &target)
 }
 
 /// Finds a shortest plan without sensing.

@@ -88,13 +88,13 @@ impl Always {
 
 impl Task {
     /// Iterates over the operators that are steps, by number.
-    pub(super) fn steps(&self) -> impl Iterator<Item = (usize, &Operator)> {
+    pub(crate) fn steps(&self) -> impl Iterator<Item = (usize, &Operator)> {
         let operators = self.operators.iter().enumerate();
         operators.take_while(|(_, operator)| !operator.is_mark)
     }
 
     /// Returns the operators that record progress, in the order in which they apply.
-    pub(super) fn marks(&self) -> &[Operator] {
+    pub(crate) fn marks(&self) -> &[Operator] {
         let marks = self
             .operators
             .iter()
@@ -146,15 +146,25 @@ pub(crate) fn ground_step(world: &World, step: GroundAction) -> (Operator, Vec<F
 
 /// Grounds all actions whose static preconditions hold, without sensing.
 pub(super) fn ground(world: &World, scope: &Scope, target: &Target) -> Task {
-    ground_with(world, scope, target, false)
+    ground_with(world, scope, target, false).0
+}
+
+/// Grounds like [`ground`], and returns the facts by number; none for auxiliary ones.
+pub(super) fn ground_with_facts(world: &World, scope: &Scope, target: &Target) -> (Task, Vec<Option<Fact>>) {
+    let (task, numbers) = ground_with(world, scope, target, false);
+    let mut facts = vec![None; task.initial.len()];
+    for (fact, number) in numbers {
+        facts[number as usize] = Some(fact);
+    }
+    (task, facts)
 }
 
 /// Grounds like [`ground`], with an operator for each outcome of a sensing step.
 pub(super) fn ground_sensing(world: &World, scope: &Scope, target: &Target) -> Task {
-    ground_with(world, scope, target, true)
+    ground_with(world, scope, target, true).0
 }
 
-fn ground_with(world: &World, scope: &Scope, target: &Target, sensing: bool) -> Task {
+fn ground_with(world: &World, scope: &Scope, target: &Target, sensing: bool) -> (Task, FxHashMap<Fact, u32>) {
     let mut grounder = Grounder::new(world, scope);
     let (marks, complete) = grounder.stages(&target.stages);
     let goal = Formula::and([grounder.goal(&target.wanted), complete]);
@@ -166,12 +176,13 @@ fn ground_with(world: &World, scope: &Scope, target: &Target, sensing: bool) -> 
         operators.extend(grounder.sensing());
     }
     operators.extend(marks);
-    Task {
+    let task = Task {
         initial: grounder.initial,
         operators,
         goal,
         always,
-    }
+    };
+    (task, grounder.numbers)
 }
 
 /// Returns the conjuncts of a condition; atoms and equalities with the number of parameters to bind before evaluation.
