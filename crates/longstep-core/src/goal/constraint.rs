@@ -63,8 +63,14 @@ impl Constraint {
         }
     }
 
+    /// Returns true if a text is written as the constraint that leaves an entity alone.
+    pub(super) fn is_untouched(text: &str) -> bool {
+        let rest = text.strip_prefix(UNTOUCHED).map(str::trim_start);
+        rest.is_some_and(|rest| rest.starts_with('('))
+    }
+
     /// Returns the constraint on states, unless the goal can hold in no state at all.
-    fn state(world: &World, text: &str, fact: GoalFact, holds: bool) -> Result<Self, GoalError> {
+    pub(super) fn state(world: &World, text: &str, fact: GoalFact, holds: bool) -> Result<Self, GoalError> {
         let wanted = fact.wanted(world.domain(), &[]);
         let moment = Moment {
             world,

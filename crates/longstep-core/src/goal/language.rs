@@ -1,9 +1,9 @@
 //! The parser of goals.
 
 use super::conditional::{IF, THEN, split_once};
-use super::constraint::Constraint;
-use super::{Conditional, Goal, GoalFact, WrittenConditional};
-use crate::call::{Call, find_unquoted, split_unquoted};
+use super::expansion::{self, Expansion};
+use super::{Conditional, Goal, GoalFact, Group, WrittenConditional};
+use crate::call::{Call, find_unquoted, unquoted};
 use crate::diagnostic::nearest;
 use crate::model::{
     EntityId, Fact, FormPiece, GoalWord, GoalWordId, OutOfRange, Predicate, PredicateId, Prohibition, TypeId, World,
@@ -80,6 +80,76 @@ pub enum GoalError {
         /// The facts that sensing actions reveal.
         forms: String,
     },
+    /// A kind that no type and no entity has.
+    #[error("`{kind}` in `{group}` is no type of the domain and no name in the environment{}", near.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
+    UnknownKind {
+        /// The group.
+        group: String,
+        /// The kind.
+        kind: String,
+        /// A kind that resembles it.
+        near: Option<String>,
+    },
+    /// A condition of a group that is no state, property or predicate.
+    #[error(
+        "`{state}` in `{group}` is no state; write it as an environment does, for example `dirty` or `on_something(table)`"
+    )]
+    UnknownState {
+        /// The group.
+        group: String,
+        /// The condition.
+        state: String,
+    },
+    /// A group without members.
+    #[error("`{group}` has no member: {why}")]
+    NoMember {
+        /// The group.
+        group: String,
+        /// The entities of the kind, with the conditions that they fail.
+        why: String,
+    },
+    /// A group that depends on an outcome of sensing that is not known.
+    #[error(
+        "the members of `{group}` are not known before sensing reveals whether {fact}; write a goal with `if` instead"
+    )]
+    NotSensedYet {
+        /// The group.
+        group: String,
+        /// The fact.
+        fact: String,
+    },
+    /// Fewer members than the goal requires.
+    #[error("`{part}` requires {wanted} members, and the group has {members}; give a number from 1 to that")]
+    TooFewMembers {
+        /// The part of the goal.
+        part: String,
+        /// The number of members that the goal requires.
+        wanted: usize,
+        /// The number of members.
+        members: usize,
+    },
+    /// Groups with too many combinations of members.
+    #[error("`{part}` has more than {limit} combinations of members; add a condition with `where`")]
+    TooManyMembers {
+        /// The part of the goal.
+        part: String,
+        /// The limit.
+        limit: usize,
+    },
+    /// A member of `all` that does not fit into the goal.
+    #[error("`{name}` belongs to `{part}`, and this goal makes no sense for it; leave it out with `except {name}`")]
+    DoesNotFit {
+        /// The part of the goal.
+        part: String,
+        /// The member.
+        name: String,
+    },
+    /// A count in a prohibition of steps.
+    #[error("`{part}` counts the members of a group, which only goals can; write `all` or `any`")]
+    CountOfSteps {
+        /// The part of the goal.
+        part: String,
+    },
     /// An entity of the wrong type.
     #[error("`{name}` in `{part}` is no {expected}")]
     WrongType {
@@ -106,12 +176,15 @@ pub enum GoalError {
 /// Constraints hold for the whole plan: `never opened(fridge)`, `always closed(door)`, `never grasp(cup, _)` for the calls
 /// of an action, `untouched(vase)` for everything that concerns an entity.
 ///
+/// A group stands for its members wherever a name can stand: `put(all cup where dirty & on_something(table) except mug, sink)`,
+/// `put(any cup, table)`, `put(2 of plate, any shelf)`, `untouched(all glass)`. Its members are those in the given world.
+///
 /// # Errors
 ///
 /// The error in the first unreadable part.
 pub fn parse(world: &World, text: &str) -> Result<Goal, GoalError> {
     let mut goal = Goal::default();
-    for part in split_unquoted(text, '&').into_iter().map(str::trim) {
+    for part in parts_of(text) {
         let (begins, part) = match part.strip_prefix(STAGE) {
             Some(part) => (true, part.trim()),
             None => (false, part),
@@ -120,22 +193,36 @@ pub fn parse(world: &World, text: &str) -> Result<Goal, GoalError> {
             if piece.is_empty() {
                 return Err(GoalError::Empty);
             }
-            if (begins || index > 0) && goal.stages.last().copied().unwrap_or(0) < goal.facts.len() {
-                goal.stages.push(goal.facts.len());
+            if begins || index > 0 {
+                goal.begin_stage();
             }
             if goal.stages.len() >= STAGES {
                 return Err(GoalError::TooManyStages);
             }
-            match Constraint::read(world, piece)? {
-                Some(constraint) if goal.constraints.contains(&constraint) => {}
-                Some(constraint) => goal.constraints.push(constraint),
-                None => goal.push(fact(world, piece)?),
-            }
+            goal.add(piece, self::part(world, piece)?);
         }
     }
-    // A constraint after the last "then" leaves no goal in the stage.
-    goal.stages.retain(|start| *start < goal.facts.len());
+    goal.end_stages();
     Ok(goal)
+}
+
+/// Splits a goal at each `&` outside of parentheses; within them it joins the conditions of a group.
+fn parts_of(text: &str) -> Vec<&str> {
+    let (mut depth, mut start) = (0_usize, 0);
+    let mut parts = Vec::new();
+    for (at, letter) in unquoted(text) {
+        match letter {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            '&' if depth == 0 => {
+                parts.push(text[start..at].trim());
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(text[start..].trim());
+    parts
 }
 
 /// Parses rules that bind every plan until they are lifted: constraints of the goal language, joined by `&`.
@@ -186,15 +273,16 @@ fn stages_of(part: &str) -> Vec<&str> {
     }
 }
 
-fn fact(world: &World, part: &str) -> Result<GoalFact, GoalError> {
-    match WrittenConditional::read(part) {
-        Some(written) => Ok(GoalFact::If(conditional(world, &written)?)),
-        None => plain(world, part),
+/// Reads a part of a goal.
+pub(super) fn part(world: &World, text: &str) -> Result<Expansion, GoalError> {
+    match WrittenConditional::read(text) {
+        Some(written) => conditional(world, &written),
+        None => expansion::part(world, text),
     }
 }
 
 /// Reads a conditional goal; its branches cannot contain conditions.
-fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Conditional, GoalError> {
+fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Expansion, GoalError> {
     let domain = world.domain();
     let condition = match state(world, written.condition)? {
         Some(fact) if domain.is_sensed(fact.predicate()) => fact,
@@ -210,15 +298,19 @@ fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Condit
             });
         }
     };
-    let side = |parts: &[&str]| {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut side = |parts: &[&str]| {
         let mut facts: Vec<GoalFact> = Vec::new();
         for text in parts {
             if text.is_empty() {
                 return Err(GoalError::Empty);
             }
-            let fact = plain(world, text)?;
-            if !facts.contains(&fact) {
-                facts.push(fact);
+            let part = expansion::goals(world, text)?;
+            groups.extend(part.groups);
+            for fact in part.facts {
+                if !facts.contains(&fact) {
+                    facts.push(fact);
+                }
             }
         }
         Ok(facts)
@@ -229,7 +321,7 @@ fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Condit
         .into_iter()
         .filter(|o| *o != condition)
         .collect();
-    Ok(match (written.negated, &others[..]) {
+    let conditional = match (written.negated, &others[..]) {
         (false, _) => Conditional {
             condition,
             then,
@@ -245,6 +337,10 @@ fn conditional(world: &World, written: &WrittenConditional<'_>) -> Result<Condit
             then: otherwise,
             otherwise: then,
         },
+    };
+    Ok(Expansion {
+        groups,
+        ..GoalFact::If(conditional).into()
     })
 }
 

@@ -3,19 +3,26 @@
 //! A [`Goal`] is written `put(cup, shelf) & closed(door)`. [`parse`] reads one, search achieves it, and verification
 //! checks a plan against [`Goal::purpose`].
 
+mod choice;
 mod conditional;
 mod constraint;
+mod expansion;
+mod group;
 mod language;
 mod partial_answer;
 mod stages;
 #[cfg(test)]
 mod tests;
 
+pub use choice::Choice;
 pub use conditional::Conditional;
 pub use conditional::{AND, ELSE, IF, NOT, THEN, WrittenConditional};
 pub use constraint::{ALWAYS, Constraint, NEVER};
+pub use group::{Group, Quantifier};
 pub use language::{GoalError, JOINT, QUESTION, STAGE, parse, read_form, rules};
 pub use partial_answer::{Begun, Next, ended};
+
+use expansion::Expansion;
 
 use crate::model::{
     Condition, Domain, EntityId, Fact, FormPiece, GoalWordId, RuleTime, Voice, Wanted, World, written_fact,
@@ -36,6 +43,8 @@ pub enum GoalFact {
     Plain(Fact),
     /// Goals that depend on the outcome of sensing.
     If(Conditional),
+    /// A goal for some members of a group.
+    Choice(Choice),
 }
 
 /// A goal: what a plan achieves, in which order, and what it must not do on the way.
@@ -48,6 +57,21 @@ pub struct Goal {
     pub stages: Vec<usize>,
     /// The constraints on the whole plan.
     pub constraints: Vec<Constraint>,
+    /// The parts that were written with groups, for display and for another world ([`Goal::carried`]).
+    pub groups: Vec<GroupedPart>,
+}
+
+/// A part of a goal that was written with groups.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GroupedPart {
+    /// The part as it was written.
+    pub text: String,
+    /// The groups with their members.
+    pub groups: Vec<Group>,
+    /// The goals that it stands for.
+    facts: Vec<GoalFact>,
+    /// The constraints that it stands for.
+    constraints: Vec<Constraint>,
 }
 
 impl From<Vec<GoalFact>> for Goal {
@@ -73,7 +97,20 @@ impl GoalFact {
             }
             Self::Plain(fact) => written_fact(domain, *fact, name),
             Self::If(conditional) => conditional.written(domain, name),
+            Self::Choice(choice) => choice.written(domain, name),
         }
+    }
+
+    /// Returns the goals without conditions and groups that it consists of.
+    fn leaves(&self) -> Vec<&GoalFact> {
+        let mut leaves = Vec::new();
+        for part in self.parts() {
+            match part {
+                Self::Choice(choice) => leaves.extend(choice.alternatives()),
+                _ => leaves.push(part),
+            }
+        }
+        leaves
     }
 
     /// Returns the goals without conditions that it consists of: itself, or the goals of both branches.
@@ -106,14 +143,23 @@ impl GoalFact {
 
     /// Writes the goal as a sentence for a person or a model.
     pub fn sentence_in(&self, voice: Voice, world: &World) -> String {
+        self.sentence_with(voice, world, &|entity| voice.name(world, entity))
+    }
+
+    /// Writes the goal as a sentence; `name` gives the name of each entity.
+    fn sentence_with(&self, voice: Voice, world: &World, name: &dyn Fn(EntityId) -> String) -> String {
         let domain = world.domain();
         match self {
-            Self::Word { word, arguments } => {
-                let name = |parameter: usize| voice.name(world, arguments[parameter]);
-                domain.goal_word(*word).says.fill(name)
+            Self::Word { word, arguments } => domain
+                .goal_word(*word)
+                .says
+                .fill(|parameter| name(arguments[parameter])),
+            Self::Plain(fact) => {
+                let says = &domain.words(fact.predicate()).says;
+                says.fill(|place| name(fact.argument(place)))
             }
-            Self::Plain(fact) => voice.fact(world, *fact, true),
             Self::If(conditional) => conditional.sentence(voice, world),
+            Self::Choice(choice) => choice.sentence(voice, world),
         }
     }
 
@@ -133,6 +179,7 @@ impl GoalFact {
                 Self::Plain(Fact::new(fact.predicate(), arguments))
             }
             Self::If(conditional) => Self::If(conditional.carried(domain, from, to)?),
+            Self::Choice(choice) => Self::Choice(choice.carried(domain, from, to)?),
         })
     }
 
@@ -143,6 +190,7 @@ impl GoalFact {
             Self::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
             Self::Plain(fact) => domain.arguments(*fact).next(),
             Self::If(conditional) => domain.arguments(conditional.condition).next(),
+            Self::Choice(choice) => choice.subject(domain),
         }
     }
 
@@ -158,6 +206,7 @@ impl GoalFact {
                     .chain(parts.into_iter().flat_map(|part| part.about(domain)))
                     .collect()
             }
+            Self::Choice(choice) => choice.about(domain),
         }
     }
 
@@ -170,21 +219,73 @@ impl GoalFact {
             },
             Self::Plain(fact) => Wanted::of_fact(domain, *fact),
             Self::If(conditional) => conditional.wanted(domain, all),
+            Self::Choice(choice) => choice.wanted(domain),
         }
     }
 }
 
 impl Goal {
     /// Maps the goal to another world by identifiers, for example from a restricted world ([`World::narrowed`]) to the
-    /// whole one. None if an entity is missing there.
+    /// whole one. Groups are read again there, since the other world may have more members. None if an entity is missing
+    /// there.
     pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Goal> {
-        let facts = self.facts.iter().map(|fact| fact.carried(domain, from, to));
-        let constraints = self.constraints.iter().map(|own| own.carried(domain, from, to));
-        Some(Goal {
-            facts: facts.collect::<Option<Vec<_>>>()?,
-            stages: self.stages.clone(),
-            constraints: constraints.collect::<Option<Vec<_>>>()?,
-        })
+        let mut goal = Goal::default();
+        for range in self.ranges() {
+            goal.begin_stage();
+            for fact in &self.facts[range] {
+                match self.groups.iter().find(|part| part.facts.contains(fact)) {
+                    Some(part) => goal.add(&part.text, language::part(to, &part.text).ok()?),
+                    None => goal.push(fact.carried(domain, from, to)?),
+                }
+            }
+        }
+        for constraint in &self.constraints {
+            match self.groups.iter().find(|part| part.constraints.contains(constraint)) {
+                Some(part) => goal.add(&part.text, language::part(to, &part.text).ok()?),
+                None => goal.constrain(constraint.carried(domain, from, to)?),
+            }
+        }
+        goal.end_stages();
+        Some(goal)
+    }
+
+    /// Begins a stage, unless nothing has been added since the last one began.
+    fn begin_stage(&mut self) {
+        if self.stages.last().copied().unwrap_or(0) < self.facts.len() {
+            self.stages.push(self.facts.len());
+        }
+    }
+
+    /// Removes a last stage without goals, as a constraint after the last "then" leaves it.
+    fn end_stages(&mut self) {
+        self.stages.retain(|start| *start < self.facts.len());
+    }
+
+    /// Adds a part of a goal to the last stage; `text` is the part as it was written.
+    fn add(&mut self, text: &str, part: Expansion) {
+        let Expansion {
+            facts,
+            constraints,
+            groups,
+        } = part;
+        let known = |part: &GroupedPart| part.text == text && part.facts == facts && part.constraints == constraints;
+        if !groups.is_empty() && !self.groups.iter().any(known) {
+            self.groups.push(GroupedPart {
+                text: text.to_owned(),
+                groups,
+                facts: facts.clone(),
+                constraints: constraints.clone(),
+            });
+        }
+        facts.into_iter().for_each(|fact| self.push(fact));
+        constraints.into_iter().for_each(|own| self.constrain(own));
+    }
+
+    /// Adds a constraint, unless the goal has it.
+    fn constrain(&mut self, constraint: Constraint) {
+        if !self.constraints.contains(&constraint) {
+            self.constraints.push(constraint);
+        }
     }
 
     /// Adds a goal to the last stage, unless the stage has it.
@@ -231,7 +332,7 @@ impl Goal {
             Constraint::State { fact, holds: true } => Some(fact),
             _ => None,
         });
-        for fact in self.facts.iter().chain(always).flat_map(GoalFact::parts) {
+        for fact in self.facts.iter().chain(always).flat_map(GoalFact::leaves) {
             for (number, rule) in domain.rules.iter().enumerate() {
                 match fact {
                     GoalFact::Word { word, arguments } if rule.unless.contains(&domain.goal_word(*word).word) => {
@@ -282,13 +383,15 @@ impl Goal {
 
     /// Returns true if the goal depends on a sensed fact, so that its plan may need sensing actions.
     pub fn depends_on_sensing(&self, domain: &Domain) -> bool {
-        self.facts.iter().any(|fact| match fact {
-            GoalFact::If(_) => true,
+        let is_sensed = |fact: &GoalFact| match fact {
+            GoalFact::If(_) | GoalFact::Choice(_) => false,
             GoalFact::Plain(fact) => domain.is_sensed(fact.predicate()),
             GoalFact::Word { word, .. } => {
                 let mut atoms = domain.goal_word(*word).condition.atoms();
                 atoms.any(|(atom, _)| domain.is_sensed(atom.predicate))
             }
-        })
+        };
+        let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_)) || fact.leaves().into_iter().any(is_sensed);
+        self.facts.iter().any(depends)
     }
 }

@@ -30,6 +30,8 @@ impl Goal {
             state: &world.state,
         };
         let needs: Vec<Vec<Needs>> = self.facts.iter().map(|fact| Needs::of(world, fact)).collect();
+        // One goal of a choice is achieved, and it is open which.
+        let is_definite = |index: &usize| !matches!(self.facts[*index], GoalFact::Choice(_));
         let mut before = 0..0;
         let mut stages = Vec::new();
         for range in self.ranges() {
@@ -37,9 +39,13 @@ impl Goal {
                 let wanted = all[index].clone();
                 let initially = holds(moment, &wanted.condition, &mut wanted.bindings.clone());
                 let implied = || {
-                    let earlier = needs[before.clone()].iter().flatten();
+                    let earlier = before.clone().filter(is_definite).flat_map(|index| &needs[index]);
                     let earlier: Vec<&Needs> = earlier.collect();
-                    needs[index].iter().all(|needs| needs.follow_from(world, &earlier))
+                    let follows = |leaf: usize| needs[index][leaf].follow_from(world, &earlier);
+                    match &self.facts[index] {
+                        GoalFact::Choice(choice) => choice.is_possible(&follows),
+                        _ => (0..needs[index].len()).all(follows),
+                    }
                 };
                 let anew = range.start > 0 && !initially && !implied();
                 Milestone { wanted, anew }
@@ -61,13 +67,21 @@ impl Goal {
         let mut kept = vec![true; self.facts.len()];
         for range in self.ranges() {
             for earlier in range.clone().take_while(|_| range.end < self.facts.len()) {
-                let excludes = |later: usize| {
-                    let (these, those) = (&needs[earlier], &needs[later]);
-                    these
-                        .iter()
-                        .any(|one| those.iter().any(|other| one.excludes(world, other)))
+                let excludes = |one: &Needs, later: usize| {
+                    let mut those = needs[later].iter();
+                    match self.facts[later] {
+                        GoalFact::Choice(_) => those.all(|other| one.excludes(world, other)),
+                        _ => those.any(|other| one.excludes(world, other)),
+                    }
                 };
-                kept[earlier] = !(range.end..self.facts.len()).any(excludes);
+                let lasts = |leaf: usize| {
+                    let one = &needs[earlier][leaf];
+                    !(range.end..self.facts.len()).any(|later| excludes(one, later))
+                };
+                kept[earlier] = match &self.facts[earlier] {
+                    GoalFact::Choice(choice) => choice.is_possible(&lasts),
+                    _ => (0..needs[earlier].len()).all(lasts),
+                };
             }
         }
         kept
@@ -88,10 +102,10 @@ struct Needs<'g> {
 }
 
 impl<'g> Needs<'g> {
-    /// Returns the needs of each goal without conditions in a goal.
+    /// Returns the needs of each goal without conditions and groups in a goal.
     fn of(world: &World, fact: &'g GoalFact) -> Vec<Self> {
-        let parts = fact.parts().into_iter();
-        parts.map(|fact| Self::of_part(world, fact)).collect()
+        let leaves = fact.leaves().into_iter();
+        leaves.map(|fact| Self::of_part(world, fact)).collect()
     }
 
     fn of_part(world: &World, fact: &'g GoalFact) -> Self {
