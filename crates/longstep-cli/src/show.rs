@@ -50,6 +50,10 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
             changes(before, &ending.environment_after);
         }
     }
+    let groups: Vec<String> = answer.groups.iter().map(|group| group.says.clone()).collect();
+    list("Groups", &groups);
+    let chosen: Vec<String> = answer.choices.iter().flat_map(|choice| choice.says.clone()).collect();
+    list("Chosen", &chosen);
     list("Assumptions", &answer.assumptions);
     let differing: Vec<String> = answer
         .claims

@@ -8,14 +8,14 @@ from functools import lru_cache
 from pathlib import Path
 from random import Random
 
-from . import domains, hidden, plans, render, scenes, words
+from . import domains, groups, hidden, plans, render, scenes, words
 from .plan import read
 from .walk import OverBound
 from .world import World
 
-CLASSES = ["flat", "tree", "lanes", "hidden", "claims", "domain", "solve", "order"]
+CLASSES = ["flat", "tree", "lanes", "hidden", "claims", "domain", "solve", "order", "groups"]
 # How often each class comes when all are asked for.
-SHARES = {"flat": 18, "tree": 24, "lanes": 10, "hidden": 16, "claims": 14, "domain": 14, "solve": 4, "order": 4}
+SHARES = {"flat": 18, "tree": 24, "lanes": 10, "hidden": 16, "claims": 14, "domain": 14, "solve": 4, "order": 4, "groups": 4}
 # Cases in one world, and worlds in one random domain.
 PER_WORLD, PER_DOMAIN = 5, 2
 SCENES = {
@@ -65,7 +65,7 @@ class Case:
         for number, goal in enumerate(self.goals):
             parts.append(("then " if number in self.stages else "") + self.goal_text(*goal))
         for word, subject in self.constraints:
-            written = render.written(self.world(), subject) if word == "untouched" else self.goal_text(*subject)
+            written = self.argument_text(subject) if word == "untouched" else self.goal_text(*subject)
             parts.append(f"untouched({written})" if word == "untouched" else f"{word} {written}")
         return parts
 
@@ -73,8 +73,12 @@ class Case:
         """A goal in the words of `longstep solve --goal`."""
         text = form
         for (name, _), value in zip(words.load(self.domain).goals[form].parameters, arguments):
-            text = text.replace("{" + name[1:] + "}", render.written(self.world(), value))
+            text = text.replace("{" + name[1:] + "}", self.argument_text(value))
         return text
+
+    def argument_text(self, value) -> str:
+        """An entity, or a group, in the words of `longstep solve --goal`."""
+        return value.text(self.world()) if isinstance(value, groups.Group) else render.written(self.world(), value)
 
     def changed(self, **parts) -> "Case":
         """The case with some of its parts replaced."""
@@ -116,7 +120,7 @@ class Source:
     def batch(self) -> list[Case]:
         """The cases of this seed: one class, one domain, one or more worlds."""
         kind = self.random.choices(self.kinds, [SHARES[name] for name in self.kinds])[0]
-        if kind == "domain" or (kind in ("solve", "order") and self.random.random() < 0.5):
+        if kind == "domain" or (kind in ("solve", "order", "groups") and self.random.random() < 0.5):
             folder = self.folder / f"domain-{self.seed}"
             domain = str(domains.write(folder, self.random, sensing=kind == "domain" and self.random.random() < 0.5))
             return [case for _ in range(PER_DOMAIN) for case in self.in_world(kind, domain, scenes.any_domain)]
@@ -137,10 +141,12 @@ class Source:
         """Cases of a class in one random world."""
         loaded = words.load(domain)
         environment = scene(self.random, loaded)
+        if kind == "groups":
+            environment = json.loads(groups.several(json.dumps(environment), environment["objects"], self.random))
         world = shared_world(domain, json.dumps(environment), frozenset())
         if world.broken("start", world.initial):
             return
-        if kind in ("solve", "order"):
+        if kind in ("solve", "order", "groups"):
             yield from self.goals(kind, domain, environment, world)
             return
         grower = plans.Grower(world, self.random)
@@ -216,6 +222,12 @@ class Source:
             return [world.initial]
         return sorted(endings, key=sorted) or [world.initial]
 
+    def grouped(self, grouper: groups.Grouper, word: str, subject):
+        """The subject of a constraint with groups."""
+        if word == "untouched":
+            return grouper.group(subject)
+        return grouper.goal(subject)
+
     def damage_claim(self, facts: set, world: World) -> None:
         """Takes a fact out of a claim, puts one in, or moves one elsewhere."""
         fact = plans.Grower.fact_of(world, self.random)
@@ -251,5 +263,9 @@ class Source:
                 word = self.random.choice(["never", "never", "always", "untouched"])
                 entities = [name for name in world.types if name not in dict(world.words.pddl.constants)]
                 constraints.append((word, self.random.choice(entities if word == "untouched" else options)))
+            if kind == "groups":
+                grouper = groups.Grouper(world, self.random)
+                chosen = [grouper.goal(goal) for goal in chosen]
+                constraints = [(word, self.grouped(grouper, word, subject)) for word, subject in constraints]
             yield Case(kind, self.seed, domain, environment, goals=chosen, stages=stages, constraints=constraints)
 

@@ -3,7 +3,7 @@
 import copy
 from dataclasses import dataclass
 
-from . import hidden, order, plans, search
+from . import groups, hidden, order, plans, search
 from .cases import Case
 from .claims import kept
 from .judge import Judge
@@ -41,6 +41,11 @@ def compare(case: Case, answer: dict, faults: frozenset = frozenset()) -> Compar
     if "can hold in no state" in answer.get("error", ""):
         # A constraint that forbids nothing is refused.
         return Comparison(over=True)
+    if case.kind == "groups":
+        try:
+            case = groups.expanded(case.world(faults), case)
+        except groups.Refused:
+            return Comparison(None if "error" in answer else f"groups: {answer['status']} there, an error here")
     if "error" in answer:
         return Comparison(f"cannot be read: {answer['error']}")
     world = case.world(faults)
@@ -53,7 +58,7 @@ def compare(case: Case, answer: dict, faults: frozenset = frozenset()) -> Compar
 def compare_search(case: Case, world: World, answer: dict) -> Comparison:
     """Compares the length of a shortest plan, and simulates the one that was found."""
     status = answer["status"]
-    if case.kind == "order":
+    if case.kind in ("order", "groups"):
         own = order.shortest(world, case, answer.get("stages", []))
     else:
         own = search.shortest(world, case.goals)
@@ -65,7 +70,7 @@ def compare_search(case: Case, world: World, answer: dict) -> Comparison:
     if status == "verified" and own:
         plan = read({"task_cohesion": flat_of(answer)}, world)
         result = simulate(plan, world, arguments_of(plan, answer))
-        if case.kind == "order" and not order.fulfilled(world, case, answer):
+        if case.kind in ("order", "groups") and not order.fulfilled(world, case, answer):
             return Comparison("search: the plan that was found does not keep the order or a constraint")
         wrong = {violation for violation in result.violations if violation != ("rule", None)}
         if wrong:

@@ -4,12 +4,15 @@ Two decisions are the program's and are taken from its answer, since they say wh
 goal of an earlier stage has to hold at the end (`kept`), and whether one of a later stage has to be achieved anew (`anew`).
 """
 
+from .groups import Choice
 from .search import LIMIT, OVER, UNSOLVABLE, Compiler, at_end
 from .world import GroundAction, World, holds, join, negate
 
 
-def bound(world: World, form: str, arguments: tuple[str, ...]):
+def bound(world: World, form: str | Choice, arguments: tuple[str, ...]):
     """The condition of a goal."""
+    if isinstance(form, Choice):
+        return form.condition(world, bound)
     goal = world.words.goals[form]
     return world.ground(goal.condition, dict(zip((name for name, _ in goal.parameters), arguments)))
 
@@ -54,7 +57,8 @@ def constraints(world: World, case) -> tuple[list, set[str]]:
 
 def waiving(case) -> list:
     """The goals that set rules aside: what is wanted, and what has always to be so."""
-    return case.goals + [subject for word, subject in case.constraints if word == "always"]
+    goals = case.goals + [subject for word, subject in case.constraints if word == "always"]
+    return [own for goal in goals for own in ([each for _, each in goal[0].goals] if isinstance(goal[0], Choice) else [goal])]
 
 
 def final(world: World, case, flags: list[dict]):

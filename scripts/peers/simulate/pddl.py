@@ -107,6 +107,10 @@ class Pddl:
     predicates: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
     actions: dict[str, Action] = field(default_factory=dict)
 
+    def type_names(self) -> set[str]:
+        """The names of all types."""
+        return {"object", *self.parents, *self.parents.values()}
+
     def is_a(self, kind: str, wanted: str) -> bool:
         """True if every entity of type `kind` is of type `wanted`."""
         while kind != wanted and kind in self.parents:

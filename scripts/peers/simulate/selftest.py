@@ -26,6 +26,7 @@ SHOWS_IN = {
     "no-sync": ["lanes"],
     "no-hidden-choice": ["hidden"],
     "equality": ["domain"],
+    "forgetful": ["groups"],
     "longer": ["solve"],
 }
 

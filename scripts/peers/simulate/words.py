@@ -84,6 +84,7 @@ class Words:
     goals: dict[str, Goal]
     assumed: set[str]
     events: set[str]
+    lexicon: dict[str, list[str]]
     changing: set[str] = field(default_factory=set)
 
     def call_of(self, action: str) -> Call:
@@ -169,6 +170,7 @@ def read(domain_text: str, words_text: str) -> Words:
         goals=goals,
         assumed={entry["name"] for entry in predicates if entry.get("unknown") == "assume"},
         events={entry["name"] for entry in predicates if entry.get("event")},
+        lexicon=toml.get("lexicon", {}),
     )
     for call in calls.values():
         words.changing |= pddl.changed_predicates(call.action.effect)

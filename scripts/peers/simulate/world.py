@@ -24,6 +24,7 @@ FAULTS = {
     "no-sync": "nobody waits at a `sync`",
     "no-hidden-choice": "of several bindings of hidden arguments only the first that is applicable is tried",
     "equality": "`(= a b)` is always false",
+    "forgetful": "`all` leaves out one member of a group",
     "longer": "search costs a step more",
 }
 

@@ -3,7 +3,8 @@
 use rustc_hash::FxHashMap;
 
 use super::{GoalFact, Group, Quantifier};
-use crate::model::{Condition, Domain, EntityId, Voice, Wanted, World};
+use crate::model::{Condition, Domain, EntityId, Moment, State, Voice, Wanted, World, apply, holds};
+use crate::verify::Report;
 
 /// A goal over groups that leaves the members to search.
 ///
@@ -20,6 +21,42 @@ impl Choice {
     /// Returns the goals among which search chooses.
     pub fn alternatives(&self) -> impl Iterator<Item = &GoalFact> {
         self.goals.iter().map(|(_, goal)| goal)
+    }
+
+    /// Returns the alternatives that a plan achieves: those that hold at its end, on as many of its branches as possible, or
+    /// else in some state on the way.
+    pub fn achieved(&self, report: &Report) -> Vec<&GoalFact> {
+        let world = &report.world;
+        let domain = world.domain();
+        let wanted: Vec<(&GoalFact, Wanted)> = self
+            .alternatives()
+            .map(|goal| (goal, goal.wanted(domain, &[])))
+            .collect();
+        let holding = |states: &[State], everywhere: bool| -> Vec<&GoalFact> {
+            let is_so = |wanted: &Wanted, state: &State| {
+                holds(Moment { world, state }, &wanted.condition, &mut wanted.bindings.clone())
+            };
+            let found = wanted.iter().filter(|(_, wanted)| {
+                let mut states = states.iter();
+                if everywhere {
+                    states.all(|state| is_so(wanted, state))
+                } else {
+                    states.any(|state| is_so(wanted, state))
+                }
+            });
+            found.map(|(goal, _)| *goal).collect()
+        };
+        let endings: Vec<State> = report.endings.iter().map(|ending| ending.after.clone()).collect();
+        let mut state = world.state.clone();
+        let mut on_the_way = vec![state.clone()];
+        for step in report.plan.steps() {
+            apply(world, &mut state, domain.action(step.action), &step.arguments);
+            on_the_way.push(state.clone());
+        }
+        let mut found = [(&endings, true), (&endings, false), (&on_the_way, false)]
+            .into_iter()
+            .map(|(states, everywhere)| holding(states, everywhere));
+        found.find(|found| !found.is_empty()).unwrap_or_default()
     }
 
     /// Writes the choice in the goal language; `name` gives the name of each entity.

@@ -79,21 +79,21 @@ pub(super) fn goals(world: &World, text: &str) -> Result<Expansion, GoalError> {
     }
 }
 
-/// Returns the first reading without an error, else the first error.
+/// Returns the first reading without an error, else the first error, preferably one in a reading with known names.
 fn first(
     readings: Vec<Vec<Piece<'_>>>,
     expand: impl Fn(Vec<Piece<'_>>) -> Result<Expansion, GoalError>,
 ) -> Result<Expansion, GoalError> {
-    let mut error = None;
+    let mut errors = Vec::new();
     for pieces in readings {
         match expand(pieces) {
             Ok(expansion) => return Ok(expansion),
-            Err(found) => {
-                error.get_or_insert(found);
-            }
+            Err(error) => errors.push(error),
         }
     }
-    Err(error.unwrap_or(GoalError::Empty))
+    let is_unknown = |error: &GoalError| matches!(error, GoalError::UnknownName { .. } | GoalError::UnknownWord { .. });
+    let known = errors.iter().position(|error| !is_unknown(error));
+    Err(errors.swap_remove(known.unwrap_or(0)))
 }
 
 /// A piece of a text with groups.
@@ -299,7 +299,7 @@ impl<'t> Places<'t> {
         let domain = world.domain();
         let read = |text: &str| language::plain(world, text.strip_prefix(prefix).unwrap_or(text).trim());
         let mut leaves = self.leaves(world, &read, &|fact| fact.about(domain), &|fact| {
-            self.makes_sense(world, fact)
+            self.makes_sense(world, fact, prefix != NEVER)
         })?;
         // A state word may have the name of a goal word, which takes fewer types.
         let is_word = |(_, fact): &(Vec<EntityId>, GoalFact)| matches!(fact, GoalFact::Word { .. });
@@ -309,9 +309,10 @@ impl<'t> Places<'t> {
         Ok(leaves)
     }
 
-    /// Returns true if the members fit: into the parameters of the predicate, and for members of a whole type, into the
-    /// static conditions under which the goal is on offer.
-    fn makes_sense(&self, world: &World, fact: &GoalFact) -> bool {
+    /// Returns true if the members fit: into the parameters of the predicate, and if `offered`, for members of a whole type,
+    /// into the static conditions under which the goal is on offer. A prohibition has no such condition: it must forbid
+    /// all that it names.
+    fn makes_sense(&self, world: &World, fact: &GoalFact, offered: bool) -> bool {
         let domain = world.domain();
         match fact {
             GoalFact::Plain(fact) => {
@@ -320,11 +321,16 @@ impl<'t> Places<'t> {
                 places.all(|(argument, parameter)| world.is_of_kind(argument, parameter.kind))
             }
             // Entities that were named are meant, whether or not it is possible.
-            GoalFact::Word { word, arguments } if self.groups.iter().any(|group| group.is_of_type(domain)) => {
+            GoalFact::Word { word, arguments } if offered && self.is_of_type(world) => {
                 possibly(world, &domain.goal_word(*word).offered, &mut arguments.clone())
             }
             _ => true,
         }
+    }
+
+    /// Returns true if a group has the kind of a type.
+    fn is_of_type(&self, world: &World) -> bool {
+        self.groups.iter().any(|group| group.is_of_type(world.domain()))
     }
 
     /// Refuses `all` of a name if the goal leaves a member out: none may be forgotten.
@@ -440,11 +446,13 @@ impl<'t> Places<'t> {
         })
     }
 
-    /// Reads the constraint for each combination; a prohibition of what can hold in no state is left out.
+    /// Reads the constraint for each combination. Those about what can hold in no state are left out, since they constrain
+    /// nothing.
     fn constraint_leaves(&self, world: &World) -> Result<Vec<Constraint>, GoalError> {
         let domain = world.domain();
+        let typed = self.is_of_type(world);
         let read = |text: &str| match Constraint::read(world, text) {
-            Err(error @ GoalError::NeverHolds { .. }) if text.starts_with(NEVER) => Ok(Err(error)),
+            Err(error @ GoalError::NeverHolds { .. }) if typed || text.starts_with(NEVER) => Ok(Err(error)),
             Ok(Some(constraint)) => Ok(Ok(constraint)),
             Ok(None) => Err(GoalError::NotARule { part: text.to_owned() }),
             Err(error) => Err(error),
@@ -452,7 +460,7 @@ impl<'t> Places<'t> {
         let about =
             |own: &Result<Constraint, GoalError>| own.as_ref().map_or_else(|_| Vec::new(), |own| own.about(domain));
         let fits = |own: &Result<Constraint, GoalError>| match own {
-            Ok(Constraint::State { fact, .. }) => self.makes_sense(world, fact),
+            Ok(Constraint::State { fact, .. }) => self.makes_sense(world, fact, false),
             _ => true,
         };
         let leaves = self.leaves(world, &read, &about, &fits)?;

@@ -173,7 +173,7 @@ impl Group {
     }
 
     /// Returns true if the kind is a type of the domain, and no name of entities.
-    pub(super) fn is_of_type(&self, domain: &Domain) -> bool {
+    pub fn is_of_type(&self, domain: &Domain) -> bool {
         type_of(domain, &self.kind).is_some()
     }
 

@@ -393,10 +393,12 @@ pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
                     arguments,
                 });
             }
-            // Several forms of one word may match; the first error is the clearest.
-            Err(found) => {
-                error.get_or_insert(found);
-            }
+            // Several forms of one word may match; the first error is the clearest, and best one in a form with known names.
+            Err(found) => match &error {
+                Some(GoalError::UnknownName { .. }) if matches!(found, GoalError::WrongType { .. }) => error = Some(found),
+                Some(_) => {}
+                None => error = Some(found),
+            },
         }
     }
     if let Some(fact) = state(world, part)? {

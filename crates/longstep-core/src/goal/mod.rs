@@ -8,6 +8,8 @@ mod conditional;
 mod constraint;
 mod expansion;
 mod group;
+#[cfg(test)]
+mod group_tests;
 mod language;
 mod partial_answer;
 mod stages;
@@ -68,10 +70,12 @@ pub struct GroupedPart {
     pub text: String,
     /// The groups with their members.
     pub groups: Vec<Group>,
+    /// The number of the stage, from 0.
+    stage: usize,
     /// The goals that it stands for.
-    facts: Vec<GoalFact>,
+    pub facts: Vec<GoalFact>,
     /// The constraints that it stands for.
-    constraints: Vec<Constraint>,
+    pub constraints: Vec<Constraint>,
 }
 
 impl From<Vec<GoalFact>> for Goal {
@@ -230,10 +234,13 @@ impl Goal {
     /// there.
     pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Goal> {
         let mut goal = Goal::default();
-        for range in self.ranges() {
-            goal.begin_stage();
+        for (stage, range) in self.ranges().enumerate() {
+            if stage > 0 {
+                goal.begin_stage();
+            }
             for fact in &self.facts[range] {
-                match self.groups.iter().find(|part| part.facts.contains(fact)) {
+                let stands_for = |part: &&GroupedPart| part.stage == stage && part.facts.contains(fact);
+                match self.groups.iter().find(stands_for) {
                     Some(part) => goal.add(&part.text, language::part(to, &part.text).ok()?),
                     None => goal.push(fact.carried(domain, from, to)?),
                 }
@@ -247,6 +254,20 @@ impl Goal {
         }
         goal.end_stages();
         Some(goal)
+    }
+
+    /// Returns the part with groups from which a goal comes, if it comes from one.
+    pub fn grouped_part(&self, fact: &GoalFact) -> Option<&GroupedPart> {
+        self.groups.iter().find(|part| part.facts.contains(fact))
+    }
+
+    /// Iterates over the choices among the goals, those in the branches of conditional goals included.
+    pub fn choices(&self) -> impl Iterator<Item = &Choice> {
+        let parts = self.facts.iter().flat_map(GoalFact::parts);
+        parts.filter_map(|part| match part {
+            GoalFact::Choice(choice) => Some(choice),
+            _ => None,
+        })
     }
 
     /// Begins a stage, unless nothing has been added since the last one began.
@@ -268,11 +289,13 @@ impl Goal {
             constraints,
             groups,
         } = part;
-        let known = |part: &GroupedPart| part.text == text && part.facts == facts && part.constraints == constraints;
+        let stage = self.stages.len();
+        let known = |part: &GroupedPart| part.text == text && part.stage == stage;
         if !groups.is_empty() && !self.groups.iter().any(known) {
             self.groups.push(GroupedPart {
                 text: text.to_owned(),
                 groups,
+                stage,
                 facts: facts.clone(),
                 constraints: constraints.clone(),
             });

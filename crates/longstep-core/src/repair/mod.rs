@@ -25,7 +25,7 @@ use crate::effort;
 use crate::model::Domain;
 use crate::model::{EntityId, Fact, World};
 use crate::plan::{Plan, Resolved};
-use crate::search::{Found, Requirements, Scope, cheapest, greedy, reduce};
+use crate::search::{Found, Limits, Requirements, Scope, WhyNot, cheapest, greedy, reduce, why_not};
 use crate::verify::{Purpose, VerifiedPlan, Violation, bind_as_far, check};
 
 /// Maximum number of evaluated states for the cheapest repair, and again for any repair. Counting states makes the
@@ -129,6 +129,31 @@ pub fn repair_pinned(world: &World, draft: &Resolved, purpose: &Purpose, pins: &
         },
         outcome => outcome,
     }
+}
+
+/// Finds the reasons why no plan keeps the rules and achieves what the draft claims, after [`repair`] has proven it.
+/// Empty for a draft with branches.
+pub fn why_unsolvable(world: &World, draft: &Resolved, purpose: &Purpose) -> WhyNot {
+    let world = &*purpose.world(world);
+    if !draft.is_sequence() {
+        return WhyNot::default();
+    }
+    let meant = effort::within(EFFORT, || {
+        let steps: Vec<_> = draft.steps.iter().flatten().cloned().collect();
+        let bound = bind_as_far(world, &steps, &draft.objects, purpose.claim.as_ref());
+        let report = check(world, Plan::sequence(bound.steps), purpose);
+        target::meant(world, draft, purpose, &report.ending().after)
+    });
+    if meant.exhausted {
+        return WhyNot::default();
+    }
+    let purpose = Purpose {
+        wanted: meant.result.required,
+        prohibitions: Vec::new(),
+        claim: None,
+        ..purpose.clone()
+    };
+    why_not(world, &purpose, &Limits::default())
 }
 
 fn repair_within(limit: usize, world: &World, draft: &Resolved, purpose: &Purpose, pins: &Pins) -> RepairOutcome {

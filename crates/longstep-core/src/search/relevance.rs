@@ -50,41 +50,94 @@ pub(super) fn index(literal: Literal) -> usize {
     literal.fact as usize * 2 + usize::from(literal.holds)
 }
 
+/// Maximum number of disjunctions of rules for which operators are removed, each of which takes one reachability analysis.
+const DISJUNCTIONS: usize = 32;
+
 /// Removes the operators that break a rule whenever they are applied. A rule that holds in the initial state holds in every
 /// state, so an operator that always makes one of its conjuncts false leads nowhere. Returns true if there were any.
 fn keep_allowed(task: &mut Task) -> bool {
     let initially = |literal: Literal| task.initial[literal.fact as usize] == literal.holds;
     let mut kept: FxHashSet<Literal> = FxHashSet::default();
+    let mut disjunctions: Vec<Vec<Formula>> = Vec::new();
     for rule in task.always.iter().filter(|rule| rule.holds(&initially)) {
         let conjuncts = match rule {
             Formula::And(parts) => parts.as_slice(),
             other => std::slice::from_ref(other),
         };
-        kept.extend(conjuncts.iter().filter_map(|part| match part {
-            Formula::Literal(literal) => Some(*literal),
-            _ => None,
-        }));
-    }
-    if kept.is_empty() {
-        return false;
+        for part in conjuncts {
+            match part {
+                Formula::Literal(literal) => drop(kept.insert(*literal)),
+                Formula::Or(parts) => disjunctions.push(parts.clone()),
+                Formula::And(_) => {}
+            }
+        }
     }
     let before = task.operators.len();
     task.operators.retain(|operator| {
-        let sets = |literal: Literal| {
-            let mut effects = operator.effects.iter();
-            effects.any(|effect| effect.literal == literal && effect.condition.is_true())
-        };
-        let breaks = |literal: Literal| {
-            // As in PDDL, a fact that is both deleted and added holds afterwards.
-            sets(opposite(literal))
-                && !(literal.holds && operator.effects.iter().any(|effect| effect.literal == literal))
-        };
         !operator.effects.iter().any(|effect| {
             let literal = opposite(effect.literal);
-            kept.contains(&literal) && breaks(literal)
+            kept.contains(&literal) && breaks(operator, literal)
         })
     });
+    // Prohibitions come after the rules of the domain.
+    disjunctions
+        .iter()
+        .rev()
+        .take(DISJUNCTIONS)
+        .for_each(|parts| keep_disjunction(task, parts));
     task.operators.len() < before
+}
+
+/// Returns true if the operator makes the literal false whenever it is applied.
+fn breaks(operator: &Operator, literal: Literal) -> bool {
+    let mut effects = operator.effects.iter();
+    effects.any(|effect| effect.literal == opposite(literal) && effect.condition.is_true())
+        // As in PDDL, a fact that is both deleted and added holds afterwards.
+        && !(literal.holds && operator.effects.iter().any(|effect| effect.literal == literal))
+}
+
+/// Removes the operators that break the only part of a disjunction that can be true, if the disjunction must stay true.
+///
+/// Let one part hold initially. The operators that always break it, and change no fact of another part, are left out. If
+/// no other part is reachable without them, then no plan can use them: the first one in a plan would leave every part
+/// false.
+fn keep_disjunction(task: &mut Task, parts: &[Formula]) {
+    let initially = |literal: Literal| task.initial[literal.fact as usize] == literal.holds;
+    let mut holding = (0..parts.len()).filter(|index| parts[*index].holds(&initially));
+    let (Some(own), None) = (holding.next(), holding.next()) else {
+        return;
+    };
+    let mut others: FxHashSet<Literal> = FxHashSet::default();
+    for other in parts.iter().enumerate().filter(|(index, _)| *index != own) {
+        other.1.for_each(&mut |literal| drop(others.insert(literal)));
+    }
+    let conjuncts = match &parts[own] {
+        Formula::And(conjuncts) => conjuncts.as_slice(),
+        other => std::slice::from_ref(other),
+    };
+    let leads_nowhere = |operator: &Operator| {
+        let changes_another = || operator.effects.iter().any(|effect| others.contains(&effect.literal));
+        let mut literals = conjuncts.iter().filter_map(|part| match part {
+            Formula::Literal(literal) => Some(*literal),
+            _ => None,
+        });
+        literals.any(|literal| breaks(operator, literal)) && !changes_another()
+    };
+    let (without, removed): (Vec<Operator>, Vec<Operator>) = task
+        .operators
+        .iter()
+        .cloned()
+        .partition(|operator| !leads_nowhere(operator));
+    if removed.is_empty() {
+        return;
+    }
+    let (reached, _) = relaxed(&task.initial, &without, task.units());
+    let is_reached = |literal: Literal| reached[index(literal)];
+    let mut others = parts.iter().enumerate().filter(|(index, _)| *index != own);
+    // An analysis that ran out of budget has not reached everything.
+    if !effort::is_exhausted() && !others.any(|(_, part)| part.holds(&is_reached)) {
+        task.operators = without;
+    }
 }
 
 /// Keeps the operators that are reachable in the delete relaxation.

@@ -13,7 +13,8 @@ const ANY: &str = "a an";
 /// Returns none if the reference is clear or the choice makes no difference.
 pub(super) fn which(world: &World, spoken: &Spoken, goal: &Goal) -> Option<String> {
     let domain = world.domain();
-    let facts = goal.facts.iter().filter(|fact| matches!(fact, GoalFact::Word { .. }));
+    let is_open = |fact: &&GoalFact| matches!(fact, GoalFact::Word { .. }) && goal.grouped_part(fact).is_none();
+    let facts = goal.facts.iter().filter(is_open);
     for fact in facts {
         let GoalFact::Word { word, arguments } = fact else {
             continue;

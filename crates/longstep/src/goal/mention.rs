@@ -9,7 +9,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::ambiguous::which;
 use super::depends::{Clauses, is_word_of_outcomes};
 use super::negated::asserted;
-use super::{Conditional, Goal, GoalFact};
+use super::{Conditional, Goal, GoalFact, Group};
 use crate::effort;
 use crate::environment::{EntityId, World};
 use crate::model::{base_name, ends_with, head, plain_words, singular};
@@ -382,17 +382,31 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
     let meant = &spoken.entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
-        GoalFact::Plain(_) | GoalFact::If(_) => None,
+        GoalFact::Plain(_) | GoalFact::If(_) | GoalFact::Choice(_) => None,
     };
-    let about_it = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
+    let is_meant = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
+    // A type of the domain is no word of the instruction.
+    let of_type = |groups: &[Group]| groups.iter().any(|group| group.is_of_type(domain));
+    let about_it = |fact: &GoalFact| match fact {
+        GoalFact::Choice(choice) => of_type(&choice.groups) || choice.alternatives().any(is_meant),
+        other => is_meant(other),
+    };
     let about = |fact: &GoalFact| fact.parts().into_iter().all(about_it);
     if goal.is_empty() {
         return Understanding::Question("What should I do?".to_owned());
     }
-    // Without one of its parts, an order or a prohibition would mean something else.
-    if !goal.stages.is_empty() || !goal.constraints.is_empty() {
+    // Without one of its parts, an order, a prohibition or a group would mean something else.
+    if !goal.stages.is_empty() || !goal.constraints.is_empty() || !goal.groups.is_empty() {
+        let about = |fact: &GoalFact| match goal.grouped_part(fact) {
+            Some(part) => of_type(&part.groups) || part.facts.iter().any(about),
+            None => about(fact),
+        };
         if goal.facts.iter().all(about) {
-            return Understanding::Goal(goal, Vec::new());
+            let asks = goal.stages.is_empty() && goal.constraints.is_empty() && !spoken.later;
+            return match asks.then(|| which(world, spoken, &goal)).flatten() {
+                Some(question) => Understanding::Question(question),
+                None => Understanding::Goal(goal, Vec::new()),
+            };
         }
         let guess = goal.sentences(world).join("; ");
         return Understanding::Question(format!("I am not sure what you want. Do you mean: {guess}?"));

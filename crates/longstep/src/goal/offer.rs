@@ -484,6 +484,7 @@ fn disturbs(domain: &Domain, fact: &GoalFact, entity: EntityId) -> bool {
             .any(|parameter| arguments[*parameter] == entity),
         GoalFact::Plain(_) => false,
         GoalFact::If(_) => fact.parts().into_iter().any(|part| disturbs(domain, part, entity)),
+        GoalFact::Choice(choice) => choice.alternatives().any(|part| disturbs(domain, part, entity)),
     }
 }
 

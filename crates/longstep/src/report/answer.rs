@@ -6,7 +6,7 @@ use longstep_core::model::entries_of;
 use serde::Serialize;
 
 use crate::environment::{self, Claim, Environment, State, Voice, World};
-use crate::goal::{Goal, LeftOut};
+use crate::goal::{Goal, GoalFact, Group, LeftOut};
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
 use crate::repair::Edit;
 use crate::schedule::Compacted;
@@ -64,6 +64,12 @@ pub struct Answer {
     pub steps: Vec<StepAnswer>,
     /// The goal of the plan, with identifiers of the environment.
     pub goal: Vec<String>,
+    /// The groups in the goal as it was written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<GroupAnswer>,
+    /// The goals that left a choice, with what the plan chose.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<ChoiceAnswer>,
     /// The edits of a repair, in plan order.
     pub edits: Vec<EditAnswer>,
     /// The violations of the plan.
@@ -81,6 +87,43 @@ pub struct Answer {
     /// The plan as text lines.
     #[serde(skip)]
     pub outline: Vec<OutlineLine>,
+}
+
+/// A group in a goal, and the entities that it stands for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct GroupAnswer {
+    /// The group in the goal language, with identifiers: `all plate where on_something(<table>)`.
+    pub group: String,
+    /// Identifiers of the members.
+    pub members: Vec<String>,
+    /// The group and its members for people.
+    pub says: String,
+}
+
+impl GroupAnswer {
+    fn of(world: &World, group: &Group) -> Self {
+        let (voice, members) = (Voice::Person, group.members.iter());
+        Self {
+            group: group.exact(world),
+            members: members.map(|id| world.entity(*id).identifier.clone()).collect(),
+            says: format!(
+                "{}: {}",
+                group.sentence_in(voice, world),
+                group.members_in(voice, world)
+            ),
+        }
+    }
+}
+
+/// A goal that left a choice, and what the plan chose.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ChoiceAnswer {
+    /// The goal in the goal language, with identifiers: `put(any cup, <table>)`.
+    pub goal: String,
+    /// The goals that the plan achieves for it: `put(<cup_2>, <table>)`.
+    pub chosen: Vec<String>,
+    /// The chosen goals for people.
+    pub says: Vec<String>,
 }
 
 /// An edit of a repair.
@@ -231,6 +274,8 @@ impl Answer {
             },
             steps: Vec::new(),
             goal: Vec::new(),
+            groups: Vec::new(),
+            choices: Vec::new(),
             edits: Vec::new(),
             violations: Vec::new(),
             claims: Claims::default(),
@@ -274,9 +319,30 @@ impl Answer {
             .map(|warning| warning.message(world, report.plan.steps(), goal))
             .collect();
         if let Some(goal) = goal {
-            answer.goal = goal.exact(world);
+            answer.set_goal(world, goal);
+            let choices = goal.choices().map(|choice| {
+                let chosen = choice.achieved(report);
+                ChoiceAnswer {
+                    goal: GoalFact::Choice(choice.clone()).exact(world),
+                    chosen: chosen.iter().map(|goal| goal.exact(world)).collect(),
+                    says: chosen.iter().map(|goal| goal.sentence(world)).collect(),
+                }
+            });
+            answer.choices = choices.collect();
         }
         answer
+    }
+
+    /// Sets the goal and its groups.
+    pub(super) fn set_goal(&mut self, world: &World, goal: &Goal) {
+        self.goal = goal.exact(world);
+        self.groups.clear();
+        for group in goal.groups.iter().flat_map(|part| &part.groups) {
+            let group = GroupAnswer::of(world, group);
+            if !self.groups.contains(&group) {
+                self.groups.push(group);
+            }
+        }
     }
 
     /// Creates the answer for a plan that cannot be simulated because its steps cannot be resolved. `calls` are the

@@ -4,11 +4,12 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use super::feedback::feedback;
+use super::solution::reasons;
 use super::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::environment::{Claim, Voice, World};
 use crate::goal::Spoken;
 use crate::plan::{self, PlanFile, Resolved, resolve};
-use crate::repair::{Pins, RepairOutcome, Repaired, repair_pinned};
+use crate::repair::{Pins, RepairOutcome, Repaired, repair_pinned, why_unsolvable};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
 
 /// Maximum number of edits that a hint lists; more are only counted.
@@ -210,7 +211,11 @@ impl<'a> Assessment<'a> {
                 let note = format!("not repaired, since that would be guessing: {why}");
                 answer.notes.push(note);
             }
-            RepairOutcome::ProvenUnsolvable { .. } => answer.status = Status::Unsolvable,
+            RepairOutcome::ProvenUnsolvable { .. } => {
+                answer.status = Status::Unsolvable;
+                let why = why_unsolvable(world, &self.resolved, &self.purpose);
+                answer.notes.extend(reasons(world, None, &why));
+            }
             RepairOutcome::GaveUp { why, .. } => {
                 answer.status = Status::GaveUp;
                 answer.notes.push(why.clone());

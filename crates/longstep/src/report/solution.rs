@@ -33,7 +33,7 @@ pub struct Solution {
 pub fn of_goal(world: &World, goal: &Goal, summary: &str, limits: &Limits, now: Stopwatch) -> Solution {
     let purpose = goal.purpose(world);
     let mut solution = of_purpose(world, &purpose, Some(goal), summary, limits, now);
-    solution.answer.goal = goal.exact(world);
+    solution.answer.set_goal(world, goal);
     solution
 }
 
@@ -86,7 +86,7 @@ pub fn of_purpose(
 }
 
 /// Writes the reasons why there is no plan as sentences.
-fn reasons(world: &World, goal: Option<&Goal>, why: &WhyNot) -> Vec<String> {
+pub(super) fn reasons(world: &World, goal: Option<&Goal>, why: &WhyNot) -> Vec<String> {
     let mut reasons = Vec::new();
     match &why.prohibitions[..] {
         [] => {}

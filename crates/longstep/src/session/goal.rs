@@ -122,7 +122,8 @@ impl Session {
                     Some(Understanding::Question(question)) => {
                         self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
                     }
-                    // Unreachable: each entity of the part exists in the whole world.
+                    // Each entity of the part exists in the whole world, but a group may have members there for which the
+                    // goal makes no sense.
                     None => self.give_up(turn, Failure::Reply(DialogueError::Refused)),
                 }
             }

@@ -60,6 +60,42 @@ fn a_rule_binds_every_plan_until_it_is_lifted() {
 }
 
 #[test]
+fn groups_of_a_model_are_expanded_and_shown() {
+    let mut session = session(Settings::default());
+    session.add_rule("untouched(all ruler)").unwrap();
+    let text = "put(all item where on_something(desk) except ruler, shelf)";
+    answered(&mut session, "put everything on the desk but the ruler on the shelf", &goals(&[text]));
+    let Response::Plan(proposal) = session.response() else {
+        panic!("{:?}", session.response())
+    };
+    let answer = &proposal.answer;
+    assert_eq!(answer.goal, ["put(<pen>, <shelf>)"]);
+    assert_eq!(
+        answer.groups[0].group,
+        "all item where on_something(<desk>) except <ruler>"
+    );
+    assert_eq!(answer.groups[0].says, "each item (it is on the desk) except the ruler: the pen");
+    let text = "put(any item, shelf)";
+    answered(&mut session, "put any item on the shelf", &goals(&[text]));
+    let Response::Plan(proposal) = session.response() else {
+        panic!("{:?}", session.response())
+    };
+    assert_eq!(proposal.answer.goal, ["put(any item, <shelf>)"]);
+    assert_eq!(proposal.answer.choices[0].chosen, ["put(<pen>, <shelf>)"]);
+}
+
+#[test]
+fn a_plan_that_cannot_be_repaired_has_a_reason() {
+    let world = environment::parse(&household(), "scene", SCENE).unwrap();
+    let rules = longstep_core::goal::rules(&world, "untouched(pen)").unwrap();
+    let world = world.with_prohibitions(rules);
+    let draft = longstep_core::plan::read(&pen_plan(&MOVE_PEN, "shelf")).unwrap();
+    let answer = crate::report::Assessment::new(&world, draft, None).repaired();
+    assert_eq!(answer.status, Status::Unsolvable);
+    assert!(answer.notes.iter().any(|note| note.contains("`untouched(<pen>)` prevents it")), "{:?}", answer.notes);
+}
+
+#[test]
 fn a_plan_that_a_model_writes_keeps_to_the_rules() {
     let mut session = session(Settings { rounds: 0, ..direct() });
     session.add_rule("untouched(pen)").unwrap();
