@@ -310,6 +310,9 @@ pub(crate) struct EvalArguments {
     /// Print the measures as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
+    /// Only check that the expected goals of the suite can be reached
+    #[arg(long, conflicts_with_all = ["replies", "recorded"])]
+    pub(crate) check: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -444,11 +447,17 @@ pub(crate) enum DomainCommand {
     Show {
         /// Name of a shipped domain, or a folder
         domain: String,
+        /// Environment file: also show its entities, their facts, and the origin of each fact
+        #[arg(long, value_name = "ENV.json")]
+        env: Option<PathBuf>,
     },
     /// Report the errors in a domain, and warnings about probable mistakes
     Check {
         /// Folder, or the name of a shipped domain
         domain: String,
+        /// Environment file: also warn about entities without a use, and about names that derivations miss
+        #[arg(long, value_name = "ENV.json")]
+        env: Option<PathBuf>,
         /// Exit with code 10 if there are warnings
         #[arg(long)]
         strict: bool,

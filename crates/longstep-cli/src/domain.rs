@@ -4,11 +4,13 @@ use std::path::Path;
 
 use anyhow::Result;
 use longstep::domain::{self, Domain, Finding};
+use longstep_core::environment::{Origin, World, fact_text};
 use longstep_core::visible;
 use longstep_llm::{domain_files, load_domain, plain_reason};
 
 use crate::arguments::DomainCommand;
 use crate::failure::{Failure, NOT_VALID};
+use crate::inputs;
 use crate::output::{self, Style, print_line};
 use crate::show;
 
@@ -20,18 +22,38 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
                 print_line!("{:16}  {}", name.bold(), domain.about);
             }
         }
-        DomainCommand::Show { domain } => describe(&load_domain(domain)?),
-        DomainCommand::Check { domain, strict, json } => return check(domain, *strict, *json),
+        DomainCommand::Show { domain, env } => {
+            let domain = load_domain(domain)?;
+            match env {
+                Some(env) => describe_world(&inputs::world(&domain, env, None)?),
+                None => describe(&domain),
+            }
+        }
+        DomainCommand::Check {
+            domain,
+            env,
+            strict,
+            json,
+        } => return check(domain, env.as_deref(), *strict, *json),
         DomainCommand::New { folder } => create(folder)?,
     }
     Ok(0)
 }
 
 /// Warnings are the result of the command and go to stdout; a fault that keeps a domain from loading is an error.
-fn check(name: &str, strict: bool, json: bool) -> Result<u8> {
+fn check(name: &str, env: Option<&Path>, strict: bool, json: bool) -> Result<u8> {
     let files = domain_files(name)?;
     let domain = domain::load(&files)?;
-    let findings = domain::lint(&domain, &files);
+    let mut findings = domain::lint(&domain, &files);
+    if let Some(env) = env {
+        let (world, text) = inputs::world_and_text(&domain, env)?;
+        findings.extend(domain::lint_environment(
+            &world,
+            &files,
+            &env.display().to_string(),
+            &text,
+        ));
+    }
     if json {
         let entries: Vec<_> = findings.iter().map(entry).collect();
         output::json(&entries)?;
@@ -102,6 +124,28 @@ fn describe(domain: &Domain) {
         .map(|word| (word.shown(), word.means.as_str()))
         .collect();
     table("Goals", &entries);
+}
+
+/// Prints every entity with its type, its names, and its facts with their origins.
+fn describe_world(world: &World) {
+    let domain = world.domain();
+    for (id, entity) in world.entities() {
+        if id.index() > 0 {
+            output::blank();
+        }
+        let kind = domain.types.name(entity.kind);
+        let others = entity.names.iter().filter(|name| **name != entity.name);
+        let others: Vec<&str> = others.map(String::as_str).collect();
+        print_line!("{}  {} ({kind})", entity.identifier.bold(), entity.name);
+        if !others.is_empty() {
+            print_line!("  also {}", others.join(", "));
+        }
+        for fact in world.facts_about(id) {
+            let text = fact_text(world, fact, true);
+            let origin = Origin::of(world, fact).to_string();
+            print_line!("  {text}  {}", format!("({origin})").dimmed());
+        }
+    }
 }
 
 fn table(title: &str, entries: &[(String, &str)]) {

@@ -60,6 +60,17 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
     if arguments.recorded {
         return paper_tables(arguments, name, &out);
     }
+    if arguments.check {
+        let mut load = |files: Files| -> Result<Domain> { Ok(longstep::domain::load(&files)?) };
+        let (suite, ..) = inputs::suite(arguments, name, &mut load)?;
+        check_goals(&suite)?;
+        print_line!(
+            "{}: the expected goals of all {} cases can be reached",
+            suite.name,
+            suite.cases.len()
+        );
+        return Ok(Status::Verified.exit_code());
+    }
     let recorded = arguments.replies.as_deref().map(inputs::replies).transpose()?;
     let settings = arguments.strategy.settings();
     let mut task = task(arguments, name, settings, out, recorded.as_ref())?;
@@ -80,6 +91,25 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
         return print_json(&results);
     }
     tell(&results, &task.out)
+}
+
+/// Refuses a suite with an expected goal that no plan reaches, and warns about goals for which the search gave up.
+fn check_goals(suite: &Suite) -> Result<()> {
+    let unreached = suite.unreached(&longstep::Limits::default());
+    for open in unreached.iter().filter(|one| !one.proven) {
+        remark!("warning: {open}");
+    }
+    let proven: Vec<String> = unreached
+        .iter()
+        .filter(|one| one.proven)
+        .map(ToString::to_string)
+        .collect();
+    if proven.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::unreadable(proven.join("\n"))
+        .hint("correct the goal or the scene, or expect a refusal; `longstep solve` shows more")
+        .into())
 }
 
 /// A model that is opened for each trial, with a new seed.
@@ -142,6 +172,7 @@ fn task(
         Ok(longstep::domain::load(&files)?)
     };
     let (suite, suite_sha256, domain) = inputs::suite(arguments, name, &mut load)?;
+    check_goals(&suite)?;
     let trials = match recorded {
         Some((recorded, _)) => recorded.keys().map(|(_, trial)| trial).max().unwrap_or(1),
         None => arguments.trials,

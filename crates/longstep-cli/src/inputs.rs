@@ -46,6 +46,11 @@ pub(crate) fn with_rules(mut world: World, path: Option<&Path>) -> Result<World>
 }
 
 fn bare_world(domain: &Domain, path: &Path) -> Result<World> {
+    Ok(world_and_text(domain, path)?.0)
+}
+
+/// Reads an environment file as a world of the domain, and returns the text of the file too.
+pub(crate) fn world_and_text(domain: &Domain, path: &Path) -> Result<(World, String)> {
     let text = read_text(path)?;
     let shown = path.display().to_string();
     let (environment, wrapped) = Environment::parse(&text).map_err(|error| {
@@ -57,7 +62,8 @@ fn bare_world(domain: &Domain, path: &Path) -> Result<World> {
     } else {
         json::Path::default()
     };
-    read_world(domain, &environment, &shown, &text, &inside)
+    let world = read_world(domain, &environment, &shown, &text, &inside)?;
+    Ok((world, text))
 }
 
 /// Reads an environment at the path `inside` of `text`. If it fits another shipped domain, the hint names that domain.

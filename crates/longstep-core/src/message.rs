@@ -243,7 +243,12 @@ impl Assumption {
             Self::Fact { fact, ground } => {
                 let text = fact_text(world, *fact, true);
                 match ground {
-                    AssumptionSource::Derived => format!("{text} (its name says so)"),
+                    AssumptionSource::Derived { derivation } => {
+                        match world.domain().derivations[*derivation].is_from_names() {
+                            true => format!("{text} (its name says so)"),
+                            false => format!("{text} (it follows from other facts)"),
+                        }
+                    }
                     AssumptionSource::Default => format!("{text} (usual, the environment does not say)"),
                     AssumptionSource::Unknown => format!("{text} (the environment does not say)"),
                 }
@@ -253,7 +258,7 @@ impl Assumption {
                 parameter,
                 entity,
             } => {
-                let name = world.entity(*entity).with_article();
+                let name = world.with_article(*entity);
                 format!("step {}: the {parameter} is {name} (the plan leaves it open)", step + 1)
             }
             Self::Reading { step, written, meant } => {

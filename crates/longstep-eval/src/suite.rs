@@ -5,6 +5,7 @@
 
 mod load;
 pub mod paper;
+mod reachable;
 mod shipped;
 #[cfg(test)]
 mod tests;
@@ -15,6 +16,7 @@ use longstep::goal::Goal;
 use longstep_core::environment::World;
 
 pub use load::{Files, domain_name, load};
+pub use reachable::Unreached;
 pub use shipped::{shipped, shipped_names};
 
 /// A suite of test cases for one domain.

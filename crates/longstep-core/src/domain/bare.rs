@@ -57,6 +57,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         short: None,
         event: false,
         unknown: Unknown::False,
+        complete: false,
         fluent,
         cues: Vec::new(),
         past: None,
@@ -89,6 +90,9 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         repair: RepairCosts::default(),
         values: Vec::new(),
         lexicon: Lexicon::default(),
+        article: String::new(),
+        speaker_names: Vec::new(),
+        robot_names: Vec::new(),
         implied: indexmap::IndexMap::new(),
         actions: semantics
             .actions

@@ -15,6 +15,7 @@ use super::{
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
+use crate::model::unified;
 
 /// Loads a domain from its files.
 ///
@@ -75,6 +76,9 @@ pub fn content_position<T>(text: &str, value: &Spanned<T>) -> Position {
     };
     Position::of(text, start + quotes)
 }
+
+/// The article of domains that declare none.
+const ARTICLE: &str = "the";
 
 struct Loader<'a> {
     file: &'a str,
@@ -210,9 +214,17 @@ impl Loader<'_> {
             .filter_map(|entry| {
                 let when = self.condition(&entry.when, &myself);
                 let literal = self.literal(&entry.fact, &myself)?;
+                if !literal.holds {
+                    self.report(
+                        &entry.fact,
+                        "a default is a fact that usually holds, not the lack of one",
+                    );
+                }
                 Some(DefaultFact {
                     atom: literal.atom,
                     when,
+                    written: entry.when.get_ref().clone(),
+                    line: self.line(&entry.fact),
                 })
             })
             .collect();
@@ -243,6 +255,9 @@ impl Loader<'_> {
             values,
             lexicon: Lexicon::new(file.lexicon),
             implied,
+            article: self.article(file.article.as_ref()),
+            speaker_names: self.entity_words(&file.speaker_names),
+            robot_names: self.entity_words(&file.robot_names),
         };
         data.into()
     }
@@ -278,6 +293,7 @@ impl Loader<'_> {
                     short: None,
                     event: false,
                     unknown: Unknown::False,
+                    complete: false,
                     fluent,
                     cues: Vec::new(),
                     past: None,
@@ -305,6 +321,7 @@ impl Loader<'_> {
                     UnknownEntry::False => Unknown::False,
                     UnknownEntry::Assume => Unknown::Assume,
                 },
+                complete: entry.complete,
                 fluent,
                 cues: entry.cues.iter().map(|cue| cue.to_lowercase()).collect(),
                 past: entry.past.as_ref().and_then(|past| self.past(past, predicate, entries)),
@@ -449,14 +466,61 @@ impl Loader<'_> {
         {
             self.report(pattern, "a pattern needs `{other}` in it, as in `{other}_handle`");
         }
+        let line = entry.facts.first().map_or(0, |fact| self.line(fact));
         Derivation {
             literals,
-            names: entry.names.clone(),
-            other_names: entry.other_names.clone(),
-            pattern: entry.pattern.as_ref().map(|p| p.get_ref().clone()),
+            names: self.name_endings(&entry.names),
+            other_names: self.name_endings(&entry.other_names),
+            pattern: entry.pattern.as_ref().map(|p| p.get_ref().to_lowercase()),
             when,
+            written: entry.when.as_ref().map(|when| when.get_ref().clone()),
             binary,
+            line,
         }
+    }
+
+    fn line(&self, text: &Spanned<String>) -> u32 {
+        content_position(self.text, text).line
+    }
+
+    /// Returns the names of a derivation in the form that identifiers are compared in.
+    fn name_endings(&mut self, names: &[Spanned<String>]) -> Vec<String> {
+        let mut endings = Vec::with_capacity(names.len());
+        for name in names {
+            let ending = unified(name.get_ref());
+            if ending.is_empty() {
+                self.report(name, "a name without letters matches no identifier");
+            } else {
+                endings.push(ending);
+            }
+        }
+        endings
+    }
+
+    /// Returns the article before everyday names; without one in the file it is the library's own.
+    fn article(&mut self, written: Option<&Spanned<String>>) -> String {
+        let Some(written) = written else {
+            return ARTICLE.to_owned();
+        };
+        let article = written.get_ref().trim();
+        if article.contains(char::is_whitespace) {
+            self.report(written, "an article is one word; write an empty text for none");
+        }
+        article.to_owned()
+    }
+
+    /// Returns words for the speaker or the robot, as the names of an entity.
+    fn entity_words(&mut self, words: &[Spanned<String>]) -> Vec<String> {
+        let mut names = Vec::with_capacity(words.len());
+        for word in words {
+            let name = plain_words(word.get_ref()).join(" ");
+            if name.is_empty() {
+                self.report(word, "a name without letters names nothing");
+            } else {
+                names.push(name);
+            }
+        }
+        names
     }
 }
 

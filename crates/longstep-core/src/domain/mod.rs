@@ -19,7 +19,7 @@ pub use crate::model::{
     Action, ActionId, Atom, Condition, DefaultFact, Derivation, Domain, DomainData, Effect, EnvironmentTypes,
     FormPiece, GoalWord, GoalWordId, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
     RepairCosts, Rule, RuleTime, Slot, StateWord, Template, Term, TypeId, Types, Unknown, base_name, ends_with, head,
-    plain_words, singular, with_article,
+    label, matches_name, plain_words, singular, stem,
 };
 pub use crate::model::{Decimal, OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use bare::from_pddl;

@@ -39,6 +39,11 @@ pub struct DomainFile {
     pub lexicon: IndexMap<String, Vec<String>>,
     #[serde(default)]
     pub implied: IndexMap<Text, Vec<Text>>,
+    pub article: Option<Text>,
+    #[serde(default)]
+    pub speaker_names: Vec<Text>,
+    #[serde(default)]
+    pub robot_names: Vec<Text>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -59,6 +64,8 @@ pub struct PredicateEntry {
     pub event: bool,
     #[serde(default)]
     pub unknown: UnknownEntry,
+    #[serde(default)]
+    pub complete: bool,
     #[serde(default)]
     pub cues: Vec<String>,
     pub past: Option<Text>,
@@ -105,9 +112,9 @@ pub struct PropertyEntry {
 pub struct DeriveEntry {
     pub facts: Vec<Text>,
     #[serde(default)]
-    pub names: Vec<String>,
+    pub names: Vec<Text>,
     #[serde(default)]
-    pub other_names: Vec<String>,
+    pub other_names: Vec<Text>,
     pub pattern: Option<Text>,
     pub when: Option<Text>,
 }

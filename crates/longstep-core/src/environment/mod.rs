@@ -1,6 +1,7 @@
 //! Environments: states of the world in the paper's JSON, converted to and from facts.
 
 mod claim;
+mod origin;
 mod read;
 mod subworld;
 mod successor;
@@ -12,8 +13,9 @@ mod write;
 
 pub use crate::model::{
     AssumptionSource, Bindings, Difference, Entity, EntityId, Environment, Fact, FactSet, Moment, Prohibition, State,
-    StepPattern, Voice, Words, World, differences, fact_text, holds, subject_of,
+    StepPattern, Voice, Words, World, differ, differences, distinctions, fact_text, holds, subject_of,
 };
 pub use claim::Claim;
+pub use origin::Origin;
 pub use read::{parse, read};
 pub use write::{fact_of, write};

@@ -10,12 +10,15 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use crate::effort;
 use crate::json::{self, Path};
 use crate::model::{
-    Derivation, Domain, ENTITY_LIMIT, Literal, RuleTime, TypeId, Unknown, base_name, ends_with, ground, grounded_term,
-    name_entities,
+    Domain, ENTITY_LIMIT, Literal, NameForms, RuleTime, TypeId, Unknown, ground, grounded_term, is_mark, name_entities,
+    unified,
 };
 
 /// The number of diagnostics for an environment after which further ones are dropped.
 const FINDINGS: usize = 100;
+
+/// Characters of names beside letters, digits and combining marks.
+const NAME_SIGNS: [char; 6] = [' ', '-', '\'', '\u{2019}', '.', '_'];
 
 /// Reads an environment as a world of the domain.
 ///
@@ -164,20 +167,10 @@ impl EnvironmentReader<'_> {
         }
         // An unlisted place in a state is an error below. A room may occur only in the properties, which is harmless.
         let only_names: Vec<&str> = identifiers.iter().map(|(name, _)| *name).collect();
-        if let Some(names) = &environment.names {
-            for (identifier, name) in names {
-                let path = Path::key("names").push(identifier);
-                if !by_identifier.contains_key(identifier) {
-                    self.unlisted(&path, identifier, &by_identifier);
-                }
-                let unfit = |c: char| !(c.is_alphanumeric() || matches!(c, ' ' | '-' | '\''));
-                if name.trim().is_empty() || name.contains(unfit) || name.chars().count() > 60 {
-                    let message = "a name is up to 60 letters, digits, blanks, hyphens and apostrophes";
-                    self.report(&path, message.to_owned(), None);
-                }
-            }
+        for (identifier, name) in environment.names.iter().flatten() {
+            self.given_name(identifier, name, &by_identifier);
         }
-        let entities: Vec<Entity> = name_entities(domain, &only_names, environment.names.as_ref())
+        let mut entities: Vec<Entity> = name_entities(domain, &only_names, environment.names.as_ref())
             .into_iter()
             .zip(&identifiers)
             .map(|((name, names), (identifier, kind))| Entity {
@@ -188,6 +181,21 @@ impl EnvironmentReader<'_> {
                 is_value: false,
             })
             .collect();
+        for (identifier, name) in environment.types.iter().flatten() {
+            if let Some((entity, kind)) = self.given_type(identifier, name, &entities, &by_identifier) {
+                entities[entity.index()].kind = kind;
+            }
+        }
+        for (key, identifier, names) in [
+            ("speaker", &environment.speaker, &domain.speaker_names),
+            ("robot", &environment.robot, &domain.robot_names),
+        ] {
+            let Some(identifier) = identifier else { continue };
+            match by_identifier.get(identifier) {
+                Some(entity) => entities[entity.index()].names.extend(names.iter().cloned()),
+                None => self.unlisted(&Path::key(key), identifier, &by_identifier),
+            }
+        }
         let mut world = World::new(domain, entities, environment.clone());
         self.states(&mut world, "asset_states", &environment.asset_states);
         self.states(&mut world, "object_states", &environment.object_states);
@@ -202,14 +210,16 @@ impl EnvironmentReader<'_> {
             }
         }
         let listed = world.entities.iter().take_while(|entity| !entity.is_value);
-        let bases: Vec<String> = listed.map(|entity| base_name(&entity.identifier)).collect();
-        for derivation in &domain.derivations {
-            let not = derive(derivation, &mut world, &bases, &denied, &given);
+        let forms: Vec<NameForms> = listed.map(|entity| NameForms::of(&entity.identifier)).collect();
+        let of_complete = |index: &usize| domain.predicate_words[*index].complete;
+        let complete: FxHashSet<usize> = given.iter().copied().filter(of_complete).collect();
+        for index in 0..domain.derivations.len() {
+            let not = derive(index, &mut world, &forms, &denied, &complete);
             // Properties in the environment take precedence over derivations from names.
             denied.extend(not.into_iter().filter(|fact| !world.state.holds(*fact)));
         }
         for default in &domain.defaults {
-            for index in 0..bases.len() {
+            for index in 0..forms.len() {
                 let entity = EntityId::new(index);
                 let mut bindings: Bindings = vec![entity];
                 let moment = Moment {
@@ -237,6 +247,56 @@ impl EnvironmentReader<'_> {
         }
         self.contradictions(&world);
         Some(world)
+    }
+
+    fn given_name(&mut self, identifier: &str, name: &str, known: &indexmap::IndexMap<String, EntityId>) {
+        let path = Path::key("names").push(identifier);
+        if !known.contains_key(identifier) {
+            self.unlisted(&path, identifier, known);
+        }
+        let fits = |c: char| c.is_alphanumeric() || is_mark(c) || NAME_SIGNS.contains(&c);
+        let has_letter = name.contains(char::is_alphanumeric);
+        if !has_letter || !name.chars().all(fits) || name.chars().count() > 60 {
+            let message = "a name is up to 60 letters, digits, blanks, hyphens, apostrophes, dots and underscores";
+            self.report(&path, message.to_owned(), None);
+        }
+    }
+
+    /// Returns the entity and its type, which has to be a subtype of its list's type.
+    fn given_type(
+        &mut self,
+        identifier: &str,
+        name: &str,
+        entities: &[Entity],
+        known: &indexmap::IndexMap<String, EntityId>,
+    ) -> Option<(EntityId, TypeId)> {
+        let path = Path::key("types").push(identifier);
+        let types = &self.domain.types;
+        let Some(entity) = known.get(identifier) else {
+            self.unlisted(&path, identifier, known);
+            return None;
+        };
+        let listed = entities[entity.index()].kind;
+        let is_fitting = |name: &&str| types.find(name).is_some_and(|kind| types.is_a(kind, listed));
+        let fitting: Vec<&str> = types.names().filter(is_fitting).collect();
+        let Some(kind) = types.find(name) else {
+            let hint = match nearest(name, fitting.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("types of this list are {}", fitting.join(", ")),
+            };
+            self.report(&path, format!("the domain has no type `{name}`"), Some(hint));
+            return None;
+        };
+        if !types.is_a(kind, listed) {
+            let message = format!(
+                "`{identifier}` is listed as `{}`, and `{name}` is no such type",
+                types.name(listed)
+            );
+            let hint = format!("types of this list are {}", fitting.join(", "));
+            self.report(&path, message, Some(hint));
+            return None;
+        }
+        Some((*entity, kind))
     }
 
     fn unlisted(&mut self, path: &Path, identifier: &str, known: &indexmap::IndexMap<String, EntityId>) {
@@ -319,7 +379,7 @@ impl EnvironmentReader<'_> {
         }
         let mut bindings: Bindings = vec![subject];
         for argument in &call.arguments {
-            match (world.named(argument), domain.value(argument)) {
+            match (world.exactly(argument), domain.value(argument)) {
                 (Some(entity), _) => bindings.push(entity),
                 (None, Some(Err(beyond))) => {
                     self.report(path, beyond.to_string(), None);
@@ -425,25 +485,28 @@ impl EnvironmentReader<'_> {
 
 /// Adds the derived facts to the world; returns those derived to be false, which are then not assumed as unknown.
 ///
-/// `bases` are the base names of the entities, in order.
+/// `forms` are the forms of the identifiers, in order; `complete` are the predicates of which the environment gives all
+/// facts.
 fn derive(
-    derivation: &Derivation,
+    index: usize,
     world: &mut World,
-    bases: &[String],
+    forms: &[NameForms],
     denied: &FxHashSet<Fact>,
-    given: &FxHashSet<usize>,
+    complete: &FxHashSet<usize>,
 ) -> Vec<Fact> {
+    let domain = world.domain().clone();
+    let derivation = &domain.derivations[index];
     let matching = |names: &[String]| -> Vec<EntityId> {
-        let fits = |base: &String| names.is_empty() || names.iter().any(|name| ends_with(base, name));
-        let all = bases.iter().enumerate().filter(|(_, base)| fits(base));
+        let fits = |form: &NameForms| names.is_empty() || names.iter().any(|name| form.end_with(name));
+        let all = forms.iter().enumerate().filter(|(_, form)| fits(form));
         all.map(|(index, _)| EntityId::new(index)).collect()
     };
     let subjects = matching(&derivation.names);
     let pairs: Vec<(EntityId, EntityId)> = if let Some(pattern) = &derivation.pattern {
-        let bare = |id: EntityId| world.entity(id).identifier.trim_matches(['<', '>']).to_lowercase();
+        let bare = |id: EntityId| unified(&world.entity(id).identifier);
         let named: FxHashMap<String, EntityId> = subjects.iter().map(|id| (bare(*id), *id)).collect();
         let others = matching(&derivation.other_names);
-        let pair = |other| Some((*named.get(&pattern.replace("{other}", &bare(other)))?, other));
+        let pair = |other| Some((*named.get(&unified(&pattern.replace("{other}", &bare(other))))?, other));
         others.into_iter().filter_map(pair).collect()
     } else if derivation.binary {
         let others = matching(&derivation.other_names);
@@ -472,11 +535,10 @@ fn derive(
             follows.extend(derivation.literals.iter().map(grounded));
         }
     }
-    // If an environment gives a fact of a predicate, it gives all facts of that predicate.
-    let open = |fact: &Fact| !denied.contains(fact) && !given.contains(&fact.predicate().index());
+    let open = |fact: &Fact| !denied.contains(fact) && !complete.contains(&fact.predicate().index());
     for (fact, _) in follows.iter().filter(|(fact, holds)| *holds && open(fact)) {
         if world.state.set(*fact, true) {
-            Arc::make_mut(&mut world.assumed).insert(*fact, AssumptionSource::Derived);
+            Arc::make_mut(&mut world.assumed).insert(*fact, AssumptionSource::Derived { derivation: index });
         }
     }
     follows

@@ -87,13 +87,14 @@ impl Environment {
             });
             words.filter(|(_, words)| !words.as_slice().is_empty()).collect()
         };
-        let names = |all: &IndexMap<String, String>| -> IndexMap<String, String> {
+        let texts = |all: &IndexMap<String, String>| -> IndexMap<String, String> {
             let kept = all
                 .iter()
                 .filter(|(identifier, _)| identifiers.contains(identifier.as_str()));
-            kept.map(|(identifier, name)| (identifier.clone(), name.clone()))
+            kept.map(|(identifier, text)| (identifier.clone(), text.clone()))
                 .collect()
         };
+        let kept = |identifier: &String| identifiers.contains(identifier.as_str()).then(|| identifier.clone());
         Self {
             assets: listed(&self.assets),
             asset_states: states(&self.asset_states),
@@ -101,7 +102,10 @@ impl Environment {
             object_states: states(&self.object_states),
             asset_properties: self.asset_properties.as_ref().map(states),
             object_properties: self.object_properties.as_ref().map(states),
-            names: self.names.as_ref().map(names),
+            names: self.names.as_ref().map(texts),
+            types: self.types.as_ref().map(texts),
+            speaker: self.speaker.as_ref().and_then(kept),
+            robot: self.robot.as_ref().and_then(kept),
         }
     }
 }

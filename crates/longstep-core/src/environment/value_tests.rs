@@ -137,7 +137,7 @@ fn added_values_leave_other_ids_as_they_are() {
     for (id, entity) in before.entities() {
         assert_eq!(world.entity(id).identifier, entity.identifier);
     }
-    let value = world.named("22 degC").unwrap();
+    let value = world.exactly("22 degC").unwrap();
     assert_eq!(world.entity(value).names, ["22 degC", "22 degrees", "22 °C"]);
     assert!(world.narrowed(&[]).find("180 s").is_some());
 }

@@ -72,7 +72,7 @@ pub fn fact_of(world: &World, subject: EntityId, text: &str) -> Option<Fact> {
         .find(|s| s.word == call.name && s.parameters.len() == call.arguments.len())?;
     let mut bindings = vec![subject];
     for argument in &call.arguments {
-        bindings.push(world.find(argument).or_else(|| world.named(argument))?);
+        bindings.push(world.exactly(argument)?);
     }
     Some(crate::model::ground(&word.atom, &bindings))
 }

@@ -6,8 +6,8 @@
 
 use super::constraint::{ALWAYS, NEVER};
 use super::{Choice, Constraint, GoalError, GoalFact, Group, Quantifier, language};
-use crate::effort;
 use crate::call::unquoted;
+use crate::effort;
 use crate::model::{EntityId, World};
 use crate::verify::possibly;
 
@@ -128,7 +128,7 @@ fn readings<'t>(world: &World, text: &'t str) -> Vec<Vec<Piece<'t>>> {
 
 /// Returns the start and the possible ends of the first group among the arguments of a text.
 fn first_group(world: &World, text: &str) -> Option<(usize, Vec<usize>)> {
-    let known = |name: &str| world.named(name).is_some();
+    let known = |name: &str| !world.named(name).is_empty();
     let (mut argument, mut before) = (0, ' ');
     let mut named = 0;
     // The rest of a text after a group begins within parentheses.

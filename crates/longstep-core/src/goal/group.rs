@@ -322,7 +322,7 @@ fn reasons(world: &World, of_kind: &[EntityId], conditions: &[Selector], excepti
             None if exceptions.contains(entity) => "is excepted".to_owned(),
             None => "does not fit".to_owned(),
         };
-        format!("{} {why}", world.entity(*entity).with_article())
+        format!("{} {why}", world.with_article(*entity))
     };
     let mut reasons: Vec<String> = of_kind.iter().take(SHOWN).map(reason).collect();
     if of_kind.len() > SHOWN {

@@ -7,7 +7,7 @@ use crate::call::{Call, find_unquoted, unquoted};
 use crate::diagnostic::nearest;
 use crate::model::{
     EntityId, Fact, FormPiece, GoalWord, GoalWordId, OutOfRange, Predicate, PredicateId, Prohibition, TypeId, World,
-    ground, state_word,
+    distinctions, ground, state_word,
 };
 
 /// The prefix of a question in a model's answer.
@@ -71,6 +71,28 @@ pub enum GoalError {
     NewValue {
         /// The value.
         written: String,
+    },
+    /// A name that several entities have.
+    #[error("`{name}` in `{part}` is the name of several entities: {}; write one of these names", candidates.join(", or "))]
+    SharedName {
+        /// The part of the goal.
+        part: String,
+        /// The name.
+        name: String,
+        /// The entities, each with its own name and what distinguishes it.
+        candidates: Vec<String>,
+    },
+    /// A word for the speaker or the robot, in an environment that does not say which entity that is.
+    #[error(
+        "`{name}` in `{part}` is the {key}, and the environment does not say which entity that is; add `\"{key}\": \"<identifier>\"` to it"
+    )]
+    NobodyNamed {
+        /// The part of the goal.
+        part: String,
+        /// The name.
+        name: String,
+        /// The key of the environment.
+        key: &'static str,
     },
     /// A condition that no sensing action reveals.
     #[error("`{condition}` is nothing that sensing tells here, so no goal can depend on it{}", if forms.is_empty() { String::new() } else { format!("; write {forms}") })]
@@ -395,7 +417,9 @@ pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
             }
             // Several forms of one word may match; the first error is the clearest, and best one in a form with known names.
             Err(found) => match &error {
-                Some(GoalError::UnknownName { .. }) if matches!(found, GoalError::WrongType { .. }) => error = Some(found),
+                Some(GoalError::UnknownName { .. }) if matches!(found, GoalError::WrongType { .. }) => {
+                    error = Some(found)
+                }
                 Some(_) => {}
                 None => error = Some(found),
             },
@@ -448,27 +472,39 @@ pub(super) fn entities(
     let domain = world.domain();
     let mut entities = Vec::with_capacity(names.len());
     for (name, kind) in names.iter().zip(kinds) {
-        let Some(entity) = world.named(name) else {
-            match domain.value(name) {
-                Some(Err(beyond)) => return Err(GoalError::OutOfRange(beyond)),
-                Some(Ok(value)) => return Err(GoalError::NewValue { written: value.written }),
-                None => {}
+        let named = world.named(name);
+        let fitting = named.iter().copied();
+        let fitting: Vec<EntityId> = fitting.filter(|entity| world.is_of_kind(*entity, *kind)).collect();
+        let (part, name) = (part.to_owned(), (*name).to_owned());
+        match (&fitting[..], &named[..]) {
+            ([entity], _) => entities.push(*entity),
+            ([], []) => return Err(unknown_name(world, part, name)),
+            ([], _) => {
+                let expected = domain.types.name(*kind).to_owned();
+                return Err(GoalError::WrongType { part, name, expected });
             }
-            let known = world.entities().map(|(_, entity)| entity.name.as_str());
-            return Err(GoalError::UnknownName {
-                part: part.to_owned(),
-                name: (*name).to_owned(),
-                near: nearest(name, known).map(str::to_owned),
-            });
-        };
-        if !domain.types.is_a(world.entity(entity).kind, *kind) {
-            return Err(GoalError::WrongType {
-                part: part.to_owned(),
-                name: (*name).to_owned(),
-                expected: domain.types.name(*kind).to_owned(),
-            });
+            _ => {
+                let candidates = distinctions(world, &fitting);
+                return Err(GoalError::SharedName { part, name, candidates });
+            }
         }
-        entities.push(entity);
     }
     Ok(entities)
+}
+
+fn unknown_name(world: &World, part: String, name: String) -> GoalError {
+    let domain = world.domain();
+    match domain.value(&name) {
+        Some(Err(beyond)) => return GoalError::OutOfRange(beyond),
+        Some(Ok(value)) => return GoalError::NewValue { written: value.written },
+        None => {}
+    }
+    let folded = name.to_lowercase();
+    let keys = [("speaker", &domain.speaker_names), ("robot", &domain.robot_names)];
+    if let Some((key, _)) = keys.into_iter().find(|(_, names)| names.contains(&folded)) {
+        return GoalError::NobodyNamed { part, name, key };
+    }
+    let known = world.entities().map(|(_, entity)| entity.name.as_str());
+    let near = nearest(&name, known).map(str::to_owned);
+    GoalError::UnknownName { part, name, near }
 }

@@ -178,6 +178,8 @@ pub struct PredicateWords {
     pub event: bool,
     /// The value of facts that the environment does not give.
     pub unknown: Unknown,
+    /// True if an environment that gives one fact of the predicate gives all of them, so that none is derived.
+    pub complete: bool,
     /// True if some action changes or senses the predicate.
     pub fluent: bool,
     /// Stems of the words that name this sensing outcome in an instruction, as in "gone bad"; each is one word or
@@ -233,8 +235,19 @@ pub struct Derivation {
     pub pattern: Option<String>,
     /// The additional condition.
     pub when: Condition,
+    /// The additional condition as `domain.toml` writes it.
+    pub written: Option<String>,
     /// True if `?other` occurs in the literals.
     pub binary: bool,
+    /// The line in `domain.toml`.
+    pub line: u32,
+}
+
+impl Derivation {
+    /// Returns true if the derivation depends on names of entities.
+    pub fn is_from_names(&self) -> bool {
+        !(self.names.is_empty() && self.other_names.is_empty() && self.pattern.is_none())
+    }
 }
 
 /// A fact assumed in the initial state if its condition holds there.
@@ -244,6 +257,10 @@ pub struct DefaultFact {
     pub atom: Atom,
     /// The condition on `?self`.
     pub when: Condition,
+    /// The condition as `domain.toml` writes it.
+    pub written: String,
+    /// The line in `domain.toml`.
+    pub line: u32,
 }
 
 /// The states in which a [`Rule`] must hold.
@@ -460,6 +477,12 @@ pub struct DomainData {
     pub values: Vec<ValueType>,
     /// The everyday names.
     pub lexicon: Lexicon,
+    /// The article before everyday names in sentences; empty for none.
+    pub article: String,
+    /// Words by which the person who gives an instruction refers to themselves: "me".
+    pub speaker_names: Vec<String>,
+    /// Words by which an instruction refers to the robot: "you".
+    pub robot_names: Vec<String>,
     /// Stems of words that imply an entity without naming it, by the last word of its identifier: "throw away" implies
     /// the trash bin.
     pub implied: indexmap::IndexMap<String, Vec<String>>,

@@ -38,6 +38,15 @@ pub struct Environment {
     /// Everyday names of entities, by identifier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub names: Option<IndexMap<String, String>>,
+    /// Types of entities, by identifier, where they are more precise than the type of the list.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub types: Option<IndexMap<String, String>>,
+    /// The entity that gives the instructions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speaker: Option<String>,
+    /// The entity that carries out the plan.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
 }
 
 /// One word or a list of words.
@@ -142,7 +151,7 @@ mod tests {
         );
         check_error(
             r#"{"asset": []}"#,
-            "unknown field `asset`, expected one of `assets`, `asset_states`, `objects`, `object_states`, `asset_properties`, `object_properties`, `names` at line 1 column 8",
+            "unknown field `asset`, expected one of `assets`, `asset_states`, `objects`, `object_states`, `asset_properties`, `object_properties`, `names`, `types`, `speaker`, `robot` at line 1 column 8",
         );
     }
 }

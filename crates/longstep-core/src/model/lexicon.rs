@@ -2,6 +2,9 @@
 
 use indexmap::IndexMap;
 
+use super::label::{base_name, is_label, split_label, stem, without_brackets};
+use crate::visible;
+
 /// Everyday names by identifier, without angle brackets and number. The first name is displayed, the second, longer one
 /// distinguishes entities that share the first, and the others are synonyms.
 #[derive(Debug, Clone, Default)]
@@ -14,48 +17,38 @@ impl Lexicon {
         Self { entries }
     }
 
-    /// Returns the names of an identifier, the displayed one first and the cleaned identifier last.
+    /// Returns the names of an identifier: those of its entry, the cleaned identifier, and the latter without its label.
+    /// The first one is displayed. The entry of the whole identifier (`vitamin_c`) precedes the one without its label.
     ///
     /// ```
     /// let domain = longstep_core::domain::shipped("household").unwrap().unwrap();
     /// assert_eq!(domain.lexicon.names("<shelf_top>").last().unwrap(), "shelf top");
     /// ```
     pub fn names(&self, identifier: &str) -> Vec<String> {
-        let base = base_name(identifier);
-        let mut names = self.entries.get(&base).cloned().unwrap_or_default();
-        let cleaned = cleaned(identifier);
-        if !names.contains(&cleaned) {
-            names.push(cleaned);
+        let entry = self.entries.get(&base_name(identifier));
+        let entry = entry.or_else(|| self.entries.get(&stem(identifier)));
+        let mut names = entry.cloned().unwrap_or_default();
+        for name in [cleaned(identifier), plain_words(split_label(identifier).0).join(" ")] {
+            if !name.is_empty() && !names.contains(&name) {
+                names.push(name);
+            }
         }
         names
     }
 }
 
-/// Returns the identifier in lower case, without angle brackets and trailing number: `<Plate_274>` is `plate`.
-pub fn base_name(identifier: &str) -> String {
-    let bare = identifier.trim_start_matches('<').trim_end_matches('>').to_lowercase();
-    let base = bare
-        .trim_end_matches(|c: char| c.is_ascii_digit())
-        .trim_end_matches('_');
-    if base.is_empty() { bare } else { base.to_owned() }
-}
-
-/// Returns true if the last word of an identifier is `name`. Identifiers are often compounds without a separator
-/// (`coffeetable`), so a name of four letters or more may also end a longer word.
-pub fn ends_with(base: &str, name: &str) -> bool {
-    base.strip_suffix(name)
-        .is_some_and(|rest| rest.is_empty() || rest.ends_with('_') || name.len() >= 4)
-}
-
 /// Returns an identifier as words: `<shelf_top>` is "shelf top", `<table2>` is "table 2". A number after an underscore
-/// is an id and is removed; a number directly after letters is part of the name.
+/// is an id and is removed; a number directly after letters is part of the name. A letter that is a label keeps its case:
+/// `<tube_A>` is "tube A".
 fn cleaned(identifier: &str) -> String {
-    let bare = identifier.trim_start_matches('<').trim_end_matches('>').to_lowercase();
+    let bare = without_brackets(identifier);
     let without_id = match bare.rsplit_once('_') {
         Some((name, id)) if !name.is_empty() && id.chars().all(|c| c.is_ascii_digit()) => name,
-        _ => &bare,
+        _ => bare,
     };
-    let words = plain_words(without_id);
+    let (stem, label) = split_label(without_id);
+    let mut words = plain_words(stem);
+    words.extend(split_words(label.chars()));
     // An identifier without letters and digits still needs a name.
     if words.is_empty() {
         "thing".to_owned()
@@ -66,9 +59,17 @@ fn cleaned(identifier: &str) -> String {
 
 /// Splits a text into lower-case words, with letters and digits apart: `Put it on table2!` is put, it, on, table, 2.
 pub fn plain_words(text: &str) -> Vec<String> {
+    split_words(text.chars().flat_map(char::to_lowercase))
+}
+
+fn split_words(text: impl Iterator<Item = char>) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut last = ' ';
-    for character in text.chars().flat_map(char::to_lowercase) {
+    for character in text {
+        if is_mark(character) && last.is_alphanumeric() {
+            words.last_mut().into_iter().for_each(|word| word.push(character));
+            continue;
+        }
         let joins = character.is_alphanumeric()
             && last.is_alphanumeric()
             && character.is_ascii_digit() == last.is_ascii_digit();
@@ -87,12 +88,27 @@ pub fn plain_words(text: &str) -> Vec<String> {
     words
 }
 
+/// Returns true for a combining mark that is no letter, such as the virama in हिन्दी or the dot over the lower case of İ. It
+/// belongs to the letter before it.
+///
+/// The standard library has no such test, but `escape_debug` escapes exactly these characters beside those that are not
+/// visible.
+pub(crate) fn is_mark(character: char) -> bool {
+    !character.is_ascii()
+        && !character.is_alphanumeric()
+        && !character.is_whitespace()
+        && !visible::is_hidden(character)
+        && character.escape_debug().len() > 1
+}
+
 /// Returns the head noun of a name, in the singular: "glass" of "water glass 2", "bunch" of "bunch of bananas".
 pub fn head(name: &str) -> String {
     let words = plain_words(name);
     let end = words.iter().position(|word| word == "of").unwrap_or(words.len());
-    let digit = |word: &&String| word.starts_with(|c: char| c.is_ascii_digit());
-    let head = words[..end].iter().rev().find(|word| !digit(word)).or(words.last());
+    let digit = |word: &String| word.starts_with(|c: char| c.is_ascii_digit());
+    let is_noun = |(index, word): &(usize, &String)| !digit(word) && (*index == 0 || !is_label(word));
+    let nouns = words[..end].iter().enumerate().filter(is_noun).map(|(_, word)| word);
+    let head = nouns.last().or(words.last());
     head.map(|word| singular(word)).unwrap_or_default()
 }
 
@@ -144,9 +160,31 @@ mod tests {
             ("<Trash_Bin>", "trash bin", "trash_bin"),
             ("cup", "cup", "cup"),
             ("<7>", "7", "7"),
+            ("<tube_A>", "tube A", "tube_a"),
+            ("<tube.1>", "tube 1", "tube"),
+            ("<Bay.3-A>", "bay 3 A", "bay.3-a"),
+            ("<vitamin_c>", "vitamin c", "vitamin_c"),
+            ("<杯子_1>", "杯子", "杯子"),
+            ("<红_杯>", "红 杯", "红_杯"),
+            ("<Чашка>", "чашка", "чашка"),
+            ("<İstanbul>", "i\u{307}stanbul", "i\u{307}stanbul"),
+            ("<कुर्सी_2>", "कुर्सी", "कुर्सी"),
         ] {
             assert_eq!(cleaned(identifier), words);
             assert_eq!(base_name(identifier), base);
+        }
+    }
+
+    #[test]
+    fn a_label_is_no_head_noun() {
+        for (name, noun) in [
+            ("tube A", "tube"),
+            ("pallet 2", "pallet"),
+            ("vitamin c", "vitamin"),
+            ("a", "a"),
+            ("7", "7"),
+        ] {
+            assert_eq!(head(name), noun);
         }
     }
 

@@ -4,13 +4,16 @@
 //! its entities and initial state. [`holds`] evaluates a [`Condition`] in a [`Moment`], and [`apply`] applies an action
 //! to a [`State`].
 
+mod article;
 mod condition;
 mod diff;
+mod distinction;
 mod domain;
 mod environment;
 mod evaluate;
 mod fact;
 mod id;
+mod label;
 mod lexicon;
 mod naming;
 mod prohibition;
@@ -25,6 +28,7 @@ mod world;
 
 pub use condition::{Atom, Condition, Effect, Slot, Term};
 pub use diff::{Difference, differences};
+pub use distinction::{differ, distinctions};
 pub(crate) use domain::ActionSchema;
 pub use domain::{
     Action, ActionId, DefaultFact, Derivation, Domain, DomainData, EnvironmentTypes, FormPiece, GoalWord, GoalWordId,
@@ -37,14 +41,17 @@ pub(crate) use evaluate::{ever_candidates, for_candidates, for_matching, ground,
 pub(crate) use fact::ChangedLists;
 pub use fact::{EntityId, Fact, FactSet, State};
 pub(crate) use id::id;
-pub use lexicon::{Lexicon, base_name, ends_with, head, plain_words, singular};
+pub(crate) use label::{NameForms, unified};
+pub use label::{base_name, ends_with, label, matches_name, stem};
+pub(crate) use lexicon::is_mark;
+pub use lexicon::{Lexicon, head, plain_words, singular};
 pub(crate) use naming::name_entities;
 pub use naming::{Voice, fact_text};
 pub use prohibition::{Prohibition, StepPattern};
 pub use rules::broken_bindings;
 pub use simulate::{Missing, apply, unmet};
 pub(crate) use simulate::{apply_onto, fired, rests_on};
-pub use template::{Template, with_article};
+pub use template::Template;
 pub use trace::{Change, Ending, StepId, Trace};
 pub use value::{Decimal, OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use wanted::Wanted;

@@ -3,74 +3,87 @@
 use indexmap::IndexMap;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::{Domain, Entity, EntityId, Fact, World, base_name, head, plain_words, singular, with_article};
+use super::label::{label, stem};
+use super::{Domain, Entity, EntityId, Fact, World, head, plain_words, singular};
 
 /// Returns for every identifier a unique everyday name and all its names, synonyms included.
 ///
-/// A name comes from the environment file, else from the domain's lexicon, else from the cleaned identifier. Entities of
-/// one kind keep the numbers of their identifiers (`<pallet_2>` is pallet 2), so a number never means another entity than
-/// the one that carries it. Numbers that only identify, as in a simulator's graph ([`are_serial`]), say nothing to a
-/// person: then entities are numbered in order (plate 1, plate 2), as are those without a number. Entities of different
-/// kinds that share a name take their longer one (kitchen table, coffee table).
+/// A name comes from the environment file, else from the domain's lexicon, else from the cleaned identifier. A name that
+/// the environment gives to one entity is no name of any other. Entities of one kind keep the labels of their
+/// identifiers (`<pallet_2>` is pallet 2, `<tube_A>` is tube A), so a number never means another entity than the one that
+/// carries it. Numbers that only identify, as in a simulator's graph ([`are_serial`]), say nothing to a person: then
+/// entities are numbered in order (plate 1, plate 2), as are those without a label. Entities of different kinds that
+/// share a name take their longer one (kitchen table, coffee table), unless the environment gave it to them.
 pub(crate) fn name_entities(
     domain: &Domain,
     identifiers: &[&str],
     given: Option<&IndexMap<String, String>>,
 ) -> Vec<(String, Vec<String>)> {
+    let given_to = |identifier: &str| given.and_then(|given| given.get(identifier));
+    let given_names = given.into_iter().flat_map(IndexMap::values);
+    let reserved: FxHashSet<String> = given_names.map(|name| name.to_lowercase()).collect();
     let mut choices: Vec<Vec<String>> = Vec::with_capacity(identifiers.len());
     for identifier in identifiers {
         let mut names = domain.lexicon.names(identifier);
-        if let Some(name) = given.and_then(|given| given.get(*identifier)) {
-            names.retain(|other| other != name);
-            names.insert(0, name.clone());
-        }
+        names.retain(|name| !reserved.contains(&name.to_lowercase()));
+        names.splice(0..0, given_to(identifier).cloned());
         choices.push(names);
     }
     // By displayed name: the kinds of entities that have this name.
     let mut kinds: FxHashMap<&str, FxHashSet<String>> = FxHashMap::default();
     for (identifier, names) in identifiers.iter().zip(&choices) {
-        kinds.entry(&names[0]).or_default().insert(base_name(identifier));
+        if let Some(name) = names.first() {
+            kinds.entry(name).or_default().insert(stem(identifier));
+        }
     }
-    let longer_where_needed = |names: &Vec<String>| {
-        let clash = kinds[names[0].as_str()].len() > 1 && names.len() > 1;
-        names[usize::from(clash)].clone()
+    let displayed = |(identifier, names): (&&str, &Vec<String>)| match (given_to(identifier), &names[..]) {
+        (Some(name), _) => name.clone(),
+        (None, [name, longer, ..]) if kinds[name.as_str()].len() > 1 => longer.clone(),
+        (None, [name, ..]) => name.clone(),
+        // Other entities were given every name of this one, which therefore needs a number.
+        (None, []) => domain.lexicon.names(identifier).swap_remove(0),
     };
-    let shown: Vec<String> = choices.iter().map(longer_where_needed).collect();
+    let shown: Vec<String> = identifiers.iter().zip(&choices).map(displayed).collect();
     let mut counts: FxHashMap<&str, usize> = FxHashMap::default();
     for name in &shown {
         *counts.entry(name).or_default() += 1;
     }
     // An entity of its own may already have the name "table 2".
-    let mut taken: FxHashSet<String> = shown.iter().cloned().collect();
+    let mut taken: FxHashSet<String> = shown.iter().map(|name| name.to_lowercase()).collect();
     // The domain's constants, which are the first entities, have no numbers of the environment.
     let serial = are_serial(identifiers.get(domain.constants.len()..).unwrap_or_default());
-    let numbered = |(identifier, name): (&&str, &String)| match counts[name.as_str()] {
-        1 => Some(name.clone()),
-        _ if serial => None,
-        _ => {
-            let own = format!("{name} {}", number_of(identifier)?);
-            taken.insert(own.clone()).then_some(own)
+    let labelled = |(identifier, name): (&&str, &String)| {
+        let is_own = given_to(identifier).is_some() || !reserved.contains(&name.to_lowercase());
+        if is_own && counts[name.as_str()] == 1 {
+            return Some(name.clone());
         }
+        let label = label(identifier);
+        if serial || label.is_empty() {
+            return None;
+        }
+        let own = format!("{name} {label}");
+        taken.insert(own.to_lowercase()).then_some(own)
     };
-    let kept: Vec<Option<String>> = identifiers.iter().zip(&shown).map(numbered).collect();
+    let kept: Vec<Option<String>> = identifiers.iter().zip(&shown).map(labelled).collect();
     let mut next: FxHashMap<&str, usize> = FxHashMap::default();
-    let mut unique = Vec::with_capacity(shown.len());
-    for (name, kept) in shown.iter().zip(kept) {
-        if let Some(kept) = kept {
-            unique.push(kept);
-            continue;
-        }
-        let number = next.entry(name).or_default();
-        let free = loop {
-            *number += 1;
-            let candidate = format!("{name} {number}");
-            if taken.insert(candidate.clone()) {
-                break candidate;
+    let mut named = Vec::with_capacity(shown.len());
+    for ((name, kept), mut names) in shown.iter().zip(kept).zip(choices) {
+        let unique = kept.unwrap_or_else(|| {
+            let number = next.entry(name).or_default();
+            loop {
+                *number += 1;
+                let candidate = format!("{name} {number}");
+                if taken.insert(candidate.to_lowercase()) {
+                    break candidate;
+                }
             }
-        };
-        unique.push(free);
+        });
+        if names.is_empty() {
+            names.push(unique.clone());
+        }
+        named.push((unique, names));
     }
-    unique.into_iter().zip(choices).collect()
+    named
 }
 
 /// Minimum number of kinds of entities for their numbers to be serial.
@@ -80,7 +93,7 @@ const KINDS: usize = 4;
 /// one, no two are equal, and there are several kinds. Labels begin anew for each kind (`<pallet_1>`, `<dock_1>`).
 fn are_serial(identifiers: &[&str]) -> bool {
     let mut seen = FxHashSet::default();
-    let kinds: FxHashSet<String> = identifiers.iter().map(|identifier| base_name(identifier)).collect();
+    let kinds: FxHashSet<String> = identifiers.iter().map(|identifier| stem(identifier)).collect();
     kinds.len() >= KINDS
         && identifiers
             .iter()
@@ -107,10 +120,9 @@ pub enum Voice {
 impl Voice {
     /// Returns the name of an entity for this reader.
     pub fn name(self, world: &World, entity: EntityId) -> String {
-        let entity = world.entity(entity);
         match self {
-            Self::Person => entity.with_article(),
-            Self::Model => entity.identifier.clone(),
+            Self::Person => world.with_article(entity),
+            Self::Model => world.entity(entity).identifier.clone(),
         }
     }
 
@@ -128,14 +140,6 @@ pub fn fact_text(world: &World, fact: Fact, holds: bool) -> String {
 }
 
 impl Entity {
-    /// Returns the everyday name with its article, which a value does not take.
-    pub fn with_article(&self) -> String {
-        if self.is_value {
-            return self.name.clone();
-        }
-        with_article(&self.name)
-    }
-
     /// Returns the largest number of words of one of its names that occur in `words`, which are singular and in lower
     /// case. A name counts only if its head noun occurs: "kitchen" does not mention the kitchen table.
     pub fn words_in(&self, words: &[String]) -> usize {
@@ -162,9 +166,43 @@ mod tests {
     #[track_caller]
     fn check_names(identifiers: &[&str], expected: &[&str]) {
         let household = crate::domain::shipped("household").unwrap().unwrap();
-        let names = name_entities(&household, identifiers, None);
+        check_given(&household, identifiers, &[], expected);
+    }
+
+    #[track_caller]
+    fn check_given(domain: &Domain, identifiers: &[&str], given: &[(&str, &str)], expected: &[&str]) {
+        let given = given.iter().map(|(id, name)| ((*id).to_owned(), (*name).to_owned()));
+        let names = name_entities(domain, identifiers, Some(&given.collect()));
         let names: Vec<String> = names.into_iter().map(|(name, _)| name).collect();
         assert_eq!(names, expected, "{identifiers:?}");
+    }
+
+    #[test]
+    fn labels_of_any_kind_are_kept() {
+        check_names(&["<tube_A>", "<tube_B>"], &["tube A", "tube B"]);
+        check_names(&["<tube.1>", "<Tube.2>"], &["tube 1", "tube 2"]);
+        check_names(&["<table2>", "<table3>"], &["table 2", "table 3"]);
+        check_names(&["<杯子_1>", "<杯子_3>"], &["杯子 1", "杯子 3"]);
+        check_names(&["<Bay.3-A>", "<Bay.3-B>"], &["bay 3 A", "bay 3 B"]);
+    }
+
+    #[test]
+    fn a_given_name_is_shown_and_means_no_other_entity() {
+        let household = crate::domain::shipped("household").unwrap().unwrap();
+        let check = |identifiers: &[&str], given: &[(&str, &str)], expected: &[&str]| {
+            check_given(&household, identifiers, given, expected);
+        };
+        check(&["<x>", "<cup_7>"], &[("<x>", "cup")], &["cup", "cup 7"]);
+        check(&["<x>", "<Cup>"], &[("<x>", "cup")], &["cup", "cup 1"]);
+        let crates = [("<p_x>", "crate"), ("<q_y>", "crate")];
+        check(&["<p_x>", "<q_y>"], &crates, &["crate x", "crate y"]);
+        let crates = [("<ab>", "crate"), ("<cd>", "crate")];
+        check(&["<ab>", "<cd>"], &crates, &["crate 1", "crate 2"]);
+        let pallet = [("<pallet_1>", "pallet 2")];
+        check(&["<pallet_1>", "<pallet_2>"], &pallet, &["pallet 2", "pallet"]);
+        let given = [("<x>".to_owned(), "cup".to_owned())].into_iter().collect();
+        let names = name_entities(&household, &["<x>", "<cup_7>"], Some(&given));
+        assert_eq!(names[1].1, ["cup 7"]);
     }
 
     #[test]

@@ -9,10 +9,8 @@ pub struct Template {
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Piece {
     Text(String),
-    /// The index of a parameter, filled in with an article.
+    /// The index of a parameter.
     Hole(usize),
-    /// The index of a parameter, filled in without an article.
-    Bare(usize),
 }
 
 impl Template {
@@ -46,7 +44,7 @@ impl Template {
         let mut pieces = vec![Piece::Text(format!("({name}"))];
         for index in 0..arguments {
             pieces.push(Piece::Text(" ".to_owned()));
-            pieces.push(Piece::Bare(index));
+            pieces.push(Piece::Hole(index));
         }
         pieces.push(Piece::Text(")".to_owned()));
         Self { pieces }
@@ -67,12 +65,17 @@ impl Template {
             .map(|piece| match piece {
                 Piece::Text(text) => text.clone(),
                 Piece::Hole(index) => name(*index),
-                Piece::Bare(index) => {
-                    let name = name(*index);
-                    name.strip_prefix(ARTICLE).map(str::to_owned).unwrap_or(name)
-                }
             })
             .collect()
+    }
+
+    /// Like [`fill`](Self::fill), without the first parameter if the sentence begins with it: "is red".
+    pub(crate) fn fill_after_subject(&self, name: impl FnMut(usize) -> String) -> String {
+        let pieces = match &self.pieces[..] {
+            [Piece::Hole(0), rest @ ..] if !rest.is_empty() => rest.to_vec(),
+            all => all.to_vec(),
+        };
+        Self { pieces }.fill(name).trim().to_owned()
     }
 
     /// Returns true if the template has a hole for the parameter at `index`.
@@ -84,23 +87,6 @@ impl Template {
     pub fn is_blank(&self) -> bool {
         let blank = |piece: &Piece| matches!(piece, Piece::Text(text) if text.trim().is_empty());
         self.pieces.iter().all(blank)
-    }
-}
-
-const ARTICLE: &str = "the ";
-
-/// Returns a name with its article: "the juice", but "plate 2".
-///
-/// ```
-/// use longstep_core::domain::with_article;
-/// assert_eq!(with_article("juice"), "the juice");
-/// assert_eq!(with_article("plate 2"), "plate 2");
-/// ```
-pub fn with_article(name: &str) -> String {
-    if name.ends_with(|c: char| c.is_ascii_digit()) {
-        name.to_owned()
-    } else {
-        format!("{ARTICLE}{name}")
     }
 }
 

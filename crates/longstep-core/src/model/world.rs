@@ -28,8 +28,11 @@ pub struct Entity {
 /// The reason to assume a fact that the environment does not give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum AssumptionSource {
-    /// The name of the entity implies it.
-    Derived,
+    /// The derivation of the domain with this index gives it.
+    Derived {
+        /// The index in the domain's derivations.
+        derivation: usize,
+    },
     /// The domain declares it as the default.
     Default,
     /// The environment gives neither the fact nor its negation, and the domain assumes it then.
@@ -119,7 +122,7 @@ impl World {
     /// let mut world = environment::parse(&domain, "env.json", r#"{"assets": ["<table>"]}"#).unwrap();
     /// world.add_values("wait for 3 min");
     /// assert!(world.find("180 s").is_some());
-    /// assert_eq!(world.find("180 s"), world.named("3 min"));
+    /// assert_eq!(world.named("3 min"), [world.find("180 s").unwrap()]);
     /// ```
     pub fn add_values(&mut self, text: &str) {
         let mentions = self.domain.values_in(text);
@@ -207,13 +210,39 @@ impl World {
             .map(|(id, _)| id)
     }
 
-    /// Returns the entity with this identifier, this everyday name or this value in any of its units.
-    pub fn named(&self, text: &str) -> Option<EntityId> {
-        let value = || match self.domain.value(text)? {
-            Ok(value) => self.find(&value.written),
-            Err(_) => None,
+    /// Returns the entities that a name can mean: the one with this identifier, else the one with this everyday name or
+    /// this value in any of its units, else all that have it among their names, in any case.
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let world = environment::parse(&household, "env.json", r#"{"objects": ["<pallet_2>", "<pallet_3>"]}"#).unwrap();
+    /// assert_eq!(world.named("pallet 3"), [world.find("<pallet_3>").unwrap()]);
+    /// assert_eq!(world.named("Pallet").len(), 2);
+    /// ```
+    pub fn named(&self, name: &str) -> Vec<EntityId> {
+        if let Some(exact) = self.find(name).or_else(|| self.find_name(name)) {
+            return vec![exact];
+        }
+        if let Some(value) = self.domain.value(name) {
+            let known = value.ok().and_then(|value| self.find(&value.written));
+            return known.into_iter().collect();
+        }
+        let folded = name.to_lowercase();
+        let with = |fits: &dyn Fn(&Entity) -> bool| -> Vec<EntityId> {
+            let all = self.entities().filter(|(_, entity)| fits(entity));
+            all.map(|(id, _)| id).collect()
         };
-        self.find(text).or_else(|| self.find_name(text)).or_else(value)
+        match with(&|entity| entity.name.to_lowercase() == folded) {
+            shown if !shown.is_empty() => shown,
+            _ => with(&|entity| entity.names.iter().any(|name| name.to_lowercase() == folded)),
+        }
+    }
+
+    /// Returns the entity with this identifier or this value in any of its units.
+    pub(crate) fn exactly(&self, text: &str) -> Option<EntityId> {
+        let value = || self.find(&self.domain.value(text)?.ok()?.written);
+        self.find(text).or_else(value)
     }
 
     /// Returns the entities of a type, in order.

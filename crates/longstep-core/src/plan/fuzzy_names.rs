@@ -1,9 +1,10 @@
 //! Fuzzy matching of misspelled names.
 //!
 //! A match needs exactly one candidate, which differs only in case or punctuation, is an unambiguous prefix match, or
-//! lies within an edit distance of one or two. Digits must match exactly: `<plate_3>` never matches `<plate_4>`.
+//! lies within an edit distance of one or two. Digits and labels must match exactly: `<plate_3>` never matches
+//! `<plate_4>`, and `<tube_A>` never `<tube_B>`.
 
-use crate::model::{ActionId, Domain, EntityId, World, base_name};
+use crate::model::{ActionId, Domain, EntityId, World, base_name, label};
 
 /// Letters and digits of the name, in lower case.
 fn bare(name: &str) -> String {
@@ -60,7 +61,8 @@ pub(super) fn entity(world: &World, written: &str) -> Option<EntityId> {
     let slipped = || {
         named(&|identifier| {
             let known = bare(identifier);
-            digits(&known) == digits(&written_bare) && slip(&letters(&known), &letters(&written_bare))
+            let same_label = label(identifier).eq_ignore_ascii_case(&label(written));
+            same_label && digits(&known) == digits(&written_bare) && slip(&letters(&known), &letters(&written_bare))
         })
     };
     if written_bare.is_empty() || same.is_some() {

@@ -47,7 +47,7 @@ impl Step {
         let explanation = domain
             .action(action)
             .says
-            .fill(|parameter| world.entity(arguments[parameter]).with_article());
+            .fill(|parameter| world.with_article(arguments[parameter]));
         Self {
             action,
             arguments,

@@ -257,7 +257,7 @@ impl Resolver<'_> {
                 self.issues.push(Violation::OutOfRange { step, error });
                 return None;
             }
-            Some(Ok(_)) => self.world.named(name),
+            Some(Ok(_)) => self.world.exactly(name),
             None => self.world.find(name).or_else(|| fuzzy_names::entity(self.world, name)),
         };
         match found {

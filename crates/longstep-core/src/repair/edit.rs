@@ -261,7 +261,7 @@ impl Reasons<'_> {
         let (domain, world) = (self.domain, self.world);
         if let Some(broken) = broken_at_end(world, state, self.purpose).find(|broken| broken.binds) {
             let says = &domain.rules[broken.rule].says;
-            return Some(says.fill(|slot| world.entity(broken.bindings[slot]).with_article()));
+            return Some(says.fill(|slot| world.with_article(broken.bindings[slot])));
         }
         // Facts that hold after the repair but would not without the step.
         let failing = |fact: &&Fact| self.report.ending().after.holds(**fact) && !state.holds(**fact);

@@ -109,7 +109,9 @@ fn keep_disjunction(task: &mut Task, parts: &[Formula]) {
     };
     let mut others: FxHashSet<Literal> = FxHashSet::default();
     for other in parts.iter().enumerate().filter(|(index, _)| *index != own) {
-        other.1.for_each(&mut |literal| drop(others.insert(literal)));
+        other.1.for_each(&mut |literal| {
+            others.insert(literal);
+        });
     }
     let conjuncts = match &parts[own] {
         Formula::And(conjuncts) => conjuncts.as_slice(),

@@ -116,6 +116,7 @@ fn load_shipped(name: &str) -> (Domain, Suite) {
 fn every_expected_goal_can_be_reached() {
     for name in shipped_names() {
         let (_, suite) = load_shipped(name);
+        assert_eq!(suite.unreached(&longstep::Limits::default()), []);
         for case in &suite.cases {
             let mut world = suite.scenes[&case.scene].clone();
             for step in &case.steps {
@@ -132,6 +133,31 @@ fn every_expected_goal_can_be_reached() {
             }
         }
     }
+}
+
+#[test]
+fn an_unreachable_goal_is_found_with_its_instruction_and_the_reason() {
+    let suite = "name = 'mine'\nabout = 'A pen.'\ndomain = 'household'";
+    let cases = "[[case]]\nid = 'a'\nscene = 'desk'\nsays = 'Shelve the pen.'\ngoal = 'put(pen, shelf)'\n\
+         [[case]]\nid = 'b'\nscene = 'desk'\nsteps = [{ says = 'Shelve it.', goal = 'put(pen, shelf)' },\n\
+         { says = 'Put it into the desk.', goal = 'put(pen, desk) & on_something(pen, shelf)' },\n\
+         { says = 'Shelve it.', goal = 'put(pen, shelf)' }]";
+    let suite = load(&files(suite, cases, &[("desk", DESK)]), &household()).unwrap();
+    let found = suite.unreached(&longstep::Limits::default());
+    let shown: Vec<String> = found.iter().map(ToString::to_string).collect();
+    let expected = "case `b`, instruction 2 (Put it into the desk.): its goal cannot be reached; \
+         `put(pen, desk) & on_something(pen, shelf)`: each goal can be reached, but not all of them together";
+    assert_eq!(shown, [expected]);
+    let given_up = suite.unreached(&longstep::Limits {
+        direct: 1,
+        proof: 1,
+        shortest: 1,
+        any: 1,
+    });
+    assert!(
+        !given_up.is_empty() && given_up.iter().all(|one| !one.proven),
+        "{given_up:?}"
+    );
 }
 
 #[test]

@@ -114,8 +114,7 @@ fn check(world: &World, action: &Action, given: &[(usize, EntityId)]) -> Check {
         Some((word.word.clone(), things.collect::<Option<Vec<_>>>()?))
     });
     let says = action.senses.iter().map(|outcome| {
-        let name =
-            |place: usize| entity(&outcome.terms[place]).map_or(String::new(), |id| world.entity(id).with_article());
+        let name = |place: usize| entity(&outcome.terms[place]).map_or(String::new(), |id| world.with_article(id));
         domain.words(outcome.predicate).says.fill(name)
     });
     Check {

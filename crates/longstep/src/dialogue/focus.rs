@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::environment::{EntityId, World};
 use crate::goal::Spoken;
-use crate::model::{PredicateId, base_name, plain_words, singular};
+use crate::model::{PredicateId, plain_words, singular, stem};
 
 /// Maximum candidates for an ambiguous reference to one entity of a kind.
 const CANDIDATES: usize = 12;
@@ -82,7 +82,7 @@ pub fn focus(world: &World, instruction: &str) -> Focus {
     let mut rest: Vec<(usize, bool, bool, EntityId)> = Vec::new();
     let mut ordinals: FxHashMap<String, usize> = FxHashMap::default();
     for (id, entity) in world.entities() {
-        let ordinal = ordinals.entry(base_name(&entity.identifier)).or_default();
+        let ordinal = ordinals.entry(stem(&entity.identifier)).or_default();
         let movable = domain.types.is_a(entity.kind, domain.environment.object);
         rest.push((*ordinal, !mentioned(id), movable, id));
         *ordinal += 1;
@@ -207,7 +207,7 @@ fn named(world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
     let mut kinds: Vec<(String, Vec<EntityId>)> = Vec::new();
     let mut places: FxHashMap<String, usize> = FxHashMap::default();
     for id in &mentioned.entities {
-        let kind = base_name(&world.entity(*id).identifier);
+        let kind = stem(&world.entity(*id).identifier);
         let place = *places.entry(kind.clone()).or_insert_with(|| {
             kinds.push((kind, Vec::new()));
             kinds.len() - 1

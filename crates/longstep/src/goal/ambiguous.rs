@@ -1,74 +1,160 @@
-//! Questions about ambiguous references that affect the plan.
+//! Questions about references that several entities fit.
 
 use super::mention::{DETERMINERS, among};
-use super::{Goal, GoalFact, Spoken};
-use crate::environment::{EntityId, Fact, Moment, Voice, World, holds};
-use crate::model::{base_name, head, singular};
-use longstep_core::model::Domain;
+use super::{Constraint, Goal, GoalFact, Spoken};
+use crate::environment::{EntityId, Fact, Moment, World, differ, distinctions, holds};
+use crate::model::{TypeId, head, label, plain_words, singular};
 
-/// Indefinite articles.
-const ANY: &str = "a an";
+/// Determiners after which any entity fits.
+const ANY: &str = "a an any some another one either";
 
-/// Returns a question if the instruction refers to a definite object and several in different places fit: "the mug".
-/// Returns none if the reference is clear or the choice makes no difference.
+/// Returns a question if the instruction refers to one entity by a name that several have: "the mug". Returns none if the
+/// reference is clear, or if the entities differ in nothing that a person can name.
 pub(super) fn which(world: &World, spoken: &Spoken, goal: &Goal) -> Option<String> {
-    let domain = world.domain();
-    let is_open = |fact: &&GoalFact| matches!(fact, GoalFact::Word { .. }) && goal.grouped_part(fact).is_none();
-    let facts = goal.facts.iter().filter(is_open);
-    for fact in facts {
-        let GoalFact::Word { word, arguments } = fact else {
-            continue;
-        };
-        let word = domain.goal_word(*word);
-        let Some(parameter) = word.subject else { continue };
-        let subject = arguments[parameter];
-        if !is_certain(world, spoken, subject) || spoken.several(&world.entity(subject).names) {
-            continue;
-        }
-        let taken = |other: EntityId| {
-            let mut others = goal.facts.iter();
-            others.any(|fact| fact.subject(domain) == Some(other))
-        };
-        let wish_is_open = |other: EntityId| {
+    let single = goal.facts.iter().filter(|fact| goal.grouped_part(fact).is_none());
+    let of_goals = single.flat_map(GoalFact::parts);
+    let mut of_goals = of_goals.map(|fact| of_fact(world, spoken, goal, fact));
+    let mut of_constraints = goal
+        .constraints
+        .iter()
+        .flat_map(|constraint| concerned(world, constraint))
+        .map(|(entity, kind)| question(world, spoken, entity, &|other| world.is_of_kind(other, kind)));
+    of_goals
+        .find_map(|question| question)
+        .or_else(|| of_constraints.find_map(|question| question))
+}
+
+/// Returns the question about the arguments of a goal.
+fn of_fact(world: &World, spoken: &Spoken, goal: &Goal, fact: &GoalFact) -> Option<String> {
+    let GoalFact::Word { word: id, arguments } = fact else {
+        return None;
+    };
+    let word = world.domain().goal_word(*id);
+    (0..arguments.len()).find_map(|parameter| {
+        let instead = |other: EntityId| {
             let mut instead = arguments.clone();
             instead[parameter] = other;
+            instead
+        };
+        let has_role_of_its_own = |other: EntityId| {
+            let doubled = GoalFact::Word {
+                word: *id,
+                arguments: instead(other),
+            };
+            let mut others = goal.facts.iter().filter(|fact| **fact != doubled);
+            others.any(|fact| fact.subject(world.domain()) == Some(other)) || arguments.contains(&other)
+        };
+        let is_possible = |other: EntityId| {
             let moment = Moment {
                 world,
                 state: &world.state,
             };
-            holds(moment, &word.offered, &mut instead) && !holds(moment, &word.condition, &mut instead)
+            world.is_of_kind(other, word.parameters[parameter].kind)
+                && !has_role_of_its_own(other)
+                && holds(moment, &word.offered, &mut instead(other))
+                && !holds(moment, &word.condition, &mut instead(other))
         };
-        let kind = base_name(&world.entity(subject).identifier);
-        let here = places(world, subject);
-        let told = |places: &[Fact]| {
-            let mut places = places.iter().flat_map(|fact| domain.arguments(*fact).skip(1));
-            places.any(|place| spoken.entities.contains(&place))
-        };
-        let rivals: Vec<EntityId> = spoken
-            .entities
-            .iter()
-            .copied()
-            .filter(|other| *other != subject && base_name(&world.entity(*other).identifier) == kind)
-            .filter(|other| !taken(*other) && wish_is_open(*other))
-            .filter(|other| where_from(domain, &places(world, *other)) != where_from(domain, &here))
-            .collect();
-        // A mentioned place identifies the object.
-        if rivals.is_empty() || told(&here) || rivals.iter().any(|rival| told(&places(world, *rival))) {
-            continue;
-        }
-        let mut all = vec![subject];
-        all.extend(rivals);
-        all.sort_unstable();
-        let described: Vec<String> = all.iter().map(|entity| described(world, *entity)).collect();
-        let name = head(&world.entity(subject).name);
-        return Some(format!("Which {name} do you mean: {}?", described.join(", or ")));
-    }
-    None
+        question(world, spoken, arguments[parameter], &is_possible)
+    })
 }
 
-/// Returns true if the instruction refers to the entity with a definite determiner: "the mug", "my mug".
-fn is_certain(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
-    let heads: Vec<String> = world.entity(entity).names.iter().map(|name| head(name)).collect();
+/// Returns the entities that a constraint is about, each with the type that another one would need in its place.
+fn concerned(world: &World, constraint: &Constraint) -> Vec<(EntityId, TypeId)> {
+    let domain = world.domain();
+    match constraint {
+        Constraint::Untouched(entity) => vec![(*entity, TypeId::OBJECT)],
+        Constraint::Step { action, arguments } => {
+            let action = domain.action(*action);
+            let kinds = action.explicit.iter().map(|index| action.parameters[*index].kind);
+            let given = arguments.iter().zip(kinds);
+            given.filter_map(|(entity, kind)| Some(((*entity)?, kind))).collect()
+        }
+        Constraint::State { fact, .. } => match fact {
+            GoalFact::Word { word, arguments } => {
+                let kinds = domain
+                    .goal_word(*word)
+                    .parameters
+                    .iter()
+                    .map(|parameter| parameter.kind);
+                arguments.iter().copied().zip(kinds).collect()
+            }
+            GoalFact::Plain(_) | GoalFact::If(_) | GoalFact::Choice(_) => Vec::new(),
+        },
+    }
+}
+
+/// Returns the question which entity is meant where the goal has `entity`, and `is_possible` admits others.
+fn question(
+    world: &World,
+    spoken: &Spoken,
+    entity: EntityId,
+    is_possible: &dyn Fn(EntityId) -> bool,
+) -> Option<String> {
+    let names = &world.entity(entity).names;
+    if !spoken.entities.contains(&entity) || spoken.several(names) || !means_one(world, spoken, entity) {
+        return None;
+    }
+    let is_rival = |other: &EntityId| {
+        *other != entity
+            && are_called_alike(world, spoken, entity, *other)
+            && is_possible(*other)
+            && (differ(world, entity, *other) || (has_label(world, entity) && has_label(world, *other)))
+    };
+    let mut all: Vec<EntityId> = spoken.entities.iter().copied().filter(is_rival).collect();
+    if all.is_empty() {
+        return None;
+    }
+    all.push(entity);
+    all.sort_unstable();
+    let described: Vec<EntityId> = all
+        .iter()
+        .copied()
+        .filter(|one| is_described(world, spoken, *one, &all))
+        .collect();
+    let candidates = match described.contains(&entity) {
+        true => described,
+        false => all,
+    };
+    if candidates.len() == 1 {
+        return None;
+    }
+    let name = head(&world.entity(entity).name);
+    let described = distinctions(world, &candidates).join(", or ");
+    Some(format!("Which {name} do you mean: {described}?"))
+}
+
+/// Returns true if the name that the instruction uses for the entity is one of the other's, too. If it uses only the head
+/// noun ("the glass" for the water glass), that of the other decides.
+fn are_called_alike(world: &World, spoken: &Spoken, entity: EntityId, other: EntityId) -> bool {
+    let parts = |name: &String| plain_words(name).iter().map(|word| singular(word)).collect::<Vec<_>>();
+    let words: Vec<String> = spoken.words().iter().map(|word| singular(word)).collect();
+    let is_said = |name: &Vec<String>| !name.is_empty() && words.windows(name.len()).any(|window| window == name);
+    let said: Vec<Vec<String>> = world.entity(entity).names.iter().map(parts).filter(is_said).collect();
+    let others = &world.entity(other).names;
+    if said.is_empty() {
+        let heads = said_heads(world, spoken, entity);
+        return others.iter().any(|name| heads.contains(&head(name)));
+    }
+    others.iter().map(parts).any(|name| said.contains(&name))
+}
+
+/// Returns the head nouns of an entity's names that the instruction contains.
+fn said_heads(world: &World, spoken: &Spoken, entity: EntityId) -> Vec<String> {
+    let heads = world.entity(entity).names.iter().map(|name| head(name));
+    let said = |head: &String| spoken.words().iter().any(|word| singular(word) == *head);
+    heads.filter(said).collect()
+}
+
+/// Returns true if the name that the entity is shown with has the label of its identifier.
+fn has_label(world: &World, entity: EntityId) -> bool {
+    let entity = world.entity(entity);
+    let label = label(&entity.identifier);
+    !label.is_empty() && entity.name.ends_with(&label)
+}
+
+/// Returns true if a reference to the entity means one certain entity: "the mug", "my mug", "mug", but not "a mug".
+fn means_one(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
+    let heads = said_heads(world, spoken, entity);
     let words = spoken.words();
     let places = words
         .iter()
@@ -76,35 +162,30 @@ fn is_certain(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
         .filter(|(_, word)| heads.contains(&singular(word)));
     // Up to two words of description may follow the determiner: "the big red mug".
     places.into_iter().any(|(place, _)| {
-        let before = words[place.saturating_sub(3)..place].iter().rev();
-        let article = before.into_iter().find(|word| among(DETERMINERS, word));
-        article.is_some_and(|article| !among(ANY, article))
+        let mut before = words[place.saturating_sub(3)..place].iter().rev();
+        let determiner = before.find(|word| among(DETERMINERS, word) || among(ANY, word));
+        determiner.is_none_or(|word| !among(ANY, word))
     })
 }
 
-/// Returns the facts about where an entity is.
-fn places(world: &World, entity: EntityId) -> Vec<Fact> {
+/// Returns true if the instruction describes the entity by its place or by a property that not all of them have.
+fn is_described(world: &World, spoken: &Spoken, entity: EntityId, all: &[EntityId]) -> bool {
     let domain = world.domain();
-    let about =
-        |fact: &Fact| domain.is_relation(*fact) && domain.words(fact.predicate()).fluent && fact.argument(0) == entity;
-    world.state.iter().filter(about).collect()
-}
-
-/// Returns the places of an entity, without the entity itself, for comparison.
-fn where_from(domain: &Domain, places: &[Fact]) -> Vec<(usize, Vec<EntityId>)> {
-    let rest = |fact: &Fact| (fact.predicate().index(), domain.arguments(*fact).skip(1).collect());
-    places.iter().map(rest).collect()
-}
-
-fn described(world: &World, entity: EntityId) -> String {
-    let name = &world.entity(entity).name;
-    // The last fact is the most specific: the surface rather than the room.
-    let place = places(world, entity).into_iter().rev().find_map(|fact| {
-        let says = Voice::Person.fact(world, fact, true);
-        says.strip_prefix(&format!("{name} is ")).map(str::to_owned)
-    });
-    match place {
-        Some(place) => format!("{name} {place}"),
-        None => name.clone(),
-    }
+    let about = |fact: &Fact| domain.arguments(*fact).next() == Some(entity);
+    let is_said = |fact: Fact| {
+        let words = domain.words(fact.predicate());
+        if domain.is_relation(fact) {
+            let mut places = domain.arguments(fact).skip(1);
+            return words.fluent && places.any(|place| spoken.entities.contains(&place) && !all.contains(&place));
+        }
+        let is_common = all
+            .iter()
+            .all(|other| world.state.holds(Fact::new(fact.predicate(), [*other])));
+        let name = domain.predicate(fact.predicate()).name.clone();
+        let short = words.short.as_ref().map(|short| short.fill(|_| String::new()));
+        let mut forms = short.into_iter().chain([name]).map(|form| plain_words(&form));
+        let has = |form: Vec<String>| !form.is_empty() && form.iter().all(|word| spoken.words().contains(word));
+        !is_common && forms.any(has)
+    };
+    world.state.iter().filter(about).any(is_said)
 }

@@ -12,7 +12,7 @@ use super::negated::asserted;
 use super::{Conditional, Goal, GoalFact, Group};
 use crate::effort;
 use crate::environment::{EntityId, World};
-use crate::model::{base_name, ends_with, head, plain_words, singular};
+use crate::model::{head, matches_name, plain_words, singular};
 use longstep_core::model::Domain;
 
 /// Result for a model's answer.
@@ -116,8 +116,12 @@ impl Spoken {
             best[name] > score && said.of_word(name).len() == 1
         };
         let implied = |id: EntityId| {
-            let base = base_name(&world.entity(id).identifier);
-            let mut stems = world.domain().implied.iter().filter(|(name, _)| ends_with(&base, name));
+            let identifier = &world.entity(id).identifier;
+            let mut stems = world
+                .domain()
+                .implied
+                .iter()
+                .filter(|(name, _)| matches_name(identifier, name));
             stems.any(|(_, stems)| begins_with_any(&words, stems))
         };
         let names = FullNames::of(world, &said, &singulars);
@@ -402,11 +406,8 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
             None => about(fact),
         };
         if goal.facts.iter().all(about) {
-            let asks = goal.stages.is_empty() && goal.constraints.is_empty() && !spoken.later;
-            return match asks.then(|| which(world, spoken, &goal)).flatten() {
-                Some(question) => Understanding::Question(question),
-                None => Understanding::Goal(goal, Vec::new()),
-            };
+            let unclear = (!spoken.later).then(|| which(world, spoken, &goal)).flatten();
+            return unclear.map_or_else(|| Understanding::Goal(goal, Vec::new()), Understanding::Question);
         }
         let guess = goal.sentences(world).join("; ");
         return Understanding::Question(format!("I am not sure what you want. Do you mean: {guess}?"));
@@ -428,10 +429,7 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
             .into_iter()
             .map(|fact| LeftOut {
                 why: match subject(&fact) {
-                    Some(entity) => format!(
-                        "the instruction does not speak of {}",
-                        world.entity(entity).with_article()
-                    ),
+                    Some(entity) => format!("the instruction does not speak of {}", world.with_article(entity)),
                     None => String::new(),
                 },
                 fact,

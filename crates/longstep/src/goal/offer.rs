@@ -5,7 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{Goal, GoalFact, Spoken};
 use crate::effort;
 use crate::environment::{Bindings, EntityId, Fact, Moment, State, World, holds};
-use crate::model::{GoalWord, GoalWordId, base_name};
+use crate::model::{GoalWord, GoalWordId, stem};
 use crate::search::{self, Limits, Outcome};
 use crate::verify;
 use longstep_core::model::Domain;
@@ -142,7 +142,7 @@ fn fits(offer: &Offer, spoken: &Spoken) -> bool {
 /// Returns true if two arguments are of one kind and the instruction mentions only one of that kind: "the plate" is not
 /// both the object to put and its destination.
 fn doubles(world: &World, spoken: &Spoken, bindings: &[EntityId]) -> bool {
-    let kind = |entity: EntityId| base_name(&world.entity(entity).identifier);
+    let kind = |entity: EntityId| stem(&world.entity(entity).identifier);
     bindings.iter().enumerate().any(|(place, entity)| {
         spoken.entities.contains(entity)
             && bindings[..place].iter().any(|other| kind(*other) == kind(*entity))
@@ -336,7 +336,7 @@ fn may_follow(world: &World, word: &GoalWord, said: &[GoalFact], spoken: &Spoken
     let Some(subject) = word.subject.map(|parameter| bindings[parameter]) else {
         return true;
     };
-    let kind = |entity: EntityId| base_name(&world.entity(entity).identifier);
+    let kind = |entity: EntityId| stem(&world.entity(entity).identifier);
     said.iter().all(|fact| {
         let GoalFact::Word { word: said, arguments } = fact else {
             return true;

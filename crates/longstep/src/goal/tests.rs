@@ -159,7 +159,11 @@ fn goals_that_nobody_asked_for_are_left_out() {
 fn groups_are_understood_as_a_whole() {
     let mugs = "put(mug 1, sofa) & put(mug 2, sofa) & put(mug 3, sofa) (left out 0)";
     check_understood("Put all the mugs on the sofa", "put(all mug, sofa)", mugs);
-    check_understood("Put any mug on the sofa", "put(any mug, sofa)", "put(any mug, sofa) (left out 0)");
+    check_understood(
+        "Put any mug on the sofa",
+        "put(any mug, sofa)",
+        "put(any mug, sofa) (left out 0)",
+    );
     // A type is no word of the instruction.
     check_understood(
         "Put everything on the desk on the sofa except the tray",

@@ -1,7 +1,9 @@
 //! Lints: probable mistakes in domains that load.
 //!
-//! The lints see the domain only, no environment. They prefer precision: uncertain cases give no finding.
+//! [`lint`] sees the domain only, [`lint_environment`] also an environment. They prefer precision: uncertain cases give no
+//! finding.
 
+mod environments;
 mod explanations;
 mod names;
 mod never;
@@ -13,6 +15,8 @@ mod reads;
 mod tests;
 
 use std::fmt;
+
+pub use self::environments::lint_environment;
 
 use self::places::{Place, Places};
 use self::reach::Reach;
@@ -79,6 +83,24 @@ lints! {
     BrokenPrompt = "broken-prompt",
     /// An acceptance that matches no finding or gives no reason.
     StaleAcceptance = "stale-acceptance",
+    /// An entity of an environment that no action admits.
+    IdleEntity = "idle-entity",
+    /// An entity of an environment whose identifier almost matches a derivation.
+    NearMiss = "near-miss",
+    /// A derivation that matches no entity of an environment.
+    IdleDerivation = "idle-derivation",
+    /// A state that an environment does not use and no action makes true.
+    UnusedState = "unused-state",
+}
+
+impl Lint {
+    /// Returns true for a lint that needs an environment.
+    fn needs_environment(self) -> bool {
+        matches!(
+            self,
+            Self::IdleEntity | Self::NearMiss | Self::IdleDerivation | Self::UnusedState
+        )
+    }
 }
 
 /// A probable mistake.
@@ -143,6 +165,19 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     findings
 }
 
+/// Removes the accepted findings about an environment, and sorts the others.
+fn without_accepted_of(mut findings: Vec<Finding>, files: &Files) -> Vec<Finding> {
+    if let Some(places) = Places::read(files) {
+        let accepts = |finding: &Finding| {
+            let mut entries = places.words.accept.iter();
+            entries.any(|entry| finding.lint.name() == entry.lint.get_ref() && same_names(&finding.of, &entry.of))
+        };
+        findings.retain(|finding| !accepts(finding));
+    }
+    findings.sort_by(|left, right| (&left.diagnostic, left.lint).cmp(&(&right.diagnostic, right.lint)));
+    findings
+}
+
 /// Removes accepted findings. An acceptance that matches none is itself a finding, because its finding may have
 /// returned under another name.
 fn without_accepted(mut findings: Vec<Finding>, places: &Places<'_>) -> Vec<Finding> {
@@ -163,7 +198,7 @@ fn without_accepted(mut findings: Vec<Finding>, places: &Places<'_>) -> Vec<Find
                 None => format!("known are {}", names.collect::<Vec<_>>().join(", ")),
             };
             report(places.word(&entry.lint), format!("there is no finding `{name}`"), hint);
-        } else if findings.len() == before {
+        } else if findings.len() == before && !known.is_some_and(|lint| lint.needs_environment()) {
             let message = format!("accepting `{name}` of {} accepts nothing", quoted(&of));
             let hint = "take the acceptance out, or write the names of the finding that it is for in `of`";
             report(places.word(&entry.lint), message, hint.to_owned());

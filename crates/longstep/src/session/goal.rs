@@ -138,7 +138,7 @@ impl Session {
         let mut answer = solution.answer;
         answer.tell_left_out(world, left_out);
         if let Some(spelled) = self.pronoun(&turn.instruction) {
-            let names = spelled.meant.iter().map(|id| world.entity(*id).with_article());
+            let names = spelled.meant.iter().map(|id| world.with_article(*id));
             let names: Vec<String> = names.collect();
             let note = format!("\"{}\" was taken for {}", spelled.pronoun, names.join(" and "));
             answer.assumptions.push(note);

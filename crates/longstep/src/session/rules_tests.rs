@@ -64,7 +64,11 @@ fn groups_of_a_model_are_expanded_and_shown() {
     let mut session = session(Settings::default());
     session.add_rule("untouched(all ruler)").unwrap();
     let text = "put(all item where on_something(desk) except ruler, shelf)";
-    answered(&mut session, "put everything on the desk but the ruler on the shelf", &goals(&[text]));
+    answered(
+        &mut session,
+        "put everything on the desk but the ruler on the shelf",
+        &goals(&[text]),
+    );
     let Response::Plan(proposal) = session.response() else {
         panic!("{:?}", session.response())
     };
@@ -74,7 +78,10 @@ fn groups_of_a_model_are_expanded_and_shown() {
         answer.groups[0].group,
         "all item where on_something(<desk>) except <ruler>"
     );
-    assert_eq!(answer.groups[0].says, "each item (it is on the desk) except the ruler: the pen");
+    assert_eq!(
+        answer.groups[0].says,
+        "each item (it is on the desk) except the ruler: the pen"
+    );
     let text = "put(any item, shelf)";
     answered(&mut session, "put any item on the shelf", &goals(&[text]));
     let Response::Plan(proposal) = session.response() else {
@@ -92,7 +99,14 @@ fn a_plan_that_cannot_be_repaired_has_a_reason() {
     let draft = longstep_core::plan::read(&pen_plan(&MOVE_PEN, "shelf")).unwrap();
     let answer = crate::report::Assessment::new(&world, draft, None).repaired();
     assert_eq!(answer.status, Status::Unsolvable);
-    assert!(answer.notes.iter().any(|note| note.contains("`untouched(<pen>)` prevents it")), "{:?}", answer.notes);
+    assert!(
+        answer
+            .notes
+            .iter()
+            .any(|note| note.contains("`untouched(<pen>)` prevents it")),
+        "{:?}",
+        answer.notes
+    );
 }
 
 #[test]

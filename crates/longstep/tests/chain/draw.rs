@@ -156,7 +156,7 @@ fn holds(world: &World, predicate: &str, entity: EntityId) -> bool {
 }
 
 fn said(world: &World, wording: &str, arguments: &[EntityId]) -> String {
-    let name = |index: usize| world.entity(arguments[index]).with_article();
+    let name = |index: usize| world.with_article(arguments[index]);
     let mut text = wording.replace("{0}", &name(0));
     if arguments.len() > 1 {
         let hollow = ["drawer", "sink"].iter().any(|hollow| name(1).contains(hollow));

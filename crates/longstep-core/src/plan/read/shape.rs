@@ -93,7 +93,7 @@ const COHESION_KEYS: [&str; 5] = [
     "object_name",
     "object_names",
 ];
-const ENVIRONMENT_KEYS: [&str; 7] = [
+const ENVIRONMENT_KEYS: [&str; 10] = [
     "assets",
     "asset_states",
     "objects",
@@ -101,6 +101,9 @@ const ENVIRONMENT_KEYS: [&str; 7] = [
     "asset_properties",
     "object_properties",
     "names",
+    "types",
+    "speaker",
+    "robot",
 ];
 
 struct Shape<'t, 'n> {
@@ -259,6 +262,9 @@ impl Shape<'_, '_> {
             asset_properties: self.field(&fields, "asset_properties", Self::all_words)?,
             object_properties: self.field(&fields, "object_properties", Self::all_words)?,
             names: self.field(&fields, "names", |shape, node, path| shape.map(node, path, Self::text))?,
+            types: self.field(&fields, "types", |shape, node, path| shape.map(node, path, Self::text))?,
+            speaker: self.field(&fields, "speaker", Self::text)?,
+            robot: self.field(&fields, "robot", Self::text)?,
         })
     }
 

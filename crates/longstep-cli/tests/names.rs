@@ -1,0 +1,75 @@
+//! What a domain makes of an environment, and suites that cannot be passed.
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+
+mod common;
+
+use common::{longstep, root, run};
+
+const ENVIRONMENT: &str = r#"{"assets": ["<desk>", "<Trash_Bin>"], "objects": ["<pen>", "<spong>", "<fridge_handle>"],
+    "object_states": {"<pen>": "on_something(<desk>)"}, "names": {"<pen>": "Bic"}}"#;
+
+#[test]
+fn a_domain_shows_an_environment_with_the_origin_of_each_fact() {
+    let home = tempfile::tempdir().unwrap();
+    let env = home.path().join("env.json");
+    std::fs::write(&env, ENVIRONMENT).unwrap();
+    let show = |command: &str| {
+        let mut program = longstep(home.path());
+        program.args(["domain", command, "household", "--env", env.to_str().unwrap()]);
+        run(program.current_dir(root()))
+    };
+    let shown = show("show");
+    assert_eq!(shown.code, 0, "{}", shown.stderr);
+    for line in [
+        "<Trash_Bin>  trash bin (asset)",
+        "  things can be put into the trash bin  (derived, domain.toml:",
+        "`<Trash_Bin>` matches the name `bin`)",
+        "<pen>  Bic (item)",
+        "  Bic is on the desk  (given)",
+    ] {
+        assert!(shown.stdout.contains(line), "{line}\n{}", shown.stdout);
+    }
+    let checked = show("check");
+    assert_eq!(checked.code, 0, "{}", checked.stderr);
+    for line in [
+        "env.json:1:49: [near-miss] `<spong>` almost matches the name `sponge` of a derivation",
+        "[idle-derivation] no entity has a name of this derivation: window, wall, mirror",
+    ] {
+        assert!(checked.stdout.contains(line), "{line}\n{}", checked.stdout);
+    }
+}
+
+#[test]
+fn a_suite_with_an_unreachable_goal_is_refused() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("desk");
+    std::fs::create_dir_all(folder.join("scenes")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write(
+        "suite.toml",
+        "name = \"desk\"\nabout = \"A pen.\"\ndomain = \"household\"\n",
+    );
+    write("scenes/desk.json", ENVIRONMENT);
+    let case =
+        |goal: &str| format!("[[case]]\nid = \"pen\"\nscene = \"desk\"\nsays = \"Bin it.\"\ngoal = \"{goal}\"\n");
+    let check = |replies: &[&str]| {
+        let mut program = longstep(home.path());
+        program.arg("eval").arg(&folder).args(replies);
+        run(program.current_dir(root()))
+    };
+    write("cases.toml", &case("put(Bic, trash bin)"));
+    let reachable = check(&["--check"]);
+    assert_eq!(
+        reachable.stdout,
+        "desk: the expected goals of all 1 cases can be reached\n"
+    );
+    write("cases.toml", &case("on_something(Bic, Bic)"));
+    std::fs::write(home.path().join("replies.json"), "[]").unwrap();
+    let replies = home.path().join("replies.json");
+    for arguments in [&["--check"][..], &["--replies", replies.to_str().unwrap()]] {
+        let refused = check(arguments);
+        assert_eq!(refused.code, 20, "{}", refused.stdout);
+        let expected = "case `pen`, instruction 1 (Bin it.): its goal cannot be reached";
+        assert!(refused.stderr.contains(expected), "{}", refused.stderr);
+    }
+}
