@@ -243,12 +243,12 @@ impl Assumption {
             Self::Fact { fact, ground } => {
                 let text = fact_text(world, *fact, true);
                 match ground {
-                    AssumptionSource::Derived { derivation } => {
-                        match world.domain().derivations[*derivation].is_from_names() {
-                            true => format!("{text} (its name says so)"),
-                            false => format!("{text} (it follows from other facts)"),
-                        }
+                    AssumptionSource::Derived { derivation }
+                        if world.domain().derivations[*derivation].is_from_names() =>
+                    {
+                        format!("{text} (its name says so)")
                     }
+                    AssumptionSource::Derived { .. } => format!("{text} (it follows from other facts)"),
                     AssumptionSource::Default => format!("{text} (usual, the environment does not say)"),
                     AssumptionSource::Unknown => format!("{text} (the environment does not say)"),
                 }

@@ -45,6 +45,7 @@ fn environment() -> impl Strategy<Value = Environment> {
                 asset_properties,
                 object_properties,
                 names,
+                ..Environment::default()
             },
         )
 }

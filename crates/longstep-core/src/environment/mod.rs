@@ -12,8 +12,8 @@ mod value_tests;
 mod write;
 
 pub use crate::model::{
-    AssumptionSource, Bindings, Difference, Entity, EntityId, Environment, Fact, FactSet, Moment, Prohibition, State,
-    StepPattern, Voice, Words, World, differ, differences, distinctions, fact_text, holds, subject_of,
+    AssumptionSource, Bindings, Difference, Distinctions, Entity, EntityId, Environment, Fact, FactSet, Moment,
+    Prohibition, State, StepPattern, Voice, Words, World, differences, fact_text, holds, subject_of,
 };
 pub use claim::Claim;
 pub use origin::Origin;

@@ -87,10 +87,10 @@ fn reason(world: &World, derivation: usize, fact: Fact) -> String {
         parts.extend(part.filter(|part| !parts.contains(part)));
     }
     parts.extend(derivation.written.clone());
-    match parts.is_empty() {
-        true => "for every entity".to_owned(),
-        false => parts.join("; "),
+    if parts.is_empty() {
+        parts.push("for every entity".to_owned());
     }
+    parts.join("; ")
 }
 
 impl World {

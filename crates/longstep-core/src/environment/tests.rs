@@ -47,7 +47,9 @@ fn mistakes_are_told_with_their_place() {
     );
     check_findings(
         "{\"assets\": [\"<table>\"], \"names\": {\"<table>\": \"a\\nb\"}}",
-        &["env.json:1:46: names.<table>: a name is up to 60 letters, digits, blanks, hyphens and apostrophes"],
+        &[
+            "env.json:1:46: names.<table>: a name is up to 60 letters, digits, blanks, hyphens, apostrophes, dots and underscores",
+        ],
     );
 }
 

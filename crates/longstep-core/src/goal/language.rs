@@ -6,8 +6,8 @@ use super::{Conditional, Goal, GoalFact, Group, WrittenConditional};
 use crate::call::{Call, find_unquoted, unquoted};
 use crate::diagnostic::nearest;
 use crate::model::{
-    EntityId, Fact, FormPiece, GoalWord, GoalWordId, OutOfRange, Predicate, PredicateId, Prohibition, TypeId, World,
-    distinctions, ground, state_word,
+    Distinctions, EntityId, Fact, FormPiece, GoalWord, GoalWordId, OutOfRange, Predicate, PredicateId, Prohibition,
+    TypeId, World, ground, state_word,
 };
 
 /// The prefix of a question in a model's answer.
@@ -484,7 +484,10 @@ pub(super) fn entities(
                 return Err(GoalError::WrongType { part, name, expected });
             }
             _ => {
-                let candidates = distinctions(world, &fitting);
+                let mut candidates = Distinctions::of(world).describe(&fitting);
+                if candidates.len() < fitting.len() {
+                    candidates.push(format!("and {} more", fitting.len() - candidates.len()));
+                }
                 return Err(GoalError::SharedName { part, name, candidates });
             }
         }

@@ -18,7 +18,7 @@ impl DomainData {
     /// ```
     pub fn with_article(&self, name: &str) -> String {
         let is_label = |word: &str| word.ends_with(char::is_numeric) || is_label(word);
-        let is_labelled = name.rsplit_once(' ').map_or(false, |(_, last)| is_label(last));
+        let is_labelled = name.rsplit_once(' ').is_some_and(|(_, last)| is_label(last));
         let is_numbered = name.starts_with(char::is_numeric) || name.ends_with(char::is_numeric);
         let own = self.article.chars().find_map(script);
         let is_foreign = name.chars().filter_map(script).any(|script| Some(script) != own);

@@ -1,5 +1,7 @@
 //! Descriptions of entities that share a name, by the facts in which they differ.
 
+use rustc_hash::FxHashMap;
+
 use super::{EntityId, Fact, Voice, World};
 use crate::effort;
 
@@ -16,83 +18,122 @@ struct Trait {
     holds: bool,
 }
 
-/// Describes each of these entities by the fewest facts that hold of no other one of them, in the domain's words: "pallet 2
-/// (red)", "pallet 3 (blue, at bay 2)". An entity that no fact distinguishes has its name alone.
-///
-/// The facts of a description are the first combination of the smallest size in the order of the domain's predicates, so
-/// it depends on the world alone.
-///
-/// ```
-/// use longstep_core::{domain, environment::{self, distinctions}};
-/// let household = domain::shipped("household").unwrap().unwrap();
-/// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup_1>", "<cup_2>"],
-///     "object_states": {"<cup_1>": "on_something(<table>)", "<cup_2>": "on_something(<shelf>)"}}"#;
-/// let world = environment::parse(&household, "env.json", text).unwrap();
-/// let cups = world.named("cup");
-/// assert_eq!(distinctions(&world, &cups), ["cup 1 (on the table)", "cup 2 (on the shelf)"]);
-/// ```
-pub fn distinctions(world: &World, entities: &[EntityId]) -> Vec<String> {
-    let described = |entity: &EntityId| {
-        let name = world.entity(*entity).name.clone();
-        let traits = distinguishing(world, *entity, entities);
-        let words: Vec<String> = traits.iter().map(|own| own.words(world)).collect();
-        match words.is_empty() {
-            true => name,
-            false => format!("{name} ({})", words.join(", ")),
-        }
-    };
-    entities.iter().map(described).collect()
+/// Maximum number of entities that are described.
+const DESCRIBED: usize = 8;
+
+/// The facts of a world's initial state by entity, to tell entities apart.
+#[derive(Debug)]
+pub struct Distinctions<'w> {
+    world: &'w World,
+    /// The facts with the entity as first argument, those that actions change first: a place says more than a property
+    /// that follows from a name.
+    facts: FxHashMap<EntityId, Vec<Fact>>,
 }
 
-/// Returns true if a fact holds of one of two entities and not of the other, apart from facts that relate the two.
-pub fn differ(world: &World, one: EntityId, other: EntityId) -> bool {
-    let with = |entity: EntityId, another: EntityId| -> Vec<Fact> {
-        let own = facts_of(world, entity).into_iter();
-        own.map(|fact| instead(world, fact, entity, another)).collect()
-    };
-    let mut moved = with(one, other);
-    let mut kept = facts_of(world, other);
-    moved.sort_unstable();
-    kept.sort_unstable();
-    moved != kept
-}
+impl<'w> Distinctions<'w> {
+    /// Collects the facts.
+    pub fn of(world: &'w World) -> Self {
+        let domain = world.domain();
+        let mut facts: FxHashMap<EntityId, Vec<Fact>> = FxHashMap::default();
+        for fact in world.state.iter() {
+            if let Some(entity) = domain.arguments(fact).next() {
+                facts.entry(entity).or_default().push(fact);
+            }
+        }
+        for own in facts.values_mut() {
+            let is_static = |fact: &Fact| !domain.words(fact.predicate()).fluent;
+            own.sort_by_key(|fact| (world.assumed(*fact).is_some(), is_static(fact), *fact));
+        }
+        Self { world, facts }
+    }
 
-fn distinguishing(world: &World, entity: EntityId, entities: &[EntityId]) -> Vec<Trait> {
-    let others: Vec<EntityId> = entities.iter().copied().filter(|other| *other != entity).collect();
-    let is_so = |own: &Trait, other: EntityId| {
-        let fact = instead(world, own.fact, entity, other);
-        world.state.holds(fact) == own.holds
-    };
-    // For each trait the others that share it.
-    let mut traits: Vec<(Trait, Vec<EntityId>)> = Vec::new();
-    let own = facts_of(world, entity)
-        .into_iter()
-        .map(|fact| Trait { fact, holds: true });
-    let lacking = others.iter().flat_map(|other| {
-        let theirs = facts_of(world, *other).into_iter();
-        theirs.map(|fact| instead(world, fact, *other, entity))
-    });
-    let mut lacking: Vec<Fact> = lacking.filter(|fact| !world.state.holds(*fact)).collect();
-    lacking.sort_unstable();
-    lacking.dedup();
-    for own in own.chain(lacking.into_iter().map(|fact| Trait { fact, holds: false })) {
-        if traits.len() >= CANDIDATES || !effort::spend(1 + others.len()) {
-            break;
-        }
-        let shared: Vec<EntityId> = others.iter().copied().filter(|other| is_so(&own, *other)).collect();
-        if shared.len() < others.len() {
-            traits.push((own, shared));
-        }
+    /// Describes the entities by the fewest facts that hold of no other one of them, in the domain's words: "pallet 2
+    /// (red)", "pallet 3 (blue, at bay 2)". An entity that no fact distinguishes has its name alone. Of more than eight
+    /// entities, the first eight are described.
+    ///
+    /// The facts of a description are the first combination of the smallest size in the order of the domain's predicates,
+    /// so it depends on the world alone.
+    ///
+    /// ```
+    /// use longstep_core::{domain, environment::{self, Distinctions}};
+    /// let household = domain::shipped("household").unwrap().unwrap();
+    /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup_1>", "<cup_2>"],
+    ///     "object_states": {"<cup_1>": "on_something(<table>)", "<cup_2>": "on_something(<shelf>)"}}"#;
+    /// let world = environment::parse(&household, "env.json", text).unwrap();
+    /// let described = Distinctions::of(&world).describe(&world.named("cup"));
+    /// assert_eq!(described, ["cup 1 (on the table)", "cup 2 (on the shelf)"]);
+    /// ```
+    pub fn describe(&self, entities: &[EntityId]) -> Vec<String> {
+        let described = |entity: &EntityId| {
+            let name = self.world.entity(*entity).name.clone();
+            let traits = self.distinguishing(*entity, entities);
+            let words: Vec<String> = traits.iter().map(|own| own.words(self.world)).collect();
+            if words.is_empty() {
+                name
+            } else {
+                format!("{name} ({})", words.join(", "))
+            }
+        };
+        entities.iter().take(DESCRIBED).map(described).collect()
     }
-    let mut best: Vec<Trait> = Vec::new();
-    for size in 1..=FACTS {
-        if combination(&traits, &others, size, &mut best) {
-            return best;
-        }
+
+    /// Returns true if a fact holds of one of two entities and not of the other.
+    pub fn differ(&self, one: EntityId, other: EntityId) -> bool {
+        let own = self.facts_of(one).iter();
+        let mut moved: Vec<Fact> = own.map(|fact| self.instead(*fact, one, other)).collect();
+        let mut kept = self.facts_of(other).to_vec();
+        moved.sort_unstable();
+        kept.sort_unstable();
+        moved != kept
     }
-    // No combination fits the entity alone: the fact that most others lack says the most.
-    let nearest = traits.iter().min_by_key(|(_, shared)| shared.len());
-    nearest.map(|(own, _)| *own).into_iter().collect()
+
+    fn facts_of(&self, entity: EntityId) -> &[Fact] {
+        self.facts.get(&entity).map_or(&[], Vec::as_slice)
+    }
+
+    /// Returns the fact with `other` in place of `entity`.
+    fn instead(&self, fact: Fact, entity: EntityId, other: EntityId) -> Fact {
+        let arguments = self.world.domain().arguments(fact);
+        let moved = arguments.map(|argument| if argument == entity { other } else { argument });
+        Fact::new(fact.predicate(), moved)
+    }
+
+    fn distinguishing(&self, entity: EntityId, entities: &[EntityId]) -> Vec<Trait> {
+        let state = &self.world.state;
+        let others: Vec<EntityId> = entities.iter().copied().filter(|other| *other != entity).collect();
+        let own = self.facts_of(entity).iter().map(|fact| Trait {
+            fact: *fact,
+            holds: true,
+        });
+        let theirs = others.iter().flat_map(|other| {
+            let facts = self.facts_of(*other).iter();
+            facts.map(|fact| self.instead(*fact, *other, entity))
+        });
+        let mut lacking: Vec<Fact> = theirs.filter(|fact| !state.holds(*fact)).collect();
+        lacking.sort_unstable();
+        lacking.dedup();
+        // Each trait with the other entities that share it.
+        let mut traits: Vec<(Trait, Vec<EntityId>)> = Vec::new();
+        for own in own.chain(lacking.into_iter().map(|fact| Trait { fact, holds: false })) {
+            if traits.len() >= CANDIDATES || !effort::spend(1 + others.len()) {
+                break;
+            }
+            let is_shared = |other: &EntityId| state.holds(self.instead(own.fact, entity, *other)) == own.holds;
+            let shared: Vec<EntityId> = others.iter().copied().filter(is_shared).collect();
+            if shared.len() < others.len() {
+                traits.push((own, shared));
+            }
+        }
+        for size in 1..=FACTS {
+            let mut chosen = Vec::new();
+            if combination(&traits, &others, size, &mut chosen) {
+                return chosen;
+            }
+        }
+        // No combination fits the entity alone: the trait that the fewest others share says the most.
+        let rarest = traits.iter().min_by_key(|(_, shared)| shared.len());
+        rarest.map(|(own, _)| *own).into_iter().collect()
+    }
 }
 
 /// Extends `chosen` by the first combination of `size` traits that none of `rest` shares.
@@ -120,31 +161,6 @@ fn combination(traits: &[(Trait, Vec<EntityId>)], rest: &[EntityId], size: usize
     false
 }
 
-/// Returns the facts with the entity as first argument, those that actions change first: a place says more than a
-/// property that follows from a name.
-fn facts_of(world: &World, entity: EntityId) -> Vec<Fact> {
-    let domain = world.domain();
-    let about = |fact: &Fact| domain.arguments(*fact).next() == Some(entity);
-    let mut facts: Vec<Fact> = world.state.iter().filter(about).collect();
-    facts.sort_by_key(|fact| {
-        (
-            world.assumed(*fact).is_some(),
-            !domain.words(fact.predicate()).fluent,
-            *fact,
-        )
-    });
-    facts
-}
-
-/// Returns the fact with `other` in place of its first argument.
-fn instead(world: &World, fact: Fact, entity: EntityId, other: EntityId) -> Fact {
-    let arguments = world.domain().arguments(fact);
-    Fact::new(
-        fact.predicate(),
-        arguments.map(|argument| if argument == entity { other } else { argument }),
-    )
-}
-
 impl Trait {
     /// Returns the fact in the domain's words, without its subject where a template permits that.
     fn words(self, world: &World) -> String {
@@ -170,7 +186,7 @@ mod tests {
             r#"{{"assets": ["<table>", "<shelf>"], "objects": ["<cup_1>", "<cup_2>", "<cup_3>"], "object_states": {states}}}"#
         );
         let world = parse(&household, "env.json", &text).unwrap();
-        assert_eq!(distinctions(&world, &world.named("cup")), expected);
+        assert_eq!(Distinctions::of(&world).describe(&world.named("cup")), expected);
     }
 
     #[test]

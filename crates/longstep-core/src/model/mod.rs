@@ -28,7 +28,7 @@ mod world;
 
 pub use condition::{Atom, Condition, Effect, Slot, Term};
 pub use diff::{Difference, differences};
-pub use distinction::{differ, distinctions};
+pub use distinction::Distinctions;
 pub(crate) use domain::ActionSchema;
 pub use domain::{
     Action, ActionId, DefaultFact, Derivation, Domain, DomainData, EnvironmentTypes, FormPiece, GoalWord, GoalWordId,

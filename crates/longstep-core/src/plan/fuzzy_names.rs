@@ -80,3 +80,26 @@ pub(super) fn entity(world: &World, written: &str) -> Option<EntityId> {
         })
         .or_else(slipped)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_label_is_never_misread() {
+        let household = crate::domain::shipped("household").unwrap().unwrap();
+        let text = r#"{"objects": ["<tube_A>", "<plate_3>"]}"#;
+        let world = crate::environment::parse(&household, "env.json", text).unwrap();
+        for (written, expected) in [
+            ("tubeA", Some("<tube_A>")),
+            ("<tueb_A>", Some("<tube_A>")),
+            ("<tube>", Some("<tube_A>")),
+            ("<tube_C>", None),
+            ("<tueb_B>", None),
+            ("<plate_4>", None),
+        ] {
+            let found = entity(&world, written).map(|id| world.entity(id).identifier.as_str());
+            assert_eq!(found, expected, "{written}");
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::mention::{DETERMINERS, among};
 use super::{Constraint, Goal, GoalFact, Spoken};
-use crate::environment::{EntityId, Fact, Moment, World, differ, distinctions, holds};
+use crate::environment::{Distinctions, EntityId, Fact, Moment, World, holds};
 use crate::model::{TypeId, head, label, plain_words, singular};
 
 /// Determiners after which any entity fits.
@@ -14,9 +14,11 @@ pub(super) fn which(world: &World, spoken: &Spoken, goal: &Goal) -> Option<Strin
     let single = goal.facts.iter().filter(|fact| goal.grouped_part(fact).is_none());
     let of_goals = single.flat_map(GoalFact::parts);
     let mut of_goals = of_goals.map(|fact| of_fact(world, spoken, goal, fact));
+    let is_single = |own: &&Constraint| !goal.groups.iter().any(|part| part.constraints.contains(own));
     let mut of_constraints = goal
         .constraints
         .iter()
+        .filter(is_single)
         .flat_map(|constraint| concerned(world, constraint))
         .map(|(entity, kind)| question(world, spoken, entity, &|other| world.is_of_kind(other, kind)));
     of_goals
@@ -94,13 +96,17 @@ fn question(
     if !spoken.entities.contains(&entity) || spoken.several(names) || !means_one(world, spoken, entity) {
         return None;
     }
-    let is_rival = |other: &EntityId| {
-        *other != entity
-            && are_called_alike(world, spoken, entity, *other)
-            && is_possible(*other)
-            && (differ(world, entity, *other) || (has_label(world, entity) && has_label(world, *other)))
-    };
-    let mut all: Vec<EntityId> = spoken.entities.iter().copied().filter(is_rival).collect();
+    let reference = Reference::to(world, spoken, entity);
+    let alike = spoken.entities.iter().copied().filter(|other| *other != entity);
+    let mut all: Vec<EntityId> = alike
+        .filter(|other| reference.fits(world, *other) && is_possible(*other))
+        .collect();
+    if all.is_empty() {
+        return None;
+    }
+    let distinctions = Distinctions::of(world);
+    let is_labelled = has_label(world, entity);
+    all.retain(|other| distinctions.differ(entity, *other) || (is_labelled && has_label(world, *other)));
     if all.is_empty() {
         return None;
     }
@@ -111,31 +117,50 @@ fn question(
         .copied()
         .filter(|one| is_described(world, spoken, *one, &all))
         .collect();
-    let candidates = match described.contains(&entity) {
-        true => described,
-        false => all,
-    };
+    let candidates = if described.contains(&entity) { described } else { all };
     if candidates.len() == 1 {
         return None;
     }
     let name = head(&world.entity(entity).name);
-    let described = distinctions(world, &candidates).join(", or ");
-    Some(format!("Which {name} do you mean: {described}?"))
+    let mut described = distinctions.describe(&candidates);
+    if described.len() < candidates.len() {
+        described.push(format!("one of {} others", candidates.len() - described.len()));
+    }
+    Some(format!("Which {name} do you mean: {}?", described.join(", or ")))
 }
 
-/// Returns true if the name that the instruction uses for the entity is one of the other's, too. If it uses only the head
-/// noun ("the glass" for the water glass), that of the other decides.
-fn are_called_alike(world: &World, spoken: &Spoken, entity: EntityId, other: EntityId) -> bool {
-    let parts = |name: &String| plain_words(name).iter().map(|word| singular(word)).collect::<Vec<_>>();
-    let words: Vec<String> = spoken.words().iter().map(|word| singular(word)).collect();
-    let is_said = |name: &Vec<String>| !name.is_empty() && words.windows(name.len()).any(|window| window == name);
-    let said: Vec<Vec<String>> = world.entity(entity).names.iter().map(parts).filter(is_said).collect();
-    let others = &world.entity(other).names;
-    if said.is_empty() {
-        let heads = said_heads(world, spoken, entity);
-        return others.iter().any(|name| heads.contains(&head(name)));
+/// The names by which the instruction refers to an entity, as singular words.
+struct Reference {
+    /// Names that the instruction contains as a whole.
+    names: Vec<Vec<String>>,
+    /// Head nouns, for a reference such as "the glass" to the water glass.
+    heads: Vec<String>,
+}
+
+impl Reference {
+    fn to(world: &World, spoken: &Spoken, entity: EntityId) -> Self {
+        let words: Vec<String> = spoken.words().iter().map(|word| singular(word)).collect();
+        let is_said = |name: &Vec<String>| !name.is_empty() && words.windows(name.len()).any(|window| window == name);
+        let names = world.entity(entity).names.iter().map(|name| parts(name));
+        Self {
+            names: names.filter(is_said).collect(),
+            heads: said_heads(world, spoken, entity),
+        }
     }
-    others.iter().map(parts).any(|name| said.contains(&name))
+
+    /// Returns true if it can mean another entity, too.
+    fn fits(&self, world: &World, other: EntityId) -> bool {
+        let others = &world.entity(other).names;
+        if self.names.is_empty() {
+            others.iter().any(|name| self.heads.contains(&head(name)))
+        } else {
+            others.iter().any(|name| self.names.contains(&parts(name)))
+        }
+    }
+}
+
+fn parts(name: &str) -> Vec<String> {
+    plain_words(name).iter().map(|word| singular(word)).collect()
 }
 
 /// Returns the head nouns of an entity's names that the instruction contains.
@@ -149,7 +174,7 @@ fn said_heads(world: &World, spoken: &Spoken, entity: EntityId) -> Vec<String> {
 fn has_label(world: &World, entity: EntityId) -> bool {
     let entity = world.entity(entity);
     let label = label(&entity.identifier);
-    !label.is_empty() && entity.name.ends_with(&label)
+    !label.is_empty() && entity.name.ends_with(&format!(" {label}"))
 }
 
 /// Returns true if a reference to the entity means one certain entity: "the mug", "my mug", "mug", but not "a mug".
