@@ -301,12 +301,12 @@ fn check_which(instruction: &str, goal: &str, expected: &str) {
 
 #[test]
 fn which_of_two_is_asked_where_it_makes_a_difference() {
-    let question = "Which mug do you mean: mug 1 on the desk, or mug 2 on the shelf, or mug 3 on the shelf?";
+    let question = "Which mug do you mean: mug 1 (on the desk), or mug 2 (on the shelf), or mug 3 (on the shelf)?";
     check_which("Put the mug on the sofa", "put(mug 1, sofa)", question);
     check_which(
         "Put my old mug on the sofa",
         "put(mug 3, sofa)",
-        "Which mug do you mean: mug 1 on the desk, or mug 3 on the shelf?",
+        "Which mug do you mean: mug 1 (on the desk), or mug 3 (on the shelf)?",
     );
     // No question: any mug fits, all are meant, or the instruction identifies one.
     check_which("Put a mug on the sofa", "put(mug 1, sofa)", "put(mug 1, sofa)");
