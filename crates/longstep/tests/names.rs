@@ -103,11 +103,6 @@ fn an_instruction_with_a_shared_name_is_a_question() {
                 pallets,
             ),
             (
-                "Never touch the pallet, bring the crate to the dock",
-                "bring(crate, dock) & untouched(pallet 2)",
-                pallets,
-            ),
-            (
                 "Bring the crate to the bay",
                 "bring(crate, bay 1)",
                 "Which bay do you mean: bay 1, or bay 2?",

@@ -73,7 +73,7 @@ pub enum GoalError {
         written: String,
     },
     /// A name that several entities have.
-    #[error("`{name}` in `{part}` is the name of several entities: {}; write one of these names", candidates.join(", or "))]
+    #[error("`{name}` in `{part}` is the name of several entities: {}; write one of these names", candidates.join(", "))]
     SharedName {
         /// The part of the goal.
         part: String,
