@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use longstep::Effort;
 use longstep::session::{RepairPolicy, Settings, Strategy};
 
 /// Turns instructions in plain English into verified robot action plans.
@@ -137,6 +138,9 @@ pub(crate) struct StrategyArguments {
     /// Folder with your own prompt parts (role.md, actions.md, ...), which replace the domain's
     #[arg(long, value_name = "FOLDER")]
     pub(crate) prompt: Option<PathBuf>,
+    /// Work of the search for a goal's plan: small, normal, large, or millions of units [default: normal]
+    #[arg(long, value_name = "EFFORT")]
+    pub(crate) effort: Option<Effort>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -158,6 +162,7 @@ impl StrategyArguments {
                 (false, false) => RepairPolicy::First,
             },
             rounds: self.rounds,
+            effort: self.effort,
             ..Settings::default()
         }
     }
@@ -421,6 +426,9 @@ pub(crate) struct SolveArguments {
     /// File of rules that bind every plan, one a line: never opened(fridge)
     #[arg(long, value_name = "FILE", conflicts_with = "problem")]
     pub(crate) rules: Option<PathBuf>,
+    /// Work of the search: small, normal, large, or millions of units
+    #[arg(long, value_name = "EFFORT", default_value = "normal")]
+    pub(crate) effort: Effort,
     /// Print the task as a PDDL problem for the domain's domain.pddl instead of solving it
     #[arg(long, conflicts_with_all = ["problem", "json", "save"])]
     pub(crate) pddl: bool,

@@ -139,11 +139,12 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
     }
     let mut session = resumed.session;
     folder.mend(&session)?;
-    if arguments.yes != session.settings().accept {
-        let settings = Settings {
-            accept: arguments.yes,
-            ..session.settings()
-        };
+    let settings = Settings {
+        accept: arguments.yes,
+        effort: arguments.strategy.effort.or(session.settings().effort),
+        ..session.settings()
+    };
+    if settings != session.settings() {
         session.set_settings(settings);
     }
     let shown = session.accepted().len();

@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &SolveArguments, problem_file: &Path) -> Result<u8>
         &purpose,
         None,
         &problem.name,
-        &longstep::Limits::default(),
+        &longstep::Limits::from(arguments.effort),
         stopwatch,
     )
     .answer;

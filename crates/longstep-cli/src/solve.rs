@@ -53,8 +53,13 @@ pub(crate) fn run(arguments: &SolveArguments) -> Result<u8> {
         remark!("Wrote domain.pddl and problem.pddl to {}", folder.display());
         return Ok(Status::Verified.exit_code());
     }
-    let report::Solution { plan, mut answer } =
-        report::of_goal(&world, &goal, text, &longstep::Limits::default(), stopwatch);
+    let report::Solution { plan, mut answer } = report::of_goal(
+        &world,
+        &goal,
+        text,
+        &longstep::Limits::from(arguments.effort),
+        stopwatch,
+    );
     let shown = match plan.filter(|_| arguments.parallel) {
         Some(plan) => lanes::side_by_side(&world, &plan, &goal.purpose(&world), &mut answer),
         None => Vec::new(),

@@ -4,7 +4,7 @@
 //! - `peers order FOLDER`: writes goals with an order and with prohibitions as ground PDDL tasks.
 //! - `peers check-order`: checks other planners' plans for them; a line of the input is `SCENE GOAL PLAN`, with tabs
 //!   between.
-//! - `peers solve DOMAIN.pddl PROBLEM.pddl...`: plans for PDDL problems.
+//! - `peers solve [--effort EFFORT] DOMAIN.pddl PROBLEM.pddl...`: plans for PDDL problems.
 //! - `peers check`: checks other planners' plans; a line of the input is `DOMAIN.pddl PROBLEM.pddl PLAN`, with tabs
 //!   between.
 //!
@@ -21,7 +21,7 @@ use longstep_core::environment::{self, Environment, World};
 use longstep_core::json;
 use longstep_core::pddl::{self, Problem};
 use longstep_core::plan::{Plan, Step};
-use longstep_core::search::{self, Limits, Outcome};
+use longstep_core::search::{self, Effort, Limits, Outcome};
 use longstep_core::verify::check;
 use longstep_llm::domain_files;
 use serde_json::json;
@@ -38,16 +38,23 @@ fn main() -> Anyhow<()> {
             let scenes = scenes()?;
             std::io::stdin().lines().try_for_each(|line| check_order(&scenes, &line?))
         }
-        ["solve", domain, problems @ ..] if !problems.is_empty() => {
-            problems.iter().try_for_each(|problem| solve(domain, problem))
+        ["solve", "--effort", effort, domain, problems @ ..] if !problems.is_empty() => {
+            let limits = Limits::from(effort.parse::<Effort>()?);
+            problems.iter().try_for_each(|problem| solve(domain, problem, &limits))
         }
+        ["solve", domain, problems @ ..] if !problems.is_empty() => problems
+            .iter()
+            .try_for_each(|problem| solve(domain, problem, &Limits::default())),
         ["check"] => std::io::stdin().lines().try_for_each(|line| check_plan(&line?)),
-        _ => Err("usage: peers export FOLDER | peers order FOLDER | peers check-order | peers solve DOMAIN.pddl PROBLEM.pddl... | peers check".into()),
+        _ => Err(
+            "usage: peers export FOLDER | peers order FOLDER | peers check-order | peers solve [--effort EFFORT] DOMAIN.pddl PROBLEM.pddl... | peers check"
+                .into(),
+        ),
     }
 }
 
 /// Reads and solves a problem; the time is that from the texts in memory to the plan.
-fn solve(domain_file: &str, problem_file: &str) -> Anyhow<()> {
+fn solve(domain_file: &str, problem_file: &str, limits: &Limits) -> Anyhow<()> {
     let texts = (
         std::fs::read_to_string(domain_file)?,
         std::fs::read_to_string(problem_file)?,
@@ -55,7 +62,7 @@ fn solve(domain_file: &str, problem_file: &str) -> Anyhow<()> {
     let started = Instant::now();
     let domain = domain::from_pddl(domain_file, &texts.0)?;
     let problem = pddl::read_problem(&domain, problem_file, &texts.1)?;
-    let outcome = search::solve(&problem.world, &problem.purpose(), &Limits::default());
+    let outcome = search::solve(&problem.world, &problem.purpose(), limits);
     let microseconds = started.elapsed().as_micros();
     let mut line = json!({"problem": problem_file, "outcome": name(&outcome), "microseconds": microseconds});
     match outcome {

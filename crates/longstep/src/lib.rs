@@ -65,7 +65,7 @@ pub use longstep_core::diagnostic::{Diagnostic, Diagnostics};
 pub use longstep_core::environment::{Environment, World};
 pub use longstep_core::model::{EntityId, Fact, State};
 pub use longstep_core::plan::{Plan, Step, StepId, Violation};
-pub use longstep_core::search::Limits;
+pub use longstep_core::search::{Effort, Limits};
 pub use longstep_core::verify::VerifiedPlan;
 
 pub use goal::Goal;

@@ -7,7 +7,7 @@ use longstep::domain::{self, Domain, Files, RuleTime};
 use longstep::goal;
 use longstep_core::environment::{self, EntityId, Environment, Moment, State, World, holds};
 use longstep_core::json::Path;
-use longstep_core::search::{self, Limits, Outcome, Wanted};
+use longstep_core::search::{self, Effort, Limits, Outcome, Wanted};
 use longstep_core::verify::{apply, broken_bindings, check, unmet};
 use proptest::prelude::*;
 
@@ -107,6 +107,7 @@ fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), Test
         proof: 100_000,
         shortest: 100_000,
         any: 0,
+        effort: Effort::default(),
     };
     match search::solve(&world, &purpose, &limits) {
         Outcome::Solved { plan, shortest, .. } => {
@@ -114,6 +115,29 @@ fn compare_in(domain: &Domain, environment: &str, goal: &str) -> Result<(), Test
             prop_assert_eq!(Some(plan.steps().len()), expected);
             let report = check(&world, plan, &purpose);
             prop_assert_eq!(report.violations, vec![]);
+        }
+        Outcome::ProvenUnsolvable { .. } => prop_assert_eq!(expected, None),
+        Outcome::GaveUp { why, .. } => prop_assert!(false, "gave up: {}", why),
+    }
+    // Greedy search alone finds a plan as well, or proves that there is none.
+    let limits = Limits {
+        direct: 0,
+        proof: 0,
+        shortest: 0,
+        any: 100_000,
+        effort: Effort::default(),
+    };
+    match search::solve(&world, &purpose, &limits) {
+        Outcome::Solved {
+            plan,
+            shortest,
+            at_least,
+            ..
+        } => {
+            let (found, expected) = (plan.steps().len(), expected.unwrap_or(usize::MAX));
+            prop_assert!(found >= expected && (!shortest || found == expected));
+            prop_assert!(at_least as usize <= expected);
+            prop_assert_eq!(check(&world, plan, &purpose).violations, vec![]);
         }
         Outcome::ProvenUnsolvable { .. } => prop_assert_eq!(expected, None),
         Outcome::GaveUp { why, .. } => prop_assert!(false, "gave up: {}", why),

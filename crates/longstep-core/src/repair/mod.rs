@@ -262,10 +262,10 @@ impl Search<'_> {
             true => Found::Limit,
             false => self.within(&near, limit, None),
         };
-        if !whole.is_bearable(self.domain) {
+        if !whole.is_bearable(self.world) {
             if !matches!(best, Found::Path(_)) {
                 let far = whole.around(self.world, requirements, about, true);
-                if far.is_bearable(self.domain) {
+                if far.is_bearable(self.world) {
                     best = self.within(&far, limit, None);
                 }
             }

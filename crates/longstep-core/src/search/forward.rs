@@ -7,48 +7,22 @@ use rustc_hash::FxHashMap;
 
 use super::bits::Bits;
 use super::dominance::Dominance;
+use super::greedy::{Lazy, Rank};
+use super::improve::{self, improve};
 use super::landmark_cut::LandmarkCut;
 use super::node::{SearchNode, path, start, successor};
 use super::relevance;
 use super::task::Task;
-use super::{GroundAction, Outcome};
+use super::{GroundAction, Limits, Outcome};
 use crate::effort;
 use crate::model::World;
 use crate::plan::Step;
 
-/// Limits of a search as numbers of evaluated states, so that the result does not depend on the speed of the machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
-    /// States for a plan in the focused task, which has only the most direct operators.
-    pub direct: usize,
-    /// States for the proof that no plan is shorter than the direct one.
-    pub proof: usize,
-    /// States for a shortest plan if there is no direct one.
-    pub shortest: usize,
-    /// States for the final greedy search.
-    pub any: usize,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self {
-            direct: 4_000,
-            proof: 400,
-            shortest: 1_500,
-            any: 10_000,
-        }
-    }
-}
-
 /// Weight of the heuristic in the greedy search.
 const GREED: u32 = 5;
 
-/// Work units of one run. Limits count states, and a state of a task with 20,000 operators takes a thousand times the
-/// work of one with 20 operators.
+/// Work units of one run for another part of the library.
 const EFFORT: u64 = 8_000_000;
-
-/// Work units of the final greedy run.
-const GREEDY_EFFORT: u64 = 36_000_000;
 
 /// Result of a search without sensing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,8 +31,10 @@ pub(super) enum Straight {
     Solved {
         /// The steps; empty if the goal already holds.
         steps: Vec<GroundAction>,
-        /// True if it is proven that no plan has fewer steps.
+        /// True if it is proven that no plan costs less.
         shortest: bool,
+        /// Proven lower bound on the cost of a plan.
+        at_least: u32,
         /// States expanded.
         expanded: usize,
     },
@@ -83,9 +59,11 @@ impl Straight {
             Self::Solved {
                 steps,
                 shortest,
+                at_least,
                 expanded,
             } => Outcome::Solved {
                 worst: steps.len() as u32,
+                at_least,
                 plan: steps
                     .into_iter()
                     .map(|step| Step::explained(world, step.action, step.arguments))
@@ -108,78 +86,130 @@ impl Straight {
     }
 }
 
+/// Finds a plan in runs that give up less and less: a shortest plan of the focused task; if that reaches a limit, any plan
+/// of it, and then any plan of the whole task, each improved.
 pub(super) fn search(task: &Task, limits: &Limits) -> Straight {
-    let steps = |path: &[u32], task: &Task| -> Vec<super::GroundAction> {
-        let step = |number: &u32| task.operators[*number as usize].step.clone();
-        path.iter().map(step).collect()
-    };
     let focused = relevance::focus(task);
-    let mut heuristic = LandmarkCut::new(task);
-    let mut exhausted = false;
-    let mut run = |search: Search<'_>| {
-        let limit = if search.weight == 1 { EFFORT } else { GREEDY_EFFORT };
-        let spent = effort::within(limit, || search.run());
-        exhausted |= spent.exhausted;
-        spent.result
+    let mut runs = Runs {
+        task,
+        limits,
+        expanded: 0,
+        exhausted: false,
     };
-    let (direct, mut expanded) = run(Search::new(&focused, &mut LandmarkCut::new(&focused), 1, limits.direct));
-    match direct {
-        Found::Limit => {
-            let mut heuristic = LandmarkCut::new(&focused);
-            let (found, more) = run(Search::new(&focused, &mut heuristic, GREED, limits.any));
-            expanded += more;
-            if let Found::Path(path) = found {
-                return Straight::Solved {
-                    steps: steps(&path, &focused),
-                    shortest: false,
-                    expanded,
-                };
-            }
-        }
-        Found::Path(direct) => {
-            // The proof search uses all operators but accepts only plans with fewer steps.
-            let mut proof = Search::new(task, &mut heuristic, 1, limits.proof);
-            proof.below = Some(direct.len() as u32);
-            proof.dominance = Some(Dominance::new(task));
-            let (found, more) = run(proof);
-            return Straight::Solved {
-                shortest: !matches!(found, Found::Limit),
-                steps: match found {
-                    Found::Path(shorter) => steps(&shorter, task),
-                    Found::Nothing | Found::Limit => steps(&direct, &focused),
-                },
-                expanded: expanded + more,
-            };
-        }
-        Found::Nothing => {}
+    let mut heuristic = LandmarkCut::new(&focused);
+    let direct = runs.run(limits.run_for_shortest(), || {
+        Search::new(&focused, &mut heuristic, 1, limits.direct).run()
+    });
+    let direct_is_unsolvable = match direct {
+        Found::Path(path) => return runs.proven(&focused, &path),
+        Found::Nothing => true,
+        Found::Limit => false,
+    };
+    if direct_is_unsolvable && let Some(result) = runs.shortest() {
+        return result;
     }
-    for (weight, limit) in [(1, limits.shortest), (GREED, limits.any)] {
-        let mut search = Search::new(task, &mut heuristic, weight, limit);
-        search.dominance = Some(Dominance::new(task));
-        let (found, more) = run(search);
-        expanded += more;
-        match found {
-            Found::Path(path) => {
-                return Straight::Solved {
-                    steps: steps(&path, task),
-                    shortest: weight == 1,
-                    expanded,
-                };
-            }
-            Found::Nothing => return Straight::ProvenUnsolvable { expanded },
-            Found::Limit => {}
-        }
+    if !direct_is_unsolvable && let Some(result) = runs.any(&focused) {
+        return result;
     }
+    if let Some(result) = runs.any(task) {
+        return result;
+    }
+    if !direct_is_unsolvable && let Some(result) = runs.shortest() {
+        return result;
+    }
+    let expanded = runs.expanded;
     Straight::GaveUp {
-        why: match exhausted {
+        why: match runs.exhausted {
             true => format!("no plan found in {expanded} states, which took all the work that a search may take"),
-            false => format!(
-                "no plan found in {} states",
-                limits.direct + limits.shortest + limits.any
-            ),
+            false => format!("no plan found in {expanded} states"),
         },
         expanded,
     }
+}
+
+/// The runs of one search, and their sums.
+struct Runs<'a> {
+    task: &'a Task,
+    limits: &'a Limits,
+    expanded: usize,
+    /// True if a run exhausted its budget.
+    exhausted: bool,
+}
+
+impl Runs<'_> {
+    fn run<T>(&mut self, units: u64, search: impl FnOnce() -> (T, usize)) -> T {
+        let spent = effort::within(units, search);
+        self.exhausted |= spent.exhausted;
+        self.expanded += spent.result.1;
+        spent.result.0
+    }
+
+    fn solved(&self, task: &Task, path: &[u32], at_least: u32) -> Straight {
+        Straight::Solved {
+            steps: steps(task, path),
+            shortest: at_least >= improve::cost(task, path),
+            at_least,
+            expanded: self.expanded,
+        }
+    }
+
+    /// Looks for a plan of the whole task that is cheaper than a path of `from`, and for the proof that there is none.
+    fn proven(&mut self, from: &Task, path: &[u32]) -> Straight {
+        let (task, cost) = (self.task, improve::cost(from, path));
+        let mut heuristic = LandmarkCut::new(task);
+        let mut proof = Search::new(task, &mut heuristic, 1, self.limits.proof);
+        proof.below = Some(cost);
+        proof.dominance = Some(Dominance::new(task));
+        match self.run(self.limits.run_for_shortest(), || proof.run()) {
+            Found::Path(cheaper) => self.solved(task, &cheaper, improve::cost(task, &cheaper)),
+            Found::Nothing => self.solved(from, path, cost),
+            Found::Limit => self.solved(from, path, proof.bound.min(cost.saturating_sub(1))),
+        }
+    }
+
+    /// Looks for a shortest plan of the whole task; none if that reaches a limit.
+    fn shortest(&mut self) -> Option<Straight> {
+        let task = self.task;
+        let mut heuristic = LandmarkCut::new(task);
+        let mut search = Search::new(task, &mut heuristic, 1, self.limits.shortest);
+        search.dominance = Some(Dominance::new(task));
+        match self.run(self.limits.run_for_shortest(), || search.run()) {
+            Found::Path(path) => Some(self.solved(task, &path, improve::cost(task, &path))),
+            Found::Nothing => Some(self.unsolvable()),
+            Found::Limit => None,
+        }
+    }
+
+    /// Looks for any plan of a task, and improves it; none if that reaches a limit, or if only the whole task may have one.
+    fn any(&mut self, task: &Task) -> Option<Straight> {
+        let is_whole = std::ptr::eq(task, self.task);
+        let mut lazy = Lazy::new(task);
+        match self.run(self.limits.run_for_any(), || {
+            lazy.run(Rank::Estimate, None, self.limits.any)
+        }) {
+            Found::Path(path) => {
+                let limit = self.limits.any;
+                let (path, proven) = self.run(self.limits.run_for_any(), || improve(&mut lazy, task, path, limit));
+                if proven && is_whole {
+                    return Some(self.solved(task, &path, improve::cost(task, &path)));
+                }
+                Some(self.proven(task, &path))
+            }
+            Found::Nothing if is_whole => Some(self.unsolvable()),
+            Found::Nothing | Found::Limit => None,
+        }
+    }
+
+    fn unsolvable(&self) -> Straight {
+        Straight::ProvenUnsolvable {
+            expanded: self.expanded,
+        }
+    }
+}
+
+fn steps(task: &Task, path: &[u32]) -> Vec<GroundAction> {
+    let step = |number: &u32| task.operators[*number as usize].step.clone();
+    path.iter().map(step).collect()
 }
 
 /// Finds the cheapest path to the goal, as operator numbers, and returns it with the number of expanded states. Accepts
@@ -197,7 +227,7 @@ pub(crate) fn cheapest(task: &Task, limit: usize, below: Option<u32>) -> (Found<
 /// Finds a path to the goal quickly, not necessarily a cheap one.
 pub(crate) fn greedy(task: &Task, limit: usize) -> (Found<Vec<u32>>, usize) {
     let mut heuristic = LandmarkCut::new(task);
-    let search = Search::new(task, &mut heuristic, GREED, limit);
+    let mut search = Search::new(task, &mut heuristic, GREED, limit);
     effort::within(EFFORT, || search.run()).result
 }
 
@@ -233,6 +263,8 @@ struct Search<'a> {
     preferred: FxHashMap<u32, Vec<u32>>,
     /// Work units to expand a node, without its successors.
     expanding: usize,
+    /// The largest f-value so far; without a weight no plan costs less.
+    bound: u32,
 }
 
 impl<'a> Search<'a> {
@@ -250,11 +282,12 @@ impl<'a> Search<'a> {
             open: BinaryHeap::new(),
             preferred: FxHashMap::default(),
             expanding: task.units(),
+            bound: 0,
         }
     }
 
     /// Searches until a plan is found, no node is left, or the limit or the budget is reached.
-    fn run(mut self) -> (Found<Vec<u32>>, usize) {
+    fn run(&mut self) -> (Found<Vec<u32>>, usize) {
         let (mut expanded, mut estimated) = (0, 0);
         self.discover(start(self.task), None, 0, 0, false);
         while let Some(Reverse((promise, _, _, number))) = self.open.pop() {
@@ -265,6 +298,7 @@ impl<'a> Search<'a> {
             if node.expanded || promise > self.promise(node) {
                 continue;
             }
+            self.bound = self.bound.max(promise);
             if self.below.is_some_and(|below| promise >= below) {
                 // No open node has a lower f-value.
                 return (Found::Nothing, expanded);

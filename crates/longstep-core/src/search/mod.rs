@@ -4,12 +4,17 @@
 //! with an admissible heuristic (`landmark_cut`), so that the first plan it finds is a shortest one. If that reaches a
 //! limit, greedy search follows, and the result is marked as not proven shortest.
 
+mod additive;
+mod applicable;
 mod bits;
 mod contingent;
 mod dominance;
 mod formula;
 mod forward;
+mod greedy;
+mod improve;
 mod landmark_cut;
+mod limits;
 mod node;
 mod outcome;
 mod relaxed;
@@ -18,12 +23,14 @@ mod scope;
 mod stages;
 mod target;
 mod task;
+#[cfg(test)]
+mod tests;
 mod why_not;
 
 pub(crate) use formula::{Formula, Literal};
-pub use forward::Limits;
 use forward::Straight;
 pub(crate) use forward::{Found, cheapest, greedy};
+pub use limits::{EFFORT, Effort, EffortError, Limits};
 pub use outcome::Outcome;
 pub(crate) use relevance::reduce;
 pub(crate) use scope::{Requirements, Scope};
@@ -45,9 +52,6 @@ pub struct GroundAction {
     /// One entity for each parameter.
     pub arguments: Vec<EntityId>,
 }
-
-/// Work units of one search: grounding, relevance analysis and all runs.
-pub const EFFORT: u64 = 50_000_000;
 
 /// Reason given when the budget is exhausted.
 const TOO_MUCH: &str =
@@ -99,7 +103,7 @@ pub(crate) fn ground_task(world: &World, purpose: &Purpose) -> (Task, Vec<Option
 
 /// Finds a shortest plan without sensing.
 fn straight(world: &World, target: &Target, limits: &Limits) -> Straight {
-    let spent = effort::within(EFFORT, || straight_within(world, target, limits));
+    let spent = effort::within(limits.effort.units(), || straight_within(world, target, limits));
     match spent.exhausted {
         true => Straight::GaveUp {
             why: TOO_MUCH.to_owned(),
@@ -110,17 +114,16 @@ fn straight(world: &World, target: &Target, limits: &Limits) -> Straight {
 }
 
 fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight {
-    let domain = world.domain();
     let requirements = Requirements::of(world, target.all());
     let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
     let around = |far: &bool| whole.around(world, &requirements, &about, *far);
-    let scopes = match whole.is_bearable(domain) {
+    let scopes = match whole.is_bearable(world) {
         true => vec![whole],
         false => [false, true]
             .iter()
             .map(around)
-            .filter(|scope| scope.is_bearable(domain))
+            .filter(|scope| scope.is_bearable(world))
             .collect(),
     };
     let mut looked_at = 0;
@@ -136,6 +139,7 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
                 return Straight::Solved {
                     steps,
                     shortest: false,
+                    at_least: 0,
                     expanded: expanded + looked_at,
                 };
             }

@@ -14,6 +14,8 @@ pub enum Outcome {
         worst: u32,
         /// True if it is proven that no plan has a better worst case.
         shortest: bool,
+        /// Proven lower bound on the worst case of all plans; 0 if none is known.
+        at_least: u32,
         /// States expanded.
         expanded: usize,
     },

@@ -6,7 +6,7 @@
 //! entities related to the goal are considered first: those that it mentions, their places, their parts, and those that
 //! its conditions name by type. A plan that is found there is then simulated in the whole world.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Wanted;
 use crate::effort;
@@ -56,8 +56,8 @@ impl Scope {
     }
 
     /// Returns true if grounding this scope stays within the limit.
-    pub(crate) fn is_bearable(&self, domain: &Domain) -> bool {
-        self.effort(domain) <= BEARABLE
+    pub(crate) fn is_bearable(&self, world: &World) -> bool {
+        self.effort(world) <= BEARABLE
     }
 
     /// Returns the number of entities.
@@ -86,12 +86,17 @@ impl Scope {
     }
 
     /// Returns an upper bound on the number of ground effects.
-    fn effort(&self, domain: &Domain) -> u64 {
+    fn effort(&self, world: &World) -> u64 {
+        let domain = world.domain();
         let count = |kind: TypeId| self.of_kind(kind).len() as u64;
         let product =
             |kinds: &mut dyn Iterator<Item = TypeId>| kinds.fold(1, |all: u64, kind| all.saturating_mul(count(kind)));
         let effort = |action: &Action| {
-            let choices = product(&mut action.parameters.iter().map(|parameter| parameter.kind));
+            let parameters = action.parameters.iter().enumerate();
+            let choices = parameters.fold(1, |all: u64, (slot, parameter)| {
+                let choices = most_choices(world, &action.precondition, slot).map_or(u64::MAX, |most| most as u64);
+                all.saturating_mul(choices.min(count(parameter.kind)))
+            });
             let effects = action.effects.iter().map(|effect| {
                 // A variable that must equal another term adds no instances.
                 product(
@@ -111,6 +116,36 @@ impl Scope {
             .filter(|(_, matters)| **matters);
         actions.map(|(action, _)| effort(action)).fold(0, u64::saturating_add)
     }
+}
+
+/// Returns the largest number of entities for a slot that static facts allow once the slots before it are bound; none if
+/// they allow any.
+fn most_choices(world: &World, condition: &Condition, slot: usize) -> Option<usize> {
+    let guards = condition.conjuncts().filter_map(|part| match part {
+        Condition::Atom {
+            atom,
+            holds: true,
+            initially,
+        } if *initially || !world.domain().words(atom.predicate).fluent => Some(atom),
+        _ => None,
+    });
+    let guards = guards.filter(|atom| atom.terms.contains(&Term::Variable(slot)));
+    let most = |atom: &Atom| {
+        let is_bound = |term: &Term| !matches!(term, Term::Variable(variable) if *variable >= slot);
+        let bound: Vec<usize> = (0..atom.terms.len())
+            .filter(|place| is_bound(&atom.terms[*place]))
+            .collect();
+        let facts = world.state.of_predicate(atom.predicate);
+        effort::spend(1 + facts.len());
+        let mut counts: FxHashMap<Vec<EntityId>, usize> = FxHashMap::default();
+        for fact in facts {
+            *counts
+                .entry(bound.iter().map(|place| fact.argument(*place)).collect())
+                .or_default() += 1;
+        }
+        counts.into_values().max().unwrap_or(0)
+    };
+    guards.map(most).min()
 }
 
 /// Returns true if the condition requires the slot to equal some term.

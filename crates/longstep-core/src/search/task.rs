@@ -415,8 +415,8 @@ impl<'a> Grounder<'a> {
             }
             return;
         }
-        let scope = self.scope;
-        for entity in scope.of_kind(action.parameters[bound].kind) {
+        let parameter = (bound, action.parameters[bound].kind);
+        for entity in self.things(parameter, &action.precondition, true, arguments).as_ref() {
             if !effort::spend(1 + conjuncts.len() / 4) {
                 return;
             }

@@ -117,7 +117,7 @@ fn conditions(purpose: &Purpose) -> Vec<Wanted> {
 /// Returns a fact that the condition needs and that nothing brings about, following the conditions of actions back.
 fn missing(world: &World, wanted: &Wanted) -> Option<(Fact, bool)> {
     let scope = Scope::whole(world, &Requirements::of(world, [wanted]));
-    if !scope.is_bearable(world.domain()) {
+    if !scope.is_bearable(world) {
         return None;
     }
     let mut grounder = Grounder::new(world, &scope);

@@ -78,6 +78,9 @@ pub struct Answer {
     pub claims: Claims,
     /// Assumptions behind the verdict, and goals that were left out.
     pub assumptions: Vec<String>,
+    /// The state of knowledge at the end of the search; none if the plan does not come from one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchAnswer>,
     /// Token counts.
     pub usage: UsageAnswer,
     /// Durations.
@@ -124,6 +127,17 @@ pub struct ChoiceAnswer {
     pub chosen: Vec<String>,
     /// The chosen goals for people.
     pub says: Vec<String>,
+}
+
+/// The state of knowledge at the end of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct SearchAnswer {
+    /// True if it is proven that no plan is shorter.
+    pub shortest: bool,
+    /// Proven lower bound on the steps of a plan, in the worst case; 0 if none is known.
+    pub at_least: u32,
+    /// Number of states that the search looked at.
+    pub states: usize,
 }
 
 /// An edit of a repair.
@@ -280,6 +294,7 @@ impl Answer {
             violations: Vec::new(),
             claims: Claims::default(),
             assumptions: Vec::new(),
+            search: None,
             usage: UsageAnswer::default(),
             timings_ms: Timings::default(),
             notes: Vec::new(),

@@ -1,6 +1,6 @@
 //! Planning for a goal: a verified plan, or the reason why there is none.
 
-use super::{Answer, Status};
+use super::{Answer, SearchAnswer, Status};
 use crate::environment::{Voice, World};
 use crate::goal::Goal;
 use crate::search::{self, Limits, Outcome, WhyNot};
@@ -52,15 +52,23 @@ pub fn of_purpose(
     let mut plan = None;
     let mut answer = match found {
         Outcome::Solved {
-            plan: steps, shortest, ..
+            plan: steps,
+            worst,
+            shortest,
+            at_least,
+            expanded,
         } => {
             let report = check(world, steps, purpose);
             let verified = now();
             let mut answer = Answer::of_report(world, &report, goal, summary);
             answer.timings_ms.verify = verified - searched;
+            answer.search = Some(SearchAnswer {
+                shortest,
+                at_least,
+                states: expanded,
+            });
             if !shortest {
-                let note = "a shorter plan may exist: the search for it was cut short";
-                answer.notes.push(note.to_owned());
+                answer.notes.push(not_proven(worst, at_least, expanded));
             }
             plan = report.into_verified().ok();
             answer
@@ -83,6 +91,16 @@ pub fn of_purpose(
     };
     answer.timings_ms.search = searched - started;
     Solution { plan, answer }
+}
+
+/// Writes what is known about plans shorter than the one that was found.
+fn not_proven(steps: u32, at_least: u32, states: usize) -> String {
+    let known = match at_least {
+        0 => String::new(),
+        // The bound of a search among all plans: the plan itself has more steps.
+        at_least => format!(" of {at_least} to {} steps", steps.saturating_sub(1)),
+    };
+    format!("a shorter plan{known} may exist: none was found in {states} states")
 }
 
 /// Writes the reasons why there is no plan as sentences.

@@ -10,6 +10,7 @@ use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
 use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
 use crate::report;
 use crate::report::Answer;
+use crate::search::Limits;
 
 impl Session {
     /// Returns the request for goals.
@@ -134,7 +135,8 @@ impl Session {
     /// Plans for a goal.
     fn pursue(&mut self, turn: Turn, goal: Goal, left_out: &[LeftOut]) {
         let world = &self.world;
-        let solution = report::of_goal(world, &goal, &turn.instruction, &self.limits, self.now);
+        let limits = self.settings.effort.map_or(self.limits, Limits::from);
+        let solution = report::of_goal(world, &goal, &turn.instruction, &limits, self.now);
         let mut answer = solution.answer;
         answer.tell_left_out(world, left_out);
         if let Some(spelled) = self.pronoun(&turn.instruction) {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dialogue::ConstraintKind;
+use crate::search::Effort;
 
 /// The planning strategy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -43,6 +44,9 @@ pub struct Settings {
     /// Maximum number of earlier instructions, with their accepted plans, in a prompt of the direct strategy. Those
     /// that exceed the token budget are dropped, oldest first.
     pub history: usize,
+    /// Work of a search for a goal; none for the limits of the planner.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effort: Option<Effort>,
 }
 
 impl Default for Settings {
@@ -55,6 +59,7 @@ impl Default for Settings {
             rounds: 3,
             accept: false,
             history: 2,
+            effort: None,
         }
     }
 }

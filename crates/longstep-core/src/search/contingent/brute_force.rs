@@ -11,6 +11,7 @@ use crate::goal::{self, Goal};
 use crate::json::Path;
 use crate::model::{ActionId, Environment, Moment, State, Wanted, ground, holds};
 use crate::plan::Node;
+use crate::search::Effort;
 use crate::verify::{apply, check as verify};
 
 /// Maximum number of states; larger worlds are skipped.
@@ -199,7 +200,7 @@ proptest! {
             return Ok(());
         };
         let expected = worst_case(&space);
-        let limits = Limits { direct: 20_000, proof: 20_000, shortest: 20_000, any: 20_000 };
+        let limits = Limits { direct: 20_000, proof: 20_000, shortest: 20_000, any: 20_000, effort: Effort::default() };
         match solve(&world, &Target::of(&domain, &purpose), &limits) {
             Outcome::Solved { plan, worst, shortest, .. } => {
                 let report = verify(&world, plan.clone(), &goal.purpose(&world));

@@ -28,8 +28,8 @@ const GREED: u32 = 5;
 /// Maximum length of a plan.
 const LONGEST: u32 = 1_000;
 
-/// Work units of one run.
-const EFFORT: u64 = 12_000_000;
+/// Parts of the limit on any plan: AND-OR search evaluates a state by landmark cuts, which takes longer.
+const LAZY: usize = 10;
 
 /// Finds a plan with the shortest worst case that achieves all wanted conditions for every sensing outcome. It does not
 /// sense facts that are known or that the goal does not need.
@@ -38,7 +38,7 @@ const EFFORT: u64 = 12_000_000;
 /// worst case first, so with nested branches a plan with fewer total steps may exist. The result is a deterministic
 /// function of the arguments: limits count states.
 pub(super) fn solve(world: &World, target: &Target, limits: &Limits) -> Outcome {
-    let spent = effort::within(super::EFFORT, || solve_within(world, target, limits));
+    let spent = effort::within(limits.effort.units(), || solve_within(world, target, limits));
     match (spent.exhausted, spent.result) {
         (false, outcome) => outcome,
         (true, outcome) => Outcome::GaveUp {
@@ -49,17 +49,16 @@ pub(super) fn solve(world: &World, target: &Target, limits: &Limits) -> Outcome 
 }
 
 fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
-    let domain = world.domain();
     let requirements = Requirements::of(world, target.all());
     let about: Vec<EntityId> = target.about().collect();
     let whole = Scope::whole(world, &requirements);
-    let scope = match whole.is_bearable(domain) {
+    let scope = match whole.is_bearable(world) {
         true => Some(whole),
         // In a large world, only entities related to the goal; verification then checks the plan in the whole world.
         false => [false, true]
             .iter()
             .map(|far| whole.around(world, &requirements, &about, *far))
-            .rfind(|scope| scope.is_bearable(domain)),
+            .rfind(|scope| scope.is_bearable(world)),
     };
     let too_large = || Outcome::GaveUp {
         why: "the world is too large to look at all that surrounds the goal".to_owned(),
@@ -78,6 +77,7 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
             plan,
             worst,
             shortest: false,
+            at_least: 0,
             expanded,
         },
         Outcome::ProvenUnsolvable { .. } if !scope.whole => too_large(),
@@ -95,8 +95,8 @@ struct Tally {
 }
 
 /// Runs a search within the work budget, and adds to the tally.
-fn run(task: &Task, manner: Manner, below: u32, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
-    let spent = effort::within(EFFORT, || {
+fn run(task: &Task, manner: Manner, below: u32, limits: &Limits, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
+    let spent = effort::within(limits.run_for_any(), || {
         let mut search = Search::new(task, manner);
         (search.run(below), search.looked_at())
     });
@@ -128,14 +128,15 @@ fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
                 plan,
                 worst: course.worst,
                 shortest,
+                at_least: if shortest { course.worst } else { 0 },
                 expanded,
             },
         )
     };
     let focused = relevance::focus(task);
-    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), LONGEST, &mut tally) {
+    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), LONGEST, limits, &mut tally) {
         // The proof search uses all operators but accepts only a better worst case.
-        let found = run(task, manner(limits.proof), direct.worst, &mut tally);
+        let found = run(task, manner(limits.proof), direct.worst, limits, &mut tally);
         return match found {
             Ok(Some(better)) => solved(task, &better, true, tally.states),
             Ok(None) => solved(&focused, &direct, true, tally.states),
@@ -143,12 +144,12 @@ fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
         };
     }
     let mut proven = false;
-    for (weight, limit) in [(1, limits.shortest), (GREED, limits.any)] {
+    for (weight, limit) in [(1, limits.shortest), (GREED, limits.any / LAZY)] {
         let manner = Manner {
             weight,
             ..manner(limit)
         };
-        match run(task, manner, LONGEST, &mut tally) {
+        match run(task, manner, LONGEST, limits, &mut tally) {
             Ok(Some(course)) => return solved(task, &course, weight == 1, tally.states),
             Ok(None) => {
                 proven = true;
@@ -162,7 +163,7 @@ fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
         ..manner(limits.shortest)
     };
     if forgets(task)
-        && let Ok(Some(course)) = run(task, looping, LONGEST, &mut tally)
+        && let Ok(Some(course)) = run(task, looping, LONGEST, limits, &mut tally)
     {
         return solved(task, &course, false, tally.states);
     }
@@ -182,10 +183,7 @@ fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
                     "no plan found in {} states, which took all the work that a search may take",
                     tally.states
                 ),
-                false => format!(
-                    "no plan found in {} states",
-                    limits.direct + limits.shortest + limits.any
-                ),
+                false => format!("no plan found in {} states", tally.states),
             },
             expanded: tally.states,
         },
