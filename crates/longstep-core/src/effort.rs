@@ -94,7 +94,8 @@ pub(crate) fn is_exhausted() -> bool {
     left() == 0
 }
 
-fn left() -> u64 {
+/// Returns the rest of the budget.
+pub(crate) fn left() -> u64 {
     LEFT.with(Cell::get)
 }
 

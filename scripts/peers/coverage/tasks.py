@@ -32,17 +32,15 @@ def written(fact: tuple[str, ...]) -> str:
     return f"({' '.join(fact)})"
 
 
-def generate(folder: Path, seed: int, count: int) -> list[Task]:
-    """Writes `count` tasks, which take turns in the domains."""
-    folder.mkdir(parents=True, exist_ok=True)
-    return [write(folder, seed, number) for number in range(count)]
+def domain_of(number: int) -> str:
+    """The domain of a task; the domains take turns."""
+    return worlds.DOMAINS[number % len(worlds.DOMAINS)].__name__
 
 
-def write(folder: Path, seed: int, number: int) -> Task:
-    """Writes one task."""
-    make = worlds.DOMAINS[number % len(worlds.DOMAINS)]
-    kind = make.__name__
-    random = Random(f"{seed}/{number}")
+def write(folder: Path, seed: int, number: int, attempt: int) -> Task:
+    """Writes a task; each attempt is another one of the same domain."""
+    make, kind = worlds.DOMAINS[number % len(worlds.DOMAINS)], domain_of(number)
+    random = Random(f"{seed}/{number}/{attempt}")
     file = domain_file(kind)
     domain = pddl.parse_domain(file.read_text())
     goal: list[str] = []

@@ -1,4 +1,4 @@
-//! Forward search: A* for a shortest plan, then greedy search if A* reaches its limit.
+//! Forward search: A* for a shortest plan; if it reaches its limit, greedy search for any plan, and its improvement.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -155,15 +155,19 @@ impl Runs<'_> {
 
     /// Looks for a plan of the whole task that is cheaper than a path of `from`, and for the proof that there is none.
     fn proven(&mut self, from: &Task, path: &[u32]) -> Straight {
-        let (task, cost) = (self.task, improve::cost(from, path));
-        let mut heuristic = LandmarkCut::new(task);
-        let mut proof = Search::new(task, &mut heuristic, 1, self.limits.proof);
-        proof.below = Some(cost);
-        proof.dominance = Some(Dominance::new(task));
-        match self.run(self.limits.run_for_shortest(), || proof.run()) {
+        let (task, cost, limit) = (self.task, improve::cost(from, path), self.limits.proof);
+        let (found, bound) = self.run(spare(self.limits.run_for_shortest()), || {
+            let mut heuristic = LandmarkCut::new(task);
+            let mut proof = Search::new(task, &mut heuristic, 1, limit);
+            proof.below = Some(cost);
+            proof.dominance = Some(Dominance::new(task));
+            let (found, expanded) = proof.run();
+            ((found, proof.bound), expanded)
+        });
+        match found {
             Found::Path(cheaper) => self.solved(task, &cheaper, improve::cost(task, &cheaper)),
             Found::Nothing => self.solved(from, path, cost),
-            Found::Limit => self.solved(from, path, proof.bound.min(cost.saturating_sub(1))),
+            Found::Limit => self.solved(from, path, bound.min(cost.saturating_sub(1))),
         }
     }
 
@@ -189,7 +193,8 @@ impl Runs<'_> {
         }) {
             Found::Path(path) => {
                 let limit = self.limits.any;
-                let (path, proven) = self.run(self.limits.run_for_any(), || improve(&mut lazy, task, path, limit));
+                let units = spare(self.limits.run_for_any());
+                let (path, proven) = self.run(units, || improve(&mut lazy, task, path, limit));
                 if proven && is_whole {
                     return Some(self.solved(task, &path, improve::cost(task, &path)));
                 }
@@ -205,6 +210,11 @@ impl Runs<'_> {
             expanded: self.expanded,
         }
     }
+}
+
+/// Returns the units for a run that a plan does not need: the search must not exhaust its budget once it has a plan.
+fn spare(units: u64) -> u64 {
+    units.min(effort::left() / 2)
 }
 
 fn steps(task: &Task, path: &[u32]) -> Vec<GroundAction> {
