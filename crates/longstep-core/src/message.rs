@@ -13,7 +13,10 @@ impl Violation {
     }
 
     fn missing_in(&self, voice: Voice, world: &World) -> Vec<String> {
-        let text = |m: &Missing| m.fact.map(|fact| voice.fact(world, fact, m.holds));
+        let text = |missing: &Missing| match &missing.number {
+            Some(shortfall) => Some(voice.shortfall(world, shortfall)),
+            None => missing.fact.map(|fact| voice.fact(world, fact, missing.holds)),
+        };
         match self {
             Self::Precondition { missing, .. } => missing.iter().filter_map(text).collect(),
             Self::Claim { fact } | Self::Unsensed { fact, .. } => vec![voice.fact(world, *fact, true)],
@@ -94,10 +97,14 @@ impl Violation {
                     format!("step {}: {call} needs that {}", step + 1, texts.join(", and that "))
                 };
                 for missing in missing {
-                    if let (Some(fact), Some(culprit)) = (missing.fact, missing.undone_by) {
+                    let Some(culprit) = missing.undone_by else { continue };
+                    let call = steps[culprit].call(world);
+                    if let Some(fact) = missing.fact {
                         let now = voice.fact(world, fact, !missing.holds);
-                        let call = steps[culprit].call(world);
                         message.push_str(&format!("; since step {} ({call}), {now}", culprit + 1));
+                    } else if let Some(shortfall) = &missing.number {
+                        let requirement = voice.requirement(world, &shortfall.test);
+                        message.push_str(&format!("; before step {} ({call}), {requirement}", culprit + 1));
                     }
                 }
                 message
@@ -132,6 +139,21 @@ impl Violation {
             Self::Claim { fact } => {
                 let text = voice.fact(world, *fact, true);
                 format!("at the end, this is claimed and not so: {text}")
+            }
+            Self::NumberClaim {
+                fluent,
+                claimed,
+                simulated,
+            } => {
+                let name = voice.fluent(world, *fluent);
+                let claimed = voice.number(world, *fluent, *claimed);
+                match simulated {
+                    Some(number) => {
+                        let number = voice.number(world, *fluent, *number);
+                        format!("at the end, {name} is claimed to be {claimed}, and it is {number}")
+                    }
+                    None => format!("at the end, {name} is claimed to be {claimed}, and it is not known"),
+                }
             }
             Self::NoEffect { step } => {
                 let call = steps[*step].call(world);
@@ -186,6 +208,11 @@ impl Violation {
                 let text = voice.fact(world, *fact, true);
                 let pair = together(world, steps, *step, *other);
                 format!("{pair}, and which comes first decides whether {text}")
+            }
+            Self::NumberRace { step, other, fluent } => {
+                let name = voice.fluent(world, *fluent);
+                let pair = together(world, steps, *step, *other);
+                format!("{pair}, and which comes first decides {name}")
             }
             Self::WrongActor { step, actor } => {
                 let call = steps[*step].call(world);

@@ -2,8 +2,8 @@
 
 use super::pddl::{self, Dialect, Semantics};
 use super::{
-    Action, Atom, Domain, DomainData, EnvironmentTypes, Lexicon, Predicate, PredicateWords, RepairCosts, StateWord,
-    Template, Term, TypeId, Unknown,
+    Action, Atom, Domain, DomainData, EnvironmentTypes, Function, Lexicon, Predicate, PredicateWords, RepairCosts,
+    StateWord, Template, Term, TypeId, Unknown,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
@@ -74,6 +74,9 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         },
         means: String::new(),
     };
+    let functions = semantics.functions.iter().enumerate();
+    let functions = functions.map(|(index, function)| plain_function(function, is_changed(&semantics, index)));
+    let functions = functions.collect();
     let data = DomainData {
         about: format!("The PDDL domain {}, without words of its own.", semantics.name),
         environment: EnvironmentTypes {
@@ -86,6 +89,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         derivations: Vec::new(),
         defaults: Vec::new(),
         rules: Vec::new(),
+        functions,
         goal_words: Vec::new(),
         repair: RepairCosts::default(),
         values: Vec::new(),
@@ -109,6 +113,8 @@ fn with_plain_words(semantics: Semantics) -> Domain {
                 parameters: schema.parameters,
                 precondition: schema.precondition,
                 effects: schema.effects,
+                numeric: schema.numeric,
+                cost: schema.cost,
             })
             .collect(),
         name: semantics.name.clone(),
@@ -118,4 +124,26 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         predicates: semantics.predicates,
     };
     data.into()
+}
+
+/// Returns true if an action changes the numeric function.
+pub(super) fn is_changed(semantics: &Semantics, function: usize) -> bool {
+    let effects = semantics.actions.iter().flat_map(|action| &action.numeric);
+    effects
+        .into_iter()
+        .any(|effect| effect.fluent.function.index() == function)
+}
+
+/// Returns a numeric function with PDDL's own wording: `(level tank)`.
+pub(super) fn plain_function(function: &Predicate, changes: bool) -> Function {
+    Function {
+        name: function.name.clone(),
+        parameters: function.parameters.clone(),
+        changes,
+        word: function.name.clone(),
+        unit: None,
+        says: Template::pddl(&function.name, function.parameters.len()),
+        min: None,
+        max: None,
+    }
 }

@@ -1,6 +1,7 @@
 //! The loader: reads the files of a domain's folder and builds a [`Domain`].
 
 mod goals;
+mod numbers;
 mod sensing;
 mod values;
 
@@ -204,7 +205,7 @@ impl Loader<'_> {
         for atom in actions.iter().flat_map(|action| &action.senses) {
             predicate_words[atom.predicate.index()].fluent = true;
         }
-        let states = file.state.iter().filter_map(|entry| self.state(entry)).collect();
+        let states: Vec<StateWord> = file.state.iter().filter_map(|entry| self.state(entry)).collect();
         let properties = file.property.iter().map(|entry| self.property(entry)).collect();
         let derivations = file.derive.iter().map(|entry| self.derivation(entry)).collect();
         let myself = [self_parameter()];
@@ -232,7 +233,9 @@ impl Loader<'_> {
         self.yielding(&file.goal, &goal_words);
         self.report_negated_outcomes(&file, &actions, &goal_words);
         let implied = self.implied(&file.implied);
-        let rules = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
+        let rules: Vec<Rule> = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();
+        let functions = self.functions(&file.number, &states);
+        let rules = numbers::with_ranges(rules, &functions);
         let repair = self.repair_costs(&file.repair);
         let values = self.values(&file.value, &environment);
         let data = DomainData {
@@ -243,6 +246,7 @@ impl Loader<'_> {
             constants: self.semantics.constants.clone(),
             predicates: self.semantics.predicates.clone(),
             predicate_words,
+            functions,
             actions,
             environment,
             states,
@@ -392,6 +396,8 @@ impl Loader<'_> {
                 parameters: schema.parameters.clone(),
                 precondition: schema.precondition.clone(),
                 effects: schema.effects.clone(),
+                numeric: schema.numeric.clone(),
+                cost: schema.cost.clone(),
                 call: call.name,
                 explicit,
                 object,

@@ -16,8 +16,9 @@ mod starter;
 pub mod words;
 
 pub use crate::model::{
-    Action, ActionId, Atom, Condition, DefaultFact, Derivation, Domain, DomainData, Effect, EnvironmentTypes,
-    FormPiece, GoalWord, GoalWordId, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
+    Action, ActionId, Application, Arithmetic, Atom, Comparison, Condition, DefaultFact, Derivation, Domain,
+    DomainData, Effect, EnvironmentTypes, FormPiece, Function, FunctionId, GoalWord, GoalWordId, Lexicon, Literal,
+    NumberTest, NumericEffect, NumericExpression, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
     RepairCosts, Rule, RuleTime, Slot, StateWord, Template, Term, TypeId, Types, Unknown, base_name, ends_with, head,
     label, matches_name, plain_words, singular, stem,
 };
@@ -28,4 +29,4 @@ pub use load::{content_position, load, load_with_findings, read_toml};
 pub use shipped::{shipped, shipped_files, shipped_names};
 pub use starter::starter;
 
-use crate::model::ActionSchema;
+use crate::model::{ActionSchema, applicability};

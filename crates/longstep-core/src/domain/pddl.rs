@@ -2,15 +2,18 @@
 
 use super::sexpr::{self, Expression, ExpressionKind};
 use super::{ActionSchema, Parameter, Predicate, PredicateId, TypeId, Types};
-use super::{Atom, Condition, Effect, Term};
+use super::{Atom, Condition, Effect, Term, applicability};
 use crate::diagnostic::{Diagnostic, Position, nearest};
-use crate::model::EntityId;
+use crate::model::{
+    Application, Arithmetic, Comparison, EntityId, FunctionId, Number, NumberChangeKind, NumberTest, NumericEffect,
+    NumericExpression, Operation,
+};
 
 /// The largest number of arguments of a fact; see [`crate::environment::Fact`].
 const ARITY_LIMIT: usize = 7;
 
 /// The supported requirements; files with others are rejected.
-const REQUIREMENTS: [&str; 8] = [
+const REQUIREMENTS: [&str; 11] = [
     ":strips",
     ":typing",
     ":negative-preconditions",
@@ -19,7 +22,13 @@ const REQUIREMENTS: [&str; 8] = [
     ":conditional-effects",
     ":equality",
     ":adl",
+    ":fluents",
+    ":numeric-fluents",
+    ":action-costs",
 ];
+
+/// The function whose increase is the cost of a step.
+const TOTAL_COST: &str = "total-cost";
 
 /// The dialect of a PDDL file, which decides how strict parsing is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,9 +47,14 @@ pub(crate) struct Semantics {
     pub(crate) types: Types,
     pub(crate) constants: Vec<(String, TypeId)>,
     pub(crate) predicates: Vec<Predicate>,
+    /// The numeric functions, without the cost of the plan.
+    pub(crate) functions: Vec<Predicate>,
+    /// True if `(total-cost)` is declared.
+    pub(crate) costs: bool,
     pub(crate) actions: Vec<ActionSchema>,
     /// The positions of the declarations of predicates and actions, for diagnostics of the wording file.
     pub(crate) predicate_positions: Vec<Position>,
+    pub(crate) function_positions: Vec<Position>,
     pub(crate) action_positions: Vec<Position>,
 }
 
@@ -84,7 +98,14 @@ pub(crate) fn read(file: &str, text: &str, dialect: Dialect, findings: &mut Vec<
         _ => reader.report(define.position, "the domain has no name: expected `(domain NAME)`"),
     }
     // Sections may come in any order, but some use the names of others.
-    let known = [":requirements", ":types", ":constants", ":predicates", ":action"];
+    let known = [
+        ":requirements",
+        ":types",
+        ":constants",
+        ":predicates",
+        ":functions",
+        ":action",
+    ];
     for section in sections.iter().skip(1) {
         let head = section.list().and_then(|items| items.first()?.word());
         if !head.is_some_and(|head| known.contains(&head)) {
@@ -122,10 +143,21 @@ pub(crate) fn read(file: &str, text: &str, dialect: Dialect, findings: &mut Vec<
             reader.predicate(item, &mut semantics);
         }
     }
+    for (_, items) in of(":functions") {
+        reader.functions(items, &mut semantics);
+    }
     for (section, items) in of(":action") {
         reader.action(section, items, &mut semantics);
     }
     semantics
+}
+
+/// The effects of an action.
+#[derive(Default)]
+struct Effects {
+    facts: Vec<Effect>,
+    numbers: Vec<NumericEffect>,
+    cost: Option<NumericExpression>,
 }
 
 /// Variables in scope, outermost first.
@@ -288,7 +320,7 @@ impl Reader<'_> {
         }
         let mut parameters = Vec::new();
         let mut precondition = Condition::TRUE;
-        let mut effects = Vec::new();
+        let mut effects = Effects::default();
         // The other fields need the parameters, which may come after them.
         for pair in fields.chunks(2) {
             if let [key, value] = pair
@@ -322,13 +354,205 @@ impl Reader<'_> {
                 }
             }
         }
+        let Effects { facts, numbers, cost } = effects;
+        let mut required = applicability(&numbers, parameters.len());
+        // A step whose cost is unknown is not applicable.
+        required.extend(
+            cost.iter()
+                .filter(|cost| !matches!(cost, Arithmetic::Constant(_)))
+                .map(|cost| Condition::Number {
+                    test: NumberTest::Known(cost.clone(), true),
+                    initially: false,
+                }),
+        );
+        if !required.is_empty() {
+            precondition = Condition::And(std::iter::once(precondition).chain(required).collect());
+        }
         semantics.action_positions.push(name.position);
         semantics.actions.push(ActionSchema {
             name: word.to_owned(),
             parameters,
             precondition,
-            effects,
+            effects: facts,
+            numeric: numbers,
+            cost,
         });
+    }
+
+    /// Parses `(:functions ...)`: numeric functions, each optionally followed by `- number`.
+    fn functions(&mut self, items: &[Expression], semantics: &mut Semantics) {
+        let mut items = items.iter();
+        while let Some(item) = items.next() {
+            if item.word() == Some("-") {
+                match items.next() {
+                    Some(kind) if kind.word() == Some("number") => {}
+                    other => {
+                        let position = other.map_or(item.position, |kind| kind.position);
+                        self.report(
+                            position,
+                            "a function has the type `number`; other types are not supported",
+                        );
+                    }
+                }
+                continue;
+            }
+            let Some([head, parameters @ ..]) = item.list() else {
+                self.report(item.position, "expected `(function ?x - type)`");
+                continue;
+            };
+            let Some(name) = head.word() else {
+                self.report(head.position, "expected a function's name");
+                continue;
+            };
+            if name == TOTAL_COST {
+                semantics.costs = true;
+                if !parameters.is_empty() {
+                    self.report(head.position, "`total-cost` has no arguments");
+                }
+                continue;
+            }
+            let taken = |own: &Predicate| own.name == name;
+            if semantics.functions.iter().any(taken) || semantics.predicates.iter().any(taken) {
+                self.report(head.position, format!("`{name}` is declared twice"));
+                continue;
+            }
+            let parameters = self.variables(parameters, &semantics.types);
+            if parameters.len() > ARITY_LIMIT {
+                let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
+                self.report(head.position, message);
+                continue;
+            }
+            semantics.function_positions.push(head.position);
+            semantics.functions.push(Predicate {
+                name: name.to_owned(),
+                parameters,
+            });
+        }
+    }
+
+    /// Parses a numeric expression; reports errors.
+    pub(crate) fn number(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<NumericExpression> {
+        let Some(list) = item.list() else {
+            let number = item.word().and_then(Number::parse);
+            if number.is_none() {
+                let message = format!(
+                    "`{}` is no number: expected digits with at most six places after the point, or `(function ...)`",
+                    item.word().unwrap_or("?")
+                );
+                self.report(item.position, message);
+            }
+            return number.map(Arithmetic::Constant);
+        };
+        let Some((head, rest)) = list.split_first() else {
+            self.report(item.position, "expected a number or `(function argument ...)`");
+            return None;
+        };
+        let Some(operation) = head.word().and_then(Operation::of) else {
+            return self.application(item, scope, names).map(Arithmetic::Value);
+        };
+        let mut values = Vec::with_capacity(rest.len());
+        for part in rest {
+            values.push(self.number(part, scope, names)?);
+        }
+        // Sums and products may have any number of parts; a single part of a difference is negated.
+        let negation = operation == Operation::Minus && values.len() == 1;
+        if negation {
+            values.insert(0, Arithmetic::Constant(Number::ZERO));
+        }
+        let many = matches!(operation, Operation::Plus | Operation::Times);
+        if values.len() < 2 || (values.len() > 2 && !many) {
+            let message = format!("`{}` has the wrong number of parts", operation.symbol());
+            self.report(item.position, message);
+            return None;
+        }
+        let folded = values
+            .into_iter()
+            .reduce(|left, right| Arithmetic::operation(operation, left, right));
+        // Computes operations on constants.
+        folded.map(|folded| folded.map(&mut |own: &Application| Arithmetic::Value(own.clone())))
+    }
+
+    /// Parses `(function argument ...)`; reports errors.
+    pub(crate) fn application(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<Application> {
+        let Some((head, arguments)) = item.list().and_then(<[_]>::split_first) else {
+            self.report(item.position, "expected `(function argument ...)`");
+            return None;
+        };
+        let name = head.word().unwrap_or_default();
+        let Some(index) = names.functions.iter().position(|own| own.name == name) else {
+            if name == TOTAL_COST {
+                self.report(
+                    head.position,
+                    "`(total-cost)` is the cost of the plan; only effects may increase it",
+                );
+            } else {
+                let known = names.functions.iter().map(|own| own.name.as_str());
+                self.report_unknown(head.position, "function", name, known);
+            }
+            return None;
+        };
+        let parameters = &names.functions[index].parameters;
+        let terms = self.arguments(item, name, arguments, parameters, scope, names)?;
+        Some(Application {
+            function: FunctionId::new(index),
+            terms,
+        })
+    }
+
+    /// Returns true if the text is a number or begins like a numeric expression.
+    fn is_numeric(item: &Expression, names: &Semantics) -> bool {
+        match item.list() {
+            None => item
+                .word()
+                .is_some_and(|word| Number::parse(word).is_some() && !word.starts_with('?')),
+            Some(list) => list.first().and_then(Expression::word).is_some_and(|head| {
+                Operation::of(head).is_some()
+                    || names.functions.iter().any(|own| own.name == head)
+                    || head == TOTAL_COST
+            }),
+        }
+    }
+
+    /// Parses `(increase FLUENT VALUE)` and the like.
+    fn numeric_effect(
+        &mut self,
+        (kind, item, rest): (NumberChangeKind, &Expression, &[Expression]),
+        scope: &Scope,
+        forall: &[(usize, TypeId)],
+        when: &Condition,
+        names: &Semantics,
+        effects: &mut Effects,
+    ) {
+        let [fluent, value] = rest else {
+            let message = format!("`{}` has the wrong number of parts", kind.word());
+            return self.report(item.position, message);
+        };
+        let is_cost = fluent
+            .list()
+            .is_some_and(|list| matches!(list, [head] if head.word() == Some(TOTAL_COST)));
+        if is_cost && names.costs {
+            let value = self.number(value, scope, names);
+            if kind != NumberChangeKind::Increase || !forall.is_empty() || *when != Condition::TRUE {
+                let message = "the cost of a step is one `(increase (total-cost) ...)` outside of `when` and `forall`";
+                return self.report(item.position, message);
+            }
+            effects.cost = match (effects.cost.take(), value) {
+                (Some(one), Some(other)) => Some(Arithmetic::operation(Operation::Plus, one, other)),
+                (one, other) => one.or(other),
+            };
+            return;
+        }
+        let fluent = self.application(fluent, scope, names);
+        let value = self.number(value, scope, names);
+        if let (Some(fluent), Some(value)) = (fluent, value) {
+            effects.numbers.push(NumericEffect {
+                forall: forall.to_vec(),
+                condition: when.clone(),
+                fluent,
+                kind,
+                value,
+            });
+        }
     }
 
     /// Parses a condition; reports errors and returns `true` in place of each unreadable part.
@@ -371,6 +595,18 @@ impl Reader<'_> {
                         _ => Condition::Exists(outer + index, kind, Box::new(inner)),
                     })
             }
+            (symbol @ ("=" | "<" | "<=" | ">" | ">="), [left, right])
+                if symbol != "=" || Self::is_numeric(left, names) || Self::is_numeric(right, names) =>
+            {
+                let sides = (self.number(left, scope, names), self.number(right, scope, names));
+                match (sides, Comparison::of(symbol)) {
+                    ((Some(left), Some(right)), Some(comparison)) => Condition::Number {
+                        test: NumberTest::Compare(left, comparison, right),
+                        initially: false,
+                    },
+                    _ => Condition::TRUE,
+                }
+            }
             ("=", [left, right]) => match (self.term(left, scope, names), self.term(right, scope, names)) {
                 (Some((left, _)), Some((right, _))) => Condition::Equal {
                     left,
@@ -379,7 +615,7 @@ impl Reader<'_> {
                 },
                 _ => Condition::TRUE,
             },
-            ("not" | "imply" | "forall" | "exists" | "=", _) => {
+            ("not" | "imply" | "forall" | "exists" | "=" | "<" | "<=" | ">" | ">=", _) => {
                 let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
                 self.report(item.position, message);
                 Condition::TRUE
@@ -395,6 +631,15 @@ impl Reader<'_> {
         }
     }
 
+    /// Returns true if the first part is a list: a fact has names as arguments, so a predicate may be called `assign`.
+    fn changes_number(names: &Semantics, rest: &[Expression]) -> bool {
+        rest.first().is_some_and(|first| first.list().is_some())
+            || !names
+                .predicates
+                .iter()
+                .any(|own| NumberChangeKind::of(&own.name).is_some())
+    }
+
     fn effect(
         &mut self,
         item: &Expression,
@@ -402,7 +647,7 @@ impl Reader<'_> {
         forall: &mut Vec<(usize, TypeId)>,
         when: &Condition,
         names: &Semantics,
-        effects: &mut Vec<Effect>,
+        effects: &mut Effects,
     ) {
         let Some(list) = item.list() else {
             return self.report(item.position, "expected an effect in parentheses");
@@ -441,7 +686,7 @@ impl Reader<'_> {
             }
             ("not", [inner]) => {
                 if let Some(atom) = self.atom(inner, scope, names) {
-                    effects.push(Effect {
+                    effects.facts.push(Effect {
                         forall: forall.clone(),
                         condition: when.clone(),
                         atom,
@@ -453,9 +698,14 @@ impl Reader<'_> {
                 let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
                 self.report(item.position, message);
             }
+            (word, _) if NumberChangeKind::of(word).is_some_and(|_| Self::changes_number(names, rest)) => {
+                if let Some(kind) = NumberChangeKind::of(word) {
+                    self.numeric_effect((kind, item, rest), scope, forall, when, names, effects);
+                }
+            }
             _ => {
                 if let Some(atom) = self.atom(item, scope, names) {
-                    effects.push(Effect {
+                    effects.facts.push(Effect {
                         forall: forall.clone(),
                         condition: when.clone(),
                         atom,
@@ -480,18 +730,35 @@ impl Reader<'_> {
             self.report_unknown(head.position, "predicate", name, known);
             return None;
         };
-        let predicate = &names.predicates[index];
-        if predicate.parameters.len() != arguments.len() {
+        let parameters = &names.predicates[index].parameters;
+        let terms = self.arguments(item, name, arguments, parameters, scope, names)?;
+        Some(Atom {
+            predicate: PredicateId::new(index),
+            terms,
+        })
+    }
+
+    /// Parses the arguments of a predicate or a function; reports errors.
+    fn arguments(
+        &mut self,
+        item: &Expression,
+        name: &str,
+        arguments: &[Expression],
+        parameters: &[Parameter],
+        scope: &Scope,
+        names: &Semantics,
+    ) -> Option<Vec<Term>> {
+        if parameters.len() != arguments.len() {
             let message = format!(
                 "`{name}` takes {} argument(s), not {}",
-                predicate.parameters.len(),
+                parameters.len(),
                 arguments.len()
             );
             self.report(item.position, message);
             return None;
         }
         let mut terms = Vec::with_capacity(arguments.len());
-        for (argument, parameter) in arguments.iter().zip(&predicate.parameters) {
+        for (argument, parameter) in arguments.iter().zip(parameters) {
             let (term, kind) = self.term(argument, scope, names)?;
             // A supertype is allowed: the atom is false for entities of other types.
             let fits = names.types.is_a(kind, parameter.kind) || names.types.is_a(parameter.kind, kind);
@@ -506,10 +773,7 @@ impl Reader<'_> {
             }
             terms.push(term);
         }
-        Some(Atom {
-            predicate: PredicateId::new(index),
-            terms,
-        })
+        Some(terms)
     }
 
     fn term(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<(Term, TypeId)> {
@@ -600,10 +864,10 @@ mod tests {
     #[test]
     fn what_is_not_understood_is_refused() {
         check(
-            "(define (domain d) (:requirements :fluents) (:functions (cost)))",
+            "(define (domain d) (:requirements :durative-actions) (:derived (cost)))",
             &[
-                "domain.pddl:1:45: `:functions` is not supported here; known sections are :requirements, :types, :constants, :predicates, :action",
-                "domain.pddl:1:35: the requirement `:fluents` is not supported",
+                "domain.pddl:1:54: `:derived` is not supported here; known sections are :requirements, :types, :constants, :predicates, :functions, :action",
+                "domain.pddl:1:35: the requirement `:durative-actions` is not supported",
             ],
         );
     }

@@ -18,6 +18,9 @@ pub struct DomainFile {
     pub action: Vec<ActionEntry>,
     #[serde(default)]
     pub state: Vec<StateEntry>,
+    /// Words of the numeric functions.
+    #[serde(default)]
+    pub number: Vec<NumberEntry>,
     #[serde(default)]
     pub property: Vec<PropertyEntry>,
     #[serde(default)]
@@ -98,6 +101,38 @@ pub struct StateEntry {
     pub word: Text,
     pub fact: Text,
     pub means: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NumberEntry {
+    pub name: Text,
+    pub word: Option<Text>,
+    pub unit: Option<String>,
+    pub says: Option<Text>,
+    pub min: Option<Spanned<NumberText>>,
+    pub max: Option<Spanned<NumberText>>,
+}
+
+/// A number, or a decimal in quotes. Floats are written with the fewest digits that identify them, which are the digits
+/// in the file.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+pub enum NumberText {
+    Whole(i64),
+    Decimal(f64),
+    Text(String),
+}
+
+impl NumberText {
+    /// Returns the digits.
+    pub fn digits(&self) -> String {
+        match self {
+            Self::Whole(number) => number.to_string(),
+            Self::Decimal(number) => number.to_string(),
+            Self::Text(text) => text.clone(),
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]

@@ -2,8 +2,11 @@
 
 use rustc_hash::FxHashSet;
 
+use super::statement::{Statement, number_of, statement};
 use super::write::fact_of;
-use super::{Bindings, Difference, EntityId, Environment, Fact, Moment, State, World, differences, holds};
+use super::{
+    Bindings, Difference, EntityId, Environment, Fact, Fluent, Moment, Number, State, World, differences, holds,
+};
 use crate::model::{Domain, ground, subject_of};
 
 /// A claimed environment, as facts about the entities of the world.
@@ -17,6 +20,8 @@ pub struct Claim {
     /// The unreadable parts of the claim, as sentences.
     pub ignored: Vec<String>,
     mentioned: FxHashSet<EntityId>,
+    /// The claimed numbers, sorted by fluent.
+    numbers: Vec<(Fluent, Number)>,
 }
 
 impl Claim {
@@ -27,6 +32,7 @@ impl Claim {
             state: world.state.clone(),
             ignored: Vec::new(),
             mentioned: FxHashSet::default(),
+            numbers: Vec::new(),
         };
         let listed = claimed.assets.iter().chain(&claimed.objects);
         let entries = claimed.asset_states.iter().chain(&claimed.object_states);
@@ -48,6 +54,10 @@ impl Claim {
                 continue;
             };
             for text in words.as_slice() {
+                if let Some(number) = number_of(world, Some(subject), text) {
+                    claim.numbers.push(number);
+                    continue;
+                }
                 match fact_of(world, subject, text) {
                     Some(fact) => {
                         claim.state.set(fact, true);
@@ -56,6 +66,15 @@ impl Claim {
                 }
             }
         }
+        for text in claimed.facts.iter().flatten() {
+            match statement(world, text) {
+                Some(Statement::Number(fluent, number)) => claim.numbers.push((fluent, number)),
+                Some(Statement::Fact(_)) => {}
+                None => claim.ignore(format!("`{text}`")),
+            }
+        }
+        claim.numbers.sort_unstable();
+        claim.numbers.dedup();
         for default in &domain.defaults {
             for entity in claim.mentioned.iter().copied() {
                 let mut bindings: Bindings = vec![entity];
@@ -88,6 +107,13 @@ impl Claim {
         self
     }
 
+    /// Returns the claim without its numbers.
+    #[must_use]
+    pub(crate) fn without_numbers(mut self) -> Self {
+        self.numbers.clear();
+        self
+    }
+
     /// Returns true if the claim mentions the entity.
     pub fn mentions(&self, entity: EntityId) -> bool {
         self.mentioned.contains(&entity)
@@ -105,6 +131,14 @@ impl Claim {
         let domain = world.domain();
         let new = differences(domain, &world.state, &self.state);
         new.into_iter().filter(|d| d.now_holds).map(|d| d.fact).collect()
+    }
+
+    /// Returns the claimed numbers that differ from the initial ones and that actions change, sorted by fluent.
+    pub fn promised_numbers(&self, world: &World) -> Vec<(Fluent, Number)> {
+        let promised = |(fluent, number): &&(Fluent, Number)| {
+            world.domain().function(fluent.function()).changes && world.state.number(*fluent) != Some(*number)
+        };
+        self.numbers.iter().filter(promised).copied().collect()
     }
 
     /// Returns the claimed facts that held initially, in order.

@@ -3,6 +3,7 @@
 mod claim;
 mod origin;
 mod read;
+mod statement;
 mod subworld;
 mod successor;
 #[cfg(test)]
@@ -12,8 +13,8 @@ mod value_tests;
 mod write;
 
 pub use crate::model::{
-    AssumptionSource, Bindings, Difference, Distinctions, Entity, EntityId, Environment, Fact, FactSet, Moment,
-    Prohibition, State, StepPattern, Voice, Words, World, differences, fact_text, holds, subject_of,
+    AssumptionSource, Bindings, Difference, Distinctions, Entity, EntityId, Environment, Fact, FactSet, Fluent, Moment,
+    Number, Prohibition, State, StepPattern, Voice, Words, World, differences, fact_text, fluent_text, holds, subject_of,
 };
 pub use claim::Claim;
 pub use origin::Origin;

@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::statement::{Misstatement, fact_alone, function_of, is_stated, number};
 use super::{AssumptionSource, Bindings, Entity, EntityId, Environment, Fact, Moment, Words, World, holds};
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use crate::effort;
 use crate::json::{self, Path};
 use crate::model::{
-    Domain, ENTITY_LIMIT, Literal, NameForms, RuleTime, TypeId, Unknown, ground, grounded_term, is_mark, name_entities,
-    unified,
+    Domain, ENTITY_LIMIT, Literal, NameForms, PredicateId, RuleTime, TypeId, Unknown, ground, grounded_term, is_mark,
+    name_entities, unified,
 };
 
 /// The number of diagnostics for an environment after which further ones are dropped.
@@ -199,6 +200,7 @@ impl EnvironmentReader<'_> {
         let mut world = World::new(domain, entities, environment.clone());
         self.states(&mut world, "asset_states", &environment.asset_states);
         self.states(&mut world, "object_states", &environment.object_states);
+        self.facts(&mut world, environment.facts.as_deref().unwrap_or_default());
         let mut denied: FxHashSet<Fact> = FxHashSet::default();
         let mut given: FxHashSet<usize> = FxHashSet::default();
         for (section, properties) in [
@@ -327,6 +329,9 @@ impl EnvironmentReader<'_> {
                     Words::One(_) => path.clone(),
                     Words::Many(_) => path.index(index),
                 };
+                if self.is_number(world, &path, Some(subject), word) {
+                    continue;
+                }
                 for argument in Call::parse(word).into_iter().flat_map(|call| call.arguments) {
                     self.entity(world, &argument);
                 }
@@ -345,6 +350,103 @@ impl EnvironmentReader<'_> {
         }
     }
 
+    /// Reads the statements without a subject.
+    fn facts(&mut self, world: &mut World, facts: &[String]) {
+        let domain = self.domain;
+        for (index, text) in facts.iter().enumerate() {
+            let path = Path::key("facts").index(index);
+            if self.is_number(world, &path, None, text) {
+                continue;
+            }
+            let call = match Call::parse(text) {
+                Ok(call) => call,
+                Err(error) => {
+                    self.report(&path, error.to_string(), None);
+                    continue;
+                }
+            };
+            if let Some(fact) = fact_alone(domain, &call) {
+                world.state.set(fact, true);
+                continue;
+            }
+            let predicates = domain.predicates.iter().enumerate();
+            let predicates = predicates.filter(|(index, _)| is_stated(domain, PredicateId::new(*index)));
+            let functions = domain
+                .functions
+                .iter()
+                .filter(|function| function.parameters.is_empty());
+            let known = predicates.map(|(_, predicate)| predicate.name.as_str());
+            let known: Vec<&str> = known.chain(functions.map(|function| function.word.as_str())).collect();
+            let hint = match (nearest(&call.name, known.iter().copied()), known.is_empty()) {
+                (Some(near), _) => format!("did you mean `{near}`?"),
+                (None, true) => format!("the domain `{}` has no statements without a subject", domain.name),
+                (None, false) => format!("the domain `{}` knows {}", domain.name, known.join(", ")),
+            };
+            self.report(&path, format!("unknown statement `{}`", call.name), Some(hint));
+        }
+    }
+
+    /// Reads the number of a fluent and reports its mistakes; returns false for a text that is no such statement.
+    fn is_number(&mut self, world: &mut World, path: &Path, subject: Option<EntityId>, text: &str) -> bool {
+        let domain = self.domain;
+        let Ok(call) = Call::parse(text) else { return false };
+        let Some(function) = function_of(domain, &call.name) else {
+            return false;
+        };
+        let message = match number(world, function, subject, &call) {
+            Ok((fluent, number)) => {
+                let own = domain.function(function);
+                let known = world.state.number(fluent);
+                match (own.range(), known) {
+                    (Some(range), _) if !own.allows(number) => {
+                        let unit = own.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"));
+                        Some(format!(
+                            "`{text}` is outside of the range of `{}`, {range}{unit}",
+                            own.word
+                        ))
+                    }
+                    (_, Some(known)) if known != number => {
+                        Some(format!("`{text}` contradicts another number, {known}"))
+                    }
+                    _ => {
+                        world.state.set_number(fluent, number);
+                        None
+                    }
+                }
+            }
+            Err(Misstatement::Arguments(expected)) => {
+                Some(match (subject, domain.function(function).parameters.is_empty()) {
+                    (Some(_), true) => format!("`{}` is a statement without a subject: write it in `facts`", call.name),
+                    (None, false) => format!(
+                        "`{}` needs a subject: write it among the states of an entity",
+                        call.name
+                    ),
+                    _ => format!(
+                        "`{}` takes {expected} argument(s), the number last, not {}",
+                        call.name,
+                        call.arguments.len()
+                    ),
+                })
+            }
+            Err(Misstatement::NoNumber(text)) => Some(format!(
+                "`{text}` is no number: expected digits with at most six places after the point"
+            )),
+            Err(Misstatement::Unlisted(name)) => {
+                self.unlisted(path, &name, &world.by_identifier);
+                None
+            }
+            Err(Misstatement::Kind(entity, kind)) => Some(format!(
+                "`{}` cannot be said of `{}`, which is no {kind}",
+                call.name,
+                world.entity(entity).identifier
+            )),
+        };
+        if let Some(message) = message {
+            self.report(path, message, None);
+        }
+        true
+    }
+
     fn state(&mut self, world: &World, path: &Path, subject: EntityId, text: &str) -> Option<Fact> {
         let call = match Call::parse(text) {
             Ok(call) => call,
@@ -355,7 +457,8 @@ impl EnvironmentReader<'_> {
         };
         let domain = self.domain;
         let Some(word) = domain.states.iter().find(|s| s.word == call.name) else {
-            let known = domain.states.iter().map(|s| s.word.as_str());
+            let functions = domain.functions.iter().map(|function| function.word.as_str());
+            let known = domain.states.iter().map(|s| s.word.as_str()).chain(functions);
             let hint = match nearest(&call.name, known.clone()) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!(

@@ -7,6 +7,7 @@ use rustc_hash::FxHashSet;
 
 use super::{Entity, EntityId, Environment, Fact, Words, World};
 use crate::call::Call;
+use crate::model::{Fluent, Number};
 
 impl World {
     /// Returns the world restricted to these entities, for readers with limited space.
@@ -50,6 +51,13 @@ impl World {
         for fact in self.state.iter().filter_map(carried) {
             part.state.set(fact, true);
         }
+        for (fluent, number) in self.state.numbers() {
+            let arguments = domain.arguments_of(*fluent).map(|id| renumbered[id.index()]);
+            if let Some(arguments) = arguments.collect::<Option<Vec<EntityId>>>() {
+                part.state
+                    .set_number(Fluent::new(fluent.function(), arguments), *number);
+            }
+        }
         let assumed = self.assumed.iter();
         let assumed = assumed.filter_map(|(fact, source)| Some((carried(*fact)?, *source)));
         part.assumed = Arc::new(assumed.collect());
@@ -70,7 +78,7 @@ impl Environment {
             Ok(call) => call
                 .arguments
                 .iter()
-                .all(|argument| identifiers.contains(argument.as_str())),
+                .all(|argument| identifiers.contains(argument.as_str()) || Number::parse(argument).is_some()),
             Err(_) => true,
         };
         let states = |all: &IndexMap<String, Words>| -> IndexMap<String, Words> {
@@ -102,6 +110,7 @@ impl Environment {
             object_states: states(&self.object_states),
             asset_properties: self.asset_properties.as_ref().map(states),
             object_properties: self.object_properties.as_ref().map(states),
+            facts: self.facts.clone(),
             names: self.names.as_ref().map(texts),
             types: self.types.as_ref().map(texts),
             speaker: self.speaker.as_ref().and_then(kept),

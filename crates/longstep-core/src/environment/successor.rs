@@ -2,20 +2,23 @@
 
 use std::sync::Arc;
 
+use super::statement::is_stated;
 use super::write;
 use crate::model::{Ending, World, state_word};
 
 impl World {
     /// Returns the world after a plan with this ending.
     ///
-    /// Facts that an environment can express are those of the ending. All others are those of the initial state: static
+    /// Facts that an environment can express, and numbers, are those of the ending. All others are those of the initial state: static
     /// knowledge remains (an emptied crate is still a container), and facts that matter only during a plan (the
     /// position of the hand, events) are reset. The result is the world read from the written environment, plus the
     /// knowledge from the first one. Prohibitions of the instruction end with it; standing ones stay in force.
     #[must_use]
     pub fn after(&self, ending: &Ending) -> Self {
         let domain = self.domain();
-        let is_expressible = |predicate| state_word(domain, predicate).is_some();
+        let states_facts = self.environment().facts.is_some();
+        let is_expressible =
+            |predicate| state_word(domain, predicate).is_some() || states_facts && is_stated(domain, predicate);
         let mut next = self.clone();
         next.environment = Arc::new(write(self, &ending.after));
         let before = self.state.iter().filter(|fact| is_expressible(fact.predicate()));
@@ -26,6 +29,9 @@ impl World {
             next.state.set(fact, true);
         }
         // A fact that a step changed is no longer assumed.
+        for (fluent, number) in ending.after.numbers() {
+            next.state.set_number(*fluent, *number);
+        }
         for change in ending.trace.changes() {
             Arc::make_mut(&mut next.assumed).remove(&change.fact);
         }

@@ -2,9 +2,10 @@
 
 use indexmap::IndexMap;
 
-use super::{EntityId, Environment, Fact, State, Words, World};
+use super::statement::{Statement, is_stated, number_of, statement};
+use super::{EntityId, Environment, Fact, Fluent, State, Words, World};
 use crate::call::Call;
-use crate::model::entries_of;
+use crate::model::{entries_of, entry_of_number};
 
 /// Writes `state` as an environment, given the `world` with the initial state.
 ///
@@ -14,15 +15,26 @@ pub fn write(world: &World, state: &State) -> Environment {
     let as_list = environment.prefers_lists();
     let mut news: IndexMap<EntityId, Vec<String>> = IndexMap::new();
     for fact in state.iter().filter(|fact| !world.state.holds(*fact)) {
+        if world.domain().predicate(fact.predicate()).parameters.is_empty() {
+            continue;
+        }
         for (subject, text) in entries_of(world, fact) {
             news.entry(subject).or_default().push(text);
         }
     }
+    let given = |fluent: &Fluent| world.state.number(*fluent).is_some();
+    for (fluent, number) in state.numbers().iter().filter(|(fluent, _)| !given(fluent)) {
+        if let (Some(subject), text) = entry_of_number(world, *fluent, *number) {
+            news.entry(subject).or_default().push(text);
+        }
+    }
+    environment.facts = facts(world, state);
     for states in [&mut environment.asset_states, &mut environment.object_states] {
         for (identifier, words) in states.iter_mut() {
             let Some(subject) = world.find(identifier) else {
                 continue;
             };
+            renumber(world, state, Some(subject), words.as_mut_slice());
             let new = news.shift_remove(&subject).unwrap_or_default();
             revise(world, state, subject, words, new);
         }
@@ -42,6 +54,38 @@ pub fn write(world: &World, state: &State) -> Environment {
         states.insert(identifier, words);
     }
     environment
+}
+
+/// Replaces the numbers that have changed.
+fn renumber(world: &World, state: &State, subject: Option<EntityId>, words: &mut [String]) {
+    for text in words {
+        let Some((fluent, before)) = number_of(world, subject, text) else {
+            continue;
+        };
+        if let Some(after) = state.number(fluent).filter(|after| *after != before) {
+            *text = entry_of_number(world, fluent, after).1;
+        }
+    }
+}
+
+/// Returns the statements without a subject in a state. An environment that has none says nothing about facts without
+/// arguments, and so does the new one.
+fn facts(world: &World, state: &State) -> Option<Vec<String>> {
+    let domain = world.domain();
+    let given = world.environment().facts.clone();
+    let mut facts = given.clone().unwrap_or_default();
+    renumber(world, state, None, &mut facts);
+    facts.retain(|text| !matches!(statement(world, text), Some(Statement::Fact(fact)) if !state.holds(fact)));
+    if given.is_some() {
+        let new = state.iter().filter(|fact| !world.state.holds(*fact));
+        let new = new.filter(|fact| is_stated(domain, fact.predicate()));
+        facts.extend(new.map(|fact| domain.predicate(fact.predicate()).name.clone()));
+    }
+    let numbers = state.numbers().iter();
+    let new = numbers.filter(|(fluent, _)| world.state.number(*fluent).is_none());
+    let new = new.map(|(fluent, number)| entry_of_number(world, *fluent, *number));
+    facts.extend(new.filter(|(subject, _)| subject.is_none()).map(|(_, text)| text));
+    (given.is_some() || !facts.is_empty()).then_some(facts)
 }
 
 /// Removes the states that no longer hold from an entry and inserts `new` at the position of the first one.

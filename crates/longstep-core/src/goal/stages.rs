@@ -3,10 +3,10 @@
 use super::{Goal, GoalFact};
 use crate::effort;
 use crate::model::{
-    Atom, Condition, Domain, EntityId, Fact, Moment, PredicateId, RuleTime, State, Term, Wanted, World,
-    broken_bindings, holds, unify,
+    Arithmetic, Atom, Condition, Domain, EntityId, Fact, GroundTest, Moment, Number, PredicateId, RuleTime, State,
+    Term, Wanted, World, broken_bindings, holds, unify,
 };
-use crate::search::{Formula, Literal, ground_condition};
+use crate::search::{Formula, Literal, Meaning, ground_condition};
 use crate::verify::Milestone;
 
 /// Maximum number of predicates whose facts exclude each other by the effects of actions.
@@ -89,7 +89,26 @@ impl Goal {
 }
 
 /// A conjunction of literals.
-type Literals = Vec<(Fact, bool)>;
+#[derive(Debug, Clone, Default)]
+struct Literals {
+    facts: Vec<(Fact, bool)>,
+    tests: Vec<GroundTest>,
+}
+
+impl Literals {
+    /// Returns the literals of a ground condition.
+    fn of(literals: &[Literal], meanings: &[Meaning]) -> Self {
+        let mut all = Self::default();
+        for literal in literals {
+            match &meanings[literal.fact as usize] {
+                Meaning::Fact(fact) => all.facts.push((*fact, literal.holds)),
+                Meaning::Test(test) if literal.holds => all.tests.push(test.clone()),
+                Meaning::Test(test) => all.tests.push(test.clone().negated()),
+            }
+        }
+        all
+    }
+}
 
 /// Maximum number of alternatives of a goal that are considered.
 const ALTERNATIVES: usize = 32;
@@ -112,15 +131,12 @@ impl<'g> Needs<'g> {
         let wanted = fact.wanted(world.domain(), &[]);
         let ground = ground_condition(world, &wanted.condition, &wanted.bindings);
         let alternatives = alternatives(&ground.formula).unwrap_or_default();
-        let named = |literals: Vec<Literal>| {
-            let literals = literals.into_iter();
-            literals
-                .map(|literal| (ground.facts[literal.fact as usize], literal.holds))
-                .collect()
-        };
         Self {
             fact,
-            alternatives: alternatives.into_iter().map(named).collect(),
+            alternatives: alternatives
+                .iter()
+                .map(|literals| Literals::of(literals, &ground.facts))
+                .collect(),
         }
     }
 
@@ -131,14 +147,17 @@ impl<'g> Needs<'g> {
             _ => None,
         });
         let achieved: Vec<Fact> = achieved
-            .flatten()
+            .flat_map(|literals| &literals.facts)
             .filter(|(_, holds)| *holds)
             .map(|(fact, _)| *fact)
             .collect();
         let follows = |(fact, holds): &(Fact, bool)| {
             *holds && (world.state.holds(*fact) || achieved.iter().any(|done| implies(world, *done, *fact)))
         };
-        self.alternatives.iter().any(|literals| literals.iter().all(follows))
+        let holds = |test: &GroundTest| test.holds(&|fluent| world.state.number(*fluent));
+        self.alternatives
+            .iter()
+            .any(|literals| literals.facts.iter().all(follows) && literals.tests.iter().all(holds))
     }
 
     /// Returns true if two goals cannot hold in one state.
@@ -192,17 +211,48 @@ fn excludes(world: &World, own: &Literals, other: &Literals) -> bool {
     let domain = world.domain();
     let lasting = |literals: &Literals| -> Literals {
         let lasts = |(fact, _): &&(Fact, bool)| !domain.words(fact.predicate()).event;
-        literals.iter().filter(lasts).copied().collect()
+        Literals {
+            facts: literals.facts.iter().filter(lasts).copied().collect(),
+            tests: literals.tests.clone(),
+        }
     };
     let (own, other) = (lasting(own), lasting(other));
-    effort::spend(1 + own.len() * other.len());
-    own.iter().any(|(fact, holds)| other.contains(&(*fact, !holds)))
+    effort::spend(1 + own.facts.len() * other.facts.len() + own.tests.len() * other.tests.len());
+    let contradicts = |one: &GroundTest| other.tests.iter().any(|other| are_contradictory(one, other));
+    own.facts
+        .iter()
+        .any(|(fact, holds)| other.facts.contains(&(*fact, !holds)))
+        || own.tests.iter().any(contradicts)
         || break_a_rule(world, &own, &other)
         || positive(&own).any(|fact| positive(&other).any(|other| displaced_by(world, fact, other)))
 }
 
+/// Returns true if no number satisfies both requirements, as far as comparisons of one fluent with constants show.
+fn are_contradictory(one: &GroundTest, other: &GroundTest) -> bool {
+    let bound = |test: &GroundTest| match test {
+        GroundTest::Compare(Arithmetic::Value(fluent), comparison, Arithmetic::Constant(number)) => {
+            Some((*fluent, *comparison, *number))
+        }
+        _ => None,
+    };
+    let (Some((fluent, first, least)), Some((same, second, most))) = (bound(one), bound(other)) else {
+        return false;
+    };
+    // If any number satisfies both, so does one of the two, or one just beside them or between them.
+    let beside = |number: Number| {
+        let step = Number::of_millionths(1);
+        [
+            Some(number),
+            step.and_then(|step| number.plus(step)),
+            step.and_then(|step| number.minus(step)),
+        ]
+    };
+    let satisfies = |number: Number| first.holds(number, least) && second.holds(number, most);
+    fluent == same && !beside(least).into_iter().chain(beside(most)).flatten().any(satisfies)
+}
+
 fn positive(literals: &Literals) -> impl Iterator<Item = Fact> {
-    literals.iter().filter(|(_, holds)| *holds).map(|(fact, _)| *fact)
+    literals.facts.iter().filter(|(_, holds)| *holds).map(|(fact, _)| *fact)
 }
 
 /// Returns true if both together break a rule about every environment or every state, and neither does alone.

@@ -3,7 +3,7 @@
 //! Code that visits conditions uses [`Condition::iter`], [`Condition::atoms`] and [`Condition::conjuncts`]. Evaluation and
 //! grounding, which bind slots on the way, match on conditions themselves.
 
-use super::{EntityId, PredicateId, TypeId};
+use super::{Application, EntityId, NumberTest, PredicateId, TypeId};
 
 /// The index of a variable in the bindings: parameters first, then quantified variables, outermost first.
 pub type Slot = usize;
@@ -55,6 +55,13 @@ pub enum Condition {
         /// True for equality, false for inequality.
         holds: bool,
     },
+    /// A requirement on numbers.
+    Number {
+        /// The requirement.
+        test: NumberTest<Application>,
+        /// True if it is evaluated in the state in which the instruction was given, false for the current state.
+        initially: bool,
+    },
 }
 
 impl Condition {
@@ -79,6 +86,10 @@ impl Condition {
                 left,
                 right,
                 holds: !holds,
+            },
+            Self::Number { test, initially } => Self::Number {
+                test: test.negated(),
+                initially,
             },
         }
     }
@@ -109,6 +120,10 @@ impl Condition {
                 right: term(right),
                 holds,
             },
+            Self::Number { test, initially } => Self::Number {
+                test: test.with_terms(term),
+                initially,
+            },
             other => other,
         })
     }
@@ -136,11 +151,12 @@ impl Condition {
                 holds,
                 initially: true,
             },
+            Self::Number { test, .. } => Self::Number { test, initially: true },
             other => other,
         })
     }
 
-    /// Rebuilds the condition: replaces the slot of each quantifier, and each atom and equality.
+    /// Rebuilds the condition: replaces the slot of each quantifier, and each part without parts.
     fn map(self, slot: &impl Fn(Slot) -> Slot, literal: &impl Fn(Self) -> Self) -> Self {
         let all = |parts: Vec<Self>| parts.into_iter().map(|part| part.map(slot, literal)).collect();
         match self {
@@ -152,12 +168,12 @@ impl Condition {
         }
     }
 
-    /// Returns the direct parts of the condition; atoms and equalities have none.
+    /// Returns the direct parts of the condition; atoms, equalities and requirements on numbers have none.
     pub fn parts(&self) -> &[Condition] {
         match self {
             Self::And(parts) | Self::Or(parts) => parts,
             Self::Forall(_, _, inner) | Self::Exists(_, _, inner) => std::slice::from_ref(inner),
-            Self::Atom { .. } | Self::Equal { .. } => &[],
+            Self::Atom { .. } | Self::Equal { .. } | Self::Number { .. } => &[],
         }
     }
 
@@ -175,6 +191,14 @@ impl Condition {
     pub fn atoms(&self) -> impl Iterator<Item = (&Atom, bool)> {
         self.iter().filter_map(|part| match part {
             Self::Atom { atom, holds, .. } => Some((atom, *holds)),
+            _ => None,
+        })
+    }
+
+    /// Returns every requirement on numbers.
+    pub fn numbers(&self) -> impl Iterator<Item = &NumberTest<Application>> {
+        self.iter().filter_map(|part| match part {
+            Self::Number { test, .. } => Some(test),
             _ => None,
         })
     }

@@ -4,7 +4,10 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use super::id;
-use super::{Atom, Condition, Effect, EntityId, Fact, Lexicon, Template, ValueType};
+use super::{
+    Atom, Condition, Effect, EntityId, Fact, FunctionId, Lexicon, Number, NumericEffect, NumericExpression, Template,
+    ValueType,
+};
 
 id!(
     /// A type of entities; [`TypeId::OBJECT`] is the root.
@@ -108,6 +111,44 @@ pub struct Predicate {
     pub parameters: Vec<Parameter>,
 }
 
+/// A numeric function, with its wording.
+#[derive(Debug, Clone)]
+pub struct Function {
+    /// The name in `domain.pddl`.
+    pub name: String,
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// True if some action changes it.
+    pub changes: bool,
+    /// The word in an environment: `level`, as in `level(3)`.
+    pub word: String,
+    /// The unit, for messages.
+    pub unit: Option<String>,
+    /// The template of the number's name, for example `the level of {tank}`.
+    pub says: Template,
+    /// The least number that it may have.
+    pub min: Option<Number>,
+    /// The greatest number that it may have.
+    pub max: Option<Number>,
+}
+
+impl Function {
+    /// Returns true if the number is within the range of the function.
+    pub fn allows(&self, number: Number) -> bool {
+        self.min.is_none_or(|min| number >= min) && self.max.is_none_or(|max| number <= max)
+    }
+
+    /// Writes the range of the function; none if it has none.
+    pub fn range(&self) -> Option<String> {
+        match (self.min, self.max) {
+            (Some(min), Some(max)) => Some(format!("{min} to {max}")),
+            (Some(min), None) => Some(format!("at least {min}")),
+            (None, Some(max)) => Some(format!("at most {max}")),
+            (None, None) => None,
+        }
+    }
+}
+
 /// An action as `domain.pddl` declares it.
 #[derive(Debug, Clone)]
 pub(crate) struct ActionSchema {
@@ -115,6 +156,8 @@ pub(crate) struct ActionSchema {
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) precondition: Condition,
     pub(crate) effects: Vec<Effect>,
+    pub(crate) numeric: Vec<NumericEffect>,
+    pub(crate) cost: Option<NumericExpression>,
 }
 
 /// An action: its semantics and its wording.
@@ -126,8 +169,12 @@ pub struct Action {
     pub parameters: Vec<Parameter>,
     /// The precondition.
     pub precondition: Condition,
-    /// The effects.
+    /// The effects on facts.
     pub effects: Vec<Effect>,
+    /// The effects on numbers.
+    pub numeric: Vec<NumericEffect>,
+    /// The cost of a step, from its effect on `(total-cost)`; none for an action without such an effect.
+    pub cost: Option<NumericExpression>,
     /// The name of the action in a plan, for example `PutIn`.
     pub call: String,
     /// The parameters written in a call, in order; the others are implicit.
@@ -455,6 +502,8 @@ pub struct DomainData {
     pub predicates: Vec<Predicate>,
     /// The wording of the predicates, in the same order.
     pub predicate_words: Vec<PredicateWords>,
+    /// The numeric functions.
+    pub functions: Vec<Function>,
     /// The actions.
     pub actions: Vec<Action>,
     /// The types of the environment's lists.
@@ -507,6 +556,22 @@ impl DomainData {
     /// Returns the predicate with this id.
     pub fn predicate(&self, id: PredicateId) -> &Predicate {
         &self.predicates[id.index()]
+    }
+
+    /// Returns the numeric function with this id.
+    pub fn function(&self, id: FunctionId) -> &Function {
+        &self.functions[id.index()]
+    }
+
+    /// Returns true if steps have costs: then a cheapest plan is preferred over a shortest one.
+    pub fn has_costs(&self) -> bool {
+        self.actions.iter().any(|action| action.cost.is_some())
+    }
+
+    /// Iterates over the arguments of a fluent.
+    pub fn arguments_of(&self, fluent: super::Fluent) -> impl Iterator<Item = EntityId> + use<> {
+        let arity = self.function(fluent.function()).parameters.len();
+        (0..arity).map(move |place| fluent.argument(place))
     }
 
     /// Iterates over the arguments of a fact.

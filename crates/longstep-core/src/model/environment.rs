@@ -35,6 +35,9 @@ pub struct Environment {
     /// The static properties of the objects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub object_properties: Option<IndexMap<String, Words>>,
+    /// Statements without a subject: facts without arguments, and numbers of functions without arguments.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub facts: Option<Vec<String>>,
     /// Everyday names of entities, by identifier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub names: Option<IndexMap<String, String>>,
@@ -60,6 +63,14 @@ pub enum Words {
 }
 
 impl Words {
+    /// Returns the words of either form.
+    pub fn as_mut_slice(&mut self) -> &mut [String] {
+        match self {
+            Self::One(word) => std::slice::from_mut(word),
+            Self::Many(words) => words,
+        }
+    }
+
     /// Returns the words of either form.
     pub fn as_slice(&self) -> &[String] {
         match self {
@@ -151,7 +162,7 @@ mod tests {
         );
         check_error(
             r#"{"asset": []}"#,
-            "unknown field `asset`, expected one of `assets`, `asset_states`, `objects`, `object_states`, `asset_properties`, `object_properties`, `names`, `types`, `speaker`, `robot` at line 1 column 8",
+            "unknown field `asset`, expected one of `assets`, `asset_states`, `objects`, `object_states`, `asset_properties`, `object_properties`, `facts`, `names`, `types`, `speaker`, `robot` at line 1 column 8",
         );
     }
 }

@@ -32,6 +32,9 @@ pub fn holds(moment: Moment<'_>, condition: &Condition, bindings: &mut Bindings)
         Condition::Equal { left, right, holds } => {
             (grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds
         }
+        Condition::Number { test, initially } => {
+            effort::spend(1) && test.holds_in(moment.state_of(*initially), bindings)
+        }
     }
 }
 
@@ -143,6 +146,7 @@ fn guarded(condition: &Condition, value: bool, slot: Slot, reliable: Reliable<'_
             *holds == value && atom.terms.contains(&Term::Variable(slot)) && reliable(atom, *initially)
         }
         Condition::Equal { left, right, holds } => *holds == value && other_side(*left, *right, slot).is_some(),
+        Condition::Number { .. } => false,
     }
 }
 
@@ -192,6 +196,8 @@ fn for_guards(
         Condition::Atom { atom, initially, .. } => {
             for_matching(moment.state_of(*initially), atom, slot, bindings, visit)
         }
+        // Never a guard.
+        Condition::Number { .. } => ControlFlow::Continue(()),
     }
 }
 
@@ -237,7 +243,8 @@ impl<'a> Moment<'a> {
     }
 }
 
-/// Returns the value of a static atom or an equality, the same in every state; none for any other condition.
+/// Returns the value of a static atom, an equality, or a requirement on numbers that never change, the same in every
+/// state; none for any other condition.
 pub(crate) fn static_value(world: &World, condition: &Condition, bindings: &[EntityId]) -> Option<bool> {
     match condition {
         Condition::Atom { atom, holds, initially } => {
@@ -247,6 +254,14 @@ pub(crate) fn static_value(world: &World, condition: &Condition, bindings: &[Ent
         Condition::Equal { left, right, holds } => {
             Some((grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds)
         }
+        Condition::Number { test, initially: true } => Some(test.holds_in(&world.state, bindings)),
+        Condition::Number { test, .. } => test.fixed(
+            Moment {
+                world,
+                state: &world.state,
+            },
+            bindings,
+        ),
         _ => None,
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
 
-use super::{PredicateId, id};
+use super::{Fluent, Number, PredicateId, id};
 use crate::effort;
 
 id!(
@@ -47,13 +47,16 @@ impl Fact {
     }
 }
 
-/// A state: the set of facts that hold. All other facts are false.
+/// A state: the set of facts that hold, and the numbers of fluents. All other facts are false, and all other fluents
+/// have no number.
 ///
 /// The facts of each predicate are in one sorted list, which copies of the state share until one of them changes it. So
 /// copying a state is cheap, the facts of one predicate are found without a scan, and iteration is in order.
 #[derive(Debug, Clone, Default)]
 pub struct State {
     by_predicate: Vec<Arc<Vec<Fact>>>,
+    /// Sorted by fluent.
+    numbers: Arc<Vec<(Fluent, Number)>>,
 }
 
 impl State {
@@ -79,6 +82,29 @@ impl State {
         // A shared list is copied.
         effort::spend(1 + facts.len() / 8);
         true
+    }
+
+    /// Returns the number of a fluent; none if it has none.
+    pub fn number(&self, fluent: Fluent) -> Option<Number> {
+        let place = self.numbers.binary_search_by_key(&fluent, |(own, _)| *own).ok()?;
+        Some(self.numbers[place].1)
+    }
+
+    /// Gives a fluent a number; returns true if that changed the state.
+    pub fn set_number(&mut self, fluent: Fluent, number: Number) -> bool {
+        match self.numbers.binary_search_by_key(&fluent, |(own, _)| *own) {
+            Ok(place) if self.numbers[place].1 == number => return false,
+            Ok(place) => Arc::make_mut(&mut self.numbers)[place].1 = number,
+            Err(place) => Arc::make_mut(&mut self.numbers).insert(place, (fluent, number)),
+        }
+        // A shared list is copied.
+        effort::spend(1 + self.numbers.len() / 8);
+        true
+    }
+
+    /// Returns the fluents that have a number, in order.
+    pub fn numbers(&self) -> &[(Fluent, Number)] {
+        &self.numbers
     }
 
     /// Drops the facts of all predicates from this number on.
@@ -120,7 +146,11 @@ impl State {
             let other = from.by_predicate.get(index).unwrap_or(&empty);
             (!Arc::ptr_eq(facts, other) && facts != other).then(|| (index, facts.clone()))
         };
-        self.by_predicate.iter().enumerate().filter_map(changed).collect()
+        ChangedLists {
+            facts: self.by_predicate.iter().enumerate().filter_map(changed).collect(),
+            numbers: (!Arc::ptr_eq(&self.numbers, &from.numbers) && self.numbers != from.numbers)
+                .then(|| self.numbers.clone()),
+        }
     }
 
     /// Returns the number of facts that hold.
@@ -137,7 +167,7 @@ impl State {
 impl PartialEq for State {
     fn eq(&self, other: &Self) -> bool {
         // A predicate without facts may have no list.
-        self.iter().eq(other.iter())
+        self.iter().eq(other.iter()) && self.numbers == other.numbers
     }
 }
 
@@ -146,11 +176,26 @@ impl Eq for State {}
 impl Hash for State {
     fn hash<H: Hasher>(&self, hasher: &mut H) {
         self.iter().for_each(|fact| fact.hash(hasher));
+        self.numbers.hash(hasher);
     }
 }
 
-/// The lists of a state that differ from those of another state, with the index of their predicate.
-pub(crate) type ChangedLists = Vec<(usize, Arc<Vec<Fact>>)>;
+/// The lists of a state that differ from those of another state.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct ChangedLists {
+    /// The lists of facts, with the index of their predicate.
+    facts: Vec<(usize, Arc<Vec<Fact>>)>,
+    /// All numbers, if one of them differs.
+    numbers: Option<Arc<Vec<(Fluent, Number)>>>,
+}
+
+impl ChangedLists {
+    /// Returns the work units for storing the lists.
+    pub(crate) fn units(&self) -> usize {
+        let facts: usize = self.facts.iter().map(|(_, facts)| 2 * facts.len() + 1).sum();
+        facts + self.numbers.as_ref().map_or(0, |numbers| 2 * numbers.len() + 1)
+    }
+}
 
 /// A set of facts; its order must not reach any output.
 pub type FactSet = FxHashSet<Fact>;

@@ -5,6 +5,7 @@
 //! to a [`State`].
 
 mod article;
+mod arithmetic;
 mod condition;
 mod diff;
 mod distinction;
@@ -16,6 +17,8 @@ mod id;
 mod label;
 mod lexicon;
 mod naming;
+mod number;
+mod numeric_effect;
 mod prohibition;
 mod rules;
 mod simulate;
@@ -26,14 +29,18 @@ mod wanted;
 mod wording;
 mod world;
 
+pub use arithmetic::{
+    Application, Arithmetic, Comparison, Fluent, FunctionId, GroundExpression, GroundTest, NumberTest,
+    NumericExpression, Operation,
+};
 pub use condition::{Atom, Condition, Effect, Slot, Term};
 pub use diff::{Difference, differences};
 pub use distinction::Distinctions;
 pub(crate) use domain::ActionSchema;
 pub use domain::{
-    Action, ActionId, DefaultFact, Derivation, Domain, DomainData, EnvironmentTypes, FormPiece, GoalWord, GoalWordId,
-    Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime, StateWord,
-    TypeId, Types, Unknown,
+    Action, ActionId, DefaultFact, Derivation, Domain, DomainData, EnvironmentTypes, FormPiece, Function, GoalWord,
+    GoalWordId, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord, RepairCosts, Rule, RuleTime,
+    StateWord, TypeId, Types, Unknown,
 };
 pub use environment::{Environment, Words};
 pub use evaluate::{Bindings, Moment, holds};
@@ -46,15 +53,18 @@ pub use label::{base_name, ends_with, label, matches_name, stem};
 pub(crate) use lexicon::is_mark;
 pub use lexicon::{Lexicon, head, plain_words, singular};
 pub(crate) use naming::name_entities;
-pub use naming::{Voice, fact_text};
+pub use naming::{Voice, fact_text, fluent_text};
+pub use number::Number;
+pub use numeric_effect::{NumberChangeKind, NumericEffect};
+pub(crate) use numeric_effect::{applicability, assigned};
 pub use prohibition::{Prohibition, StepPattern};
 pub use rules::broken_bindings;
-pub use simulate::{Missing, apply, unmet};
+pub use simulate::{Missing, Shortfall, apply, unmet};
 pub(crate) use simulate::{apply_onto, fired, rests_on};
 pub use template::Template;
-pub use trace::{Change, Ending, StepId, Trace};
+pub use trace::{Change, Changes, Ending, NumberChange, StepId, Trace};
 pub use value::{Decimal, OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use wanted::Wanted;
-pub use wording::{entries_of, state_word, subject_of, written_fact};
+pub use wording::{entries_of, entry_of_number, state_word, subject_of, written_fact};
 pub(crate) use world::ENTITY_LIMIT;
 pub use world::{AssumptionSource, Entity, World};

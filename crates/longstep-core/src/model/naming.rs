@@ -4,7 +4,10 @@ use indexmap::IndexMap;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::label::{label, stem};
-use super::{Domain, Entity, EntityId, Fact, World, head, plain_words, singular};
+use super::{
+    Arithmetic, Domain, Entity, EntityId, Fact, Fluent, GroundExpression, GroundTest, Missing, Number, NumberTest,
+    Shortfall, World, head, plain_words, singular,
+};
 
 /// Returns for every identifier a unique everyday name and all its names, synonyms included.
 ///
@@ -132,6 +135,71 @@ impl Voice {
         let template = if holds { &words.says } else { &words.denies };
         template.fill(|place| self.name(world, fact.argument(place)))
     }
+
+    /// Writes the name of a number for this reader: `the level of the tank`.
+    pub fn fluent(self, world: &World, fluent: Fluent) -> String {
+        let says = &world.domain().function(fluent.function()).says;
+        says.fill(|place| self.name(world, fluent.argument(place)))
+    }
+
+    /// Writes a number with the unit of its function.
+    pub fn number(self, world: &World, fluent: Fluent, number: Number) -> String {
+        match &world.domain().function(fluent.function()).unit {
+            Some(unit) => format!("{number} {unit}"),
+            None => number.to_string(),
+        }
+    }
+
+    /// Writes a requirement on numbers as a sentence for this reader.
+    pub fn requirement(self, world: &World, test: &GroundTest) -> String {
+        let written = |expression: &GroundExpression| expression.written(&|fluent| self.fluent(world, *fluent));
+        match test {
+            NumberTest::Compare(Arithmetic::Value(fluent), comparison, Arithmetic::Constant(number)) => {
+                let number = self.number(world, *fluent, *number);
+                format!("{} {comparison} {number}", self.fluent(world, *fluent))
+            }
+            NumberTest::Compare(left, comparison, right) => {
+                format!("{} {comparison} {}", written(left), written(right))
+            }
+            NumberTest::Known(expression, true) => format!("{} is known", written(expression)),
+            NumberTest::Known(expression, false) => format!("{} is not known", written(expression)),
+        }
+    }
+
+    /// Writes what a state lacks for a requirement on numbers, with the numbers that it has.
+    pub fn shortfall(self, world: &World, shortfall: &Shortfall) -> String {
+        let number = |(fluent, number): &(Fluent, Option<Number>)| {
+            let name = self.fluent(world, *fluent);
+            match number {
+                Some(number) if shortfall.numbers.len() == 1 => {
+                    format!("it is {}", self.number(world, *fluent, *number))
+                }
+                Some(number) => format!("{name} is {}", self.number(world, *fluent, *number)),
+                None => format!("{name} is not known"),
+            }
+        };
+        let numbers: Vec<String> = shortfall.numbers.iter().map(number).collect();
+        let requirement = self.requirement(world, &shortfall.test);
+        match numbers.is_empty() {
+            true => requirement,
+            false => format!("{requirement} ({})", numbers.join(", ")),
+        }
+    }
+}
+
+impl Missing {
+    /// Writes the missing precondition for a person; none if nothing could satisfy it.
+    pub fn text(&self, world: &World) -> Option<String> {
+        match &self.number {
+            Some(shortfall) => Some(Voice::Person.shortfall(world, shortfall)),
+            None => self.fact.map(|fact| fact_text(world, fact, self.holds)),
+        }
+    }
+}
+
+/// Writes the name of a number for a person.
+pub fn fluent_text(world: &World, fluent: Fluent) -> String {
+    Voice::Person.fluent(world, fluent)
 }
 
 /// Writes a fact, or its negation, as a sentence for a person.

@@ -4,26 +4,57 @@ use std::ops::ControlFlow;
 
 use rustc_hash::FxHashSet;
 
+use std::sync::Arc;
+
 use super::{
-    Action, Bindings, Change, Condition, Effect, EntityId, Fact, Moment, State, Term, World, for_candidates,
-    for_matching, ground, holds,
+    Action, Bindings, Change, Changes, Condition, Effect, EntityId, Fact, Fluent, GroundTest, Moment, Number,
+    NumberChange, State, Term, World, assigned, for_candidates, for_matching, ground, holds,
 };
 use crate::effort;
 
-/// A precondition fact that a step lacks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// A precondition that a step lacks.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Missing {
-    /// The fact; none if no fact could satisfy the precondition.
+    /// The fact; none for a number, or if nothing could satisfy the precondition.
     pub fact: Option<Fact>,
     /// True if the fact must hold, false if it must not.
     pub holds: bool,
-    /// The step that undid the fact, counted from 0; none if no step did.
+    /// The requirement on numbers; none for a fact.
+    pub number: Option<Arc<Shortfall>>,
+    /// The step that undid the precondition, counted from 0; none if no step did.
     pub undone_by: Option<usize>,
 }
 
-/// Applies an action, applicable or not; returns the changes, sorted by fact.
-pub fn apply(world: &World, state: &mut State, action: &Action, arguments: &[EntityId]) -> Vec<Change> {
-    let mut changes = Vec::new();
+impl Missing {
+    /// Returns true if no step can satisfy the precondition.
+    pub fn is_impossible(&self) -> bool {
+        self.fact.is_none() && self.number.is_none()
+    }
+}
+
+/// A requirement on numbers that a state does not meet.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Shortfall {
+    /// The requirement.
+    pub test: GroundTest,
+    /// The fluents in the requirement with their numbers in the state, in order; none for a fluent without a number.
+    pub numbers: Vec<(Fluent, Option<Number>)>,
+}
+
+impl Shortfall {
+    /// Records the requirement with the numbers of a state.
+    pub fn of(test: GroundTest, state: &State) -> Self {
+        let mut numbers = Vec::new();
+        test.for_each(&mut |fluent| numbers.push((*fluent, state.number(*fluent))));
+        numbers.sort_unstable();
+        numbers.dedup();
+        Self { test, numbers }
+    }
+}
+
+/// Applies an action, applicable or not; returns the changes, sorted by fact and by fluent.
+pub fn apply(world: &World, state: &mut State, action: &Action, arguments: &[EntityId]) -> Changes {
+    let mut changes = Changes::default();
     apply_onto(
         world,
         state,
@@ -42,13 +73,21 @@ pub(crate) fn apply_onto(
     action: &Action,
     bindings: &mut Bindings,
     fired: &mut Vec<(Fact, bool)>,
-    changes: &mut Vec<Change>,
+    changes: &mut Changes,
 ) {
     self::fired(world, state, action, bindings, fired);
+    let numbers = assigned(world, state, &action.numeric, bindings);
     for (fact, holds) in fired.drain(..) {
         if state.set(fact, holds) {
             effort::spend(effort::KEPT);
-            changes.push(Change { fact, holds });
+            changes.facts.push(Change { fact, holds });
+        }
+    }
+    for (fluent, after) in numbers {
+        let before = state.number(fluent);
+        if state.set_number(fluent, after) {
+            effort::spend(effort::KEPT);
+            changes.numbers.push(NumberChange { fluent, before, after });
         }
     }
 }
@@ -144,6 +183,16 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
         Condition::Atom { atom, holds, .. } => vec![Missing {
             fact: Some(ground(atom, bindings)),
             holds: *holds,
+            number: None,
+            undone_by: None,
+        }],
+        // No step changes the past, nor a number that no action changes.
+        Condition::Number { initially: true, .. } => Vec::new(),
+        Condition::Number { test, .. } if test.fixed(Moment { world, state }, bindings).is_some() => Vec::new(),
+        Condition::Number { test, .. } => vec![Missing {
+            fact: None,
+            holds: true,
+            number: Some(Arc::new(Shortfall::of(test.ground(world, bindings), state))),
             undone_by: None,
         }],
         // No step can make two entities equal.
@@ -153,6 +202,7 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
         missing.push(Missing {
             fact: None,
             holds: false,
+            number: None,
             undone_by: None,
         });
     }
@@ -162,7 +212,7 @@ pub fn unmet(world: &World, state: &State, condition: &Condition, bindings: &mut
 /// Returns the alternative with the fewest missing facts; alternatives that no fact can satisfy come last.
 fn shortest(alternatives: impl Iterator<Item = Vec<Missing>>) -> Vec<Missing> {
     let length = |missing: &Vec<Missing>| {
-        let impossible = missing.iter().filter(|m| m.fact.is_none()).count();
+        let impossible = missing.iter().filter(|missing| missing.is_impossible()).count();
         (impossible, missing.len())
     };
     alternatives.min_by_key(length).unwrap_or_default()
@@ -213,7 +263,7 @@ pub(crate) fn rests_on(
                 rested.insert(fact);
             }
         }
-        Condition::Atom { .. } | Condition::Equal { .. } => {}
+        Condition::Atom { .. } | Condition::Equal { .. } | Condition::Number { .. } => {}
     }
 }
 

@@ -58,6 +58,13 @@ impl Template {
         Self { pieces }
     }
 
+    /// Returns the template with a text after it.
+    pub(crate) fn followed_by(&self, text: &str) -> Self {
+        let mut pieces = self.pieces.clone();
+        pieces.push(Piece::Text(text.to_owned()));
+        Self { pieces }
+    }
+
     /// Fills every hole with the text that `name` returns for its parameter.
     pub fn fill(&self, mut name: impl FnMut(usize) -> String) -> String {
         self.pieces

@@ -1,6 +1,6 @@
 //! State changes made by the steps of a plan, and the endings of a plan.
 
-use super::{Fact, State};
+use super::{Fact, Fluent, Number, State};
 
 /// The index of a step of a plan, in reading order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -28,19 +28,41 @@ pub struct Change {
     pub holds: bool,
 }
 
+/// The change of one number by a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NumberChange {
+    /// The fluent.
+    pub fluent: Fluent,
+    /// The number before; none if it had none.
+    pub before: Option<Number>,
+    /// The number after.
+    pub after: Number,
+}
+
+/// The changes by one step, or by several.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Changes {
+    /// The facts.
+    pub facts: Vec<Change>,
+    /// The numbers.
+    pub numbers: Vec<NumberChange>,
+}
+
 /// The changes along one execution path of a plan, step by step.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Trace {
     changes: Vec<Change>,
-    /// Each executed step with the index of its first change.
-    begins: Vec<(StepId, usize)>,
+    numbers: Vec<NumberChange>,
+    /// Each executed step with the indices of its first change of a fact and of a number.
+    begins: Vec<(StepId, usize, usize)>,
 }
 
 impl Trace {
     /// Appends a step and its changes.
-    pub(crate) fn add(&mut self, step: StepId, changes: &[Change]) {
-        self.begins.push((step, self.changes.len()));
+    pub(crate) fn add(&mut self, step: StepId, changes: &[Change], numbers: &[NumberChange]) {
+        self.begins.push((step, self.changes.len(), self.numbers.len()));
         self.changes.extend_from_slice(changes);
+        self.numbers.extend_from_slice(numbers);
     }
 
     /// Returns all changes, in order of execution.
@@ -50,9 +72,23 @@ impl Trace {
 
     /// Iterates over the executed steps in order, each with its changes, sorted by fact.
     pub fn steps(&self) -> impl DoubleEndedIterator<Item = (StepId, &[Change])> {
-        self.begins.iter().enumerate().map(|(index, (step, begin))| {
-            let end = self.begins.get(index + 1).map_or(self.changes.len(), |(_, end)| *end);
+        self.begins.iter().enumerate().map(|(index, (step, begin, _))| {
+            let end = self
+                .begins
+                .get(index + 1)
+                .map_or(self.changes.len(), |(_, end, _)| *end);
             (*step, &self.changes[*begin..end])
+        })
+    }
+
+    /// Iterates over the executed steps in order, each with its changes of numbers, sorted by fluent.
+    pub fn numbers(&self) -> impl DoubleEndedIterator<Item = (StepId, &[NumberChange])> {
+        self.begins.iter().enumerate().map(|(index, (step, _, begin))| {
+            let end = self
+                .begins
+                .get(index + 1)
+                .map_or(self.numbers.len(), |(_, _, end)| *end);
+            (*step, &self.numbers[*begin..end])
         })
     }
 }

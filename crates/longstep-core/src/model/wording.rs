@@ -1,6 +1,6 @@
 //! The notation of facts in an environment.
 
-use super::{Domain, EntityId, Fact, PredicateId, StateWord, Term, World};
+use super::{Domain, EntityId, Fact, Fluent, Number, PredicateId, StateWord, Term, World};
 use crate::call::Call;
 
 impl StateWord {
@@ -45,6 +45,19 @@ pub fn written_fact(domain: &Domain, fact: Fact, name: &dyn Fn(EntityId) -> Stri
     let word = word.map_or_else(|| &domain.predicate(fact.predicate()).name, |word| &word.word);
     let arguments: Vec<String> = domain.arguments(fact).map(name).collect();
     format!("{word}({})", arguments.join(", "))
+}
+
+/// Returns the notation of a number, with the entity under which an environment lists it; none for a statement without
+/// a subject.
+pub fn entry_of_number(world: &World, fluent: Fluent, number: Number) -> (Option<EntityId>, String) {
+    let mut arguments = world.domain().arguments_of(fluent);
+    let subject = arguments.next();
+    let others = arguments.map(|other| world.entity(other).identifier.clone());
+    let call = Call {
+        name: world.domain().function(fluent.function()).word.clone(),
+        arguments: others.chain([number.to_string()]).collect(),
+    };
+    (subject, call.to_string())
 }
 
 /// Returns the entity under which an environment lists the fact.

@@ -7,7 +7,10 @@ use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::domain::pddl::{Dialect, Reader, Semantics};
 use crate::domain::sexpr::{self, Expression};
-use crate::model::{Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, PredicateId, State, Words, World};
+use crate::model::{
+    Arithmetic, Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, Function, Number, Predicate,
+    PredicateId, State, Words, World,
+};
 use crate::search::Wanted;
 use crate::verify::Purpose;
 
@@ -56,7 +59,7 @@ pub fn read_problem(domain: &Domain, file: &str, text: &str) -> Result<Problem, 
     }
 }
 
-const SECTIONS: [&str; 5] = [":domain", ":requirements", ":objects", ":init", ":goal"];
+const SECTIONS: [&str; 6] = [":domain", ":requirements", ":objects", ":init", ":goal", ":metric"];
 
 fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut Vec<Diagnostic>) -> Option<Problem> {
     let top = Position { line: 1, column: 1 };
@@ -110,6 +113,8 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
         types: domain.types.clone(),
         constants: domain.constants.clone(),
         predicates: domain.predicates.clone(),
+        functions: domain.functions.iter().map(declared).collect(),
+        costs: domain.has_costs(),
         ..Semantics::default()
     };
     // A hash map, since there are many more facts than names.
@@ -145,12 +150,25 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
                 state.set(fact, true);
                 continue;
             }
+            if let Some([fluent, number]) = item.tail_of("=") {
+                initial_number(&mut reader, &names, &mut state, fluent, number);
+                continue;
+            }
             // A negated fact has no effect, but its names must be valid.
             let atom = match item.tail_of("not") {
                 Some([inner]) => inner,
                 _ => item,
             };
             reader.atom(atom, &Vec::new(), &names);
+        }
+    }
+    for (section, items) in of(":metric") {
+        let is_cost = |items: &[Expression]| matches!(items, [word, cost] if word.word() == Some("minimize") && cost.tail_of("total-cost") == Some(&[]));
+        if !is_cost(items) {
+            reader.report(
+                section.position,
+                "the only metric that is supported is `minimize (total-cost)`",
+            );
         }
     }
     let mut wanted = Vec::new();
@@ -184,6 +202,43 @@ fn read(domain: &Domain, file: &str, expressions: &[Expression], findings: &mut 
     Some(Problem { name, world, wanted })
 }
 
+/// Returns the declaration of a numeric function.
+fn declared(function: &Function) -> Predicate {
+    Predicate {
+        name: function.name.clone(),
+        parameters: function.parameters.clone(),
+    }
+}
+
+/// Reads `(= (function argument ...) number)`; reports errors, and a fluent with two numbers. The cost begins at zero.
+fn initial_number(
+    reader: &mut Reader<'_>,
+    names: &Semantics,
+    state: &mut State,
+    fluent: &Expression,
+    number: &Expression,
+) {
+    let value = match reader.number(number, &Vec::new(), names) {
+        Some(Arithmetic::Constant(value)) => value,
+        Some(_) => return reader.report(number.position, "expected a number"),
+        None => return,
+    };
+    if fluent.tail_of("total-cost") == Some(&[]) {
+        if value != Number::ZERO {
+            reader.report(number.position, "`(total-cost)` begins at 0");
+        }
+        return;
+    }
+    let Some(application) = reader.application(fluent, &Vec::new(), names) else {
+        return;
+    };
+    let fluent = application.ground(&[]);
+    if state.number(fluent).is_some_and(|known| known != value) {
+        reader.report(number.position, "this fluent has another number already");
+    }
+    state.set_number(fluent, value);
+}
+
 /// Returns the fact if all its names are known and its number of arguments is right.
 fn known_fact(
     item: &Expression,
@@ -202,7 +257,7 @@ fn known_fact(
     Some(Fact::new(predicate, bound))
 }
 
-/// Writes the state as an environment, without facts that have no arguments.
+/// Writes the state as an environment; facts that have no arguments only in a domain with numbers.
 fn environment(domain: &Domain, entities: &[Entity], state: &State) -> Environment {
     let mut states: IndexMap<String, Vec<String>> = IndexMap::new();
     let name = |entity: EntityId| entities[entity.index()].identifier.clone();
@@ -219,7 +274,28 @@ fn environment(domain: &Domain, entities: &[Entity], state: &State) -> Environme
         };
         states.entry(name(fact.argument(0))).or_default().push(call.to_string());
     }
+    // A domain with numbers has statements without a subject; other environments leave them out.
+    let mut facts: Vec<String> = Vec::new();
+    if !domain.functions.is_empty() {
+        let alone = |fact: &Fact| domain.predicate(fact.predicate()).parameters.is_empty();
+        let facts_alone = state.iter().filter(alone);
+        facts.extend(facts_alone.map(|fact| domain.predicate(fact.predicate()).name.clone()));
+    }
+    for (fluent, number) in state.numbers() {
+        let word = &domain.function(fluent.function()).word;
+        let places = 1..domain.function(fluent.function()).parameters.len();
+        let others = places.map(|place| name(fluent.argument(place)));
+        let call = Call {
+            name: word.clone(),
+            arguments: others.chain([number.to_string()]).collect(),
+        };
+        match domain.arguments_of(*fluent).next() {
+            Some(subject) => states.entry(name(subject)).or_default().push(call.to_string()),
+            None => facts.push(call.to_string()),
+        }
+    }
     Environment {
+        facts: (!domain.functions.is_empty()).then_some(facts),
         objects: entities.iter().map(|entity| entity.identifier.clone()).collect(),
         object_states: states
             .into_iter()

@@ -80,7 +80,7 @@ fn mistakes_in_problems_are_told_with_their_place() {
     check_plan(
         "(:init) (:metric minimize (total-time))",
         "p.pddl:1:1: a problem has one goal, not 0\n\
-         p.pddl:2:9: `:metric` is not supported here; known sections are :domain, :requirements, :objects, :init, :goal",
+         p.pddl:2:9: the only metric that is supported is `minimize (total-cost)`",
     );
     assert_eq!(
         plan(

@@ -7,8 +7,8 @@ use indexmap::IndexSet;
 use super::names::plain;
 use super::object_names;
 use crate::effort;
-use crate::model::{Domain, Fact, World};
-use crate::search::{Formula, GroundCondition, Literal, Wanted, ground_condition};
+use crate::model::{Arithmetic, Comparison, Domain, Fact, Fluent, GroundExpression, GroundTest, World};
+use crate::search::{Formula, GroundCondition, Literal, Meaning, Wanted, ground_condition};
 use crate::verify::Purpose;
 
 /// The reason why a task cannot be written as a PDDL problem.
@@ -87,11 +87,21 @@ fn problem(world: &World, purpose: &Purpose, name: &str) -> Result<String, Write
     for fact in world.state.iter() {
         let _ = write!(text, "\n    {}", atom(domain, &names, fact));
     }
+    for (own, number) in world.state.numbers() {
+        let _ = write!(text, "\n    (= {} {number})", fluent(domain, &names, *own));
+    }
+    if domain.has_costs() {
+        text.push_str("\n    (= (total-cost) 0)");
+    }
     text.push_str("\n  )\n  (:goal (and");
     for part in ground_goal(world, &names, &purpose.at_end(domain)) {
         let _ = write!(text, "\n    {part}");
     }
-    text.push_str("\n  ))\n)\n");
+    text.push_str("\n  ))");
+    if domain.has_costs() {
+        text.push_str("\n  (:metric minimize (total-cost))");
+    }
+    text.push_str("\n)\n");
     Ok(text)
 }
 
@@ -132,7 +142,43 @@ fn atom(domain: &Domain, names: &[String], fact: Fact) -> String {
     text
 }
 
-fn condition(domain: &Domain, names: &[String], facts: &[Fact], formula: &Formula) -> String {
+/// Writes a requirement on numbers. A planner knows a number wherever a comparison with it holds, so the requirement that
+/// it is known is left out.
+fn requirement(domain: &Domain, names: &[String], test: &GroundTest) -> String {
+    match test {
+        GroundTest::Compare(left, comparison, right) => {
+            let (left, right) = (number(domain, names, left), number(domain, names, right));
+            match comparison {
+                Comparison::NotEqual => format!("(not (= {left} {right}))"),
+                comparison => format!("({comparison} {left} {right})"),
+            }
+        }
+        GroundTest::Known(..) => "(and)".to_owned(),
+    }
+}
+
+fn number(domain: &Domain, names: &[String], expression: &GroundExpression) -> String {
+    match expression {
+        Arithmetic::Constant(number) => number.to_string(),
+        Arithmetic::Value(own) => fluent(domain, names, *own),
+        Arithmetic::Operation(operation, left, right) => {
+            let (left, right) = (number(domain, names, left), number(domain, names, right));
+            format!("({} {left} {right})", operation.symbol())
+        }
+    }
+}
+
+fn fluent(domain: &Domain, names: &[String], fluent: Fluent) -> String {
+    let mut text = format!("({}", domain.function(fluent.function()).name);
+    for argument in domain.arguments_of(fluent) {
+        text.push(' ');
+        text.push_str(&names[argument.index()]);
+    }
+    text.push(')');
+    text
+}
+
+fn condition(domain: &Domain, names: &[String], facts: &[Meaning], formula: &Formula) -> String {
     let list = |word: &str, parts: &[Formula]| {
         let parts: Vec<String> = parts.iter().map(|part| condition(domain, names, facts, part)).collect();
         format!("({word} {})", parts.join(" "))
@@ -141,7 +187,10 @@ fn condition(domain: &Domain, names: &[String], facts: &[Fact], formula: &Formul
         Formula::And(parts) => list("and", parts),
         Formula::Or(parts) => list("or", parts),
         Formula::Literal(Literal { fact, holds }) => {
-            let atom = atom(domain, names, facts[*fact as usize]);
+            let atom = match &facts[*fact as usize] {
+                Meaning::Fact(fact) => atom(domain, names, *fact),
+                Meaning::Test(test) => requirement(domain, names, test),
+            };
             if *holds { atom } else { format!("(not {atom})") }
         }
     }

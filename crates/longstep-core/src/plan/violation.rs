@@ -1,6 +1,6 @@
 //! Violations: findings of verification about a plan.
 
-use crate::model::{AssumptionSource, EntityId, Fact, Missing, OutOfRange};
+use crate::model::{AssumptionSource, EntityId, Fact, Fluent, Missing, Number, OutOfRange};
 
 /// A violation in a plan. Steps count from 0.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -139,6 +139,15 @@ pub enum Violation {
         /// The claimed fact.
         fact: Fact,
     },
+    /// The plan claims another number for a fluent than it ends with.
+    NumberClaim {
+        /// The fluent.
+        fluent: Fluent,
+        /// The claimed number.
+        claimed: Number,
+        /// The number after the last step; none if it is not known.
+        simulated: Option<Number>,
+    },
     /// A step has no effect.
     NoEffect {
         /// The step.
@@ -201,6 +210,15 @@ pub enum Violation {
         other: usize,
         /// A fact whose value depends on the order.
         fact: Fact,
+    },
+    /// The order of two concurrent steps changes a number.
+    NumberRace {
+        /// The first step.
+        step: usize,
+        /// The second step.
+        other: usize,
+        /// A fluent whose number depends on the order.
+        fluent: Fluent,
     },
     /// A step in a lane belongs to another actor, or to no single actor.
     WrongActor {
@@ -283,7 +301,7 @@ impl Violation {
             Self::Goal { .. } => "goal",
             Self::Order { .. } => "order",
             Self::Prohibited { .. } => "prohibited",
-            Self::Claim { .. } => "claim",
+            Self::Claim { .. } | Self::NumberClaim { .. } => "claim",
             Self::NoEffect { .. } => "no_effect",
             Self::Unasked { .. } => "unasked",
             Self::Unsensed { .. } => "unsensed",
@@ -294,7 +312,7 @@ impl Violation {
             Self::TooDeep => "too_deep",
             Self::NothingFits { .. } => "nothing_fits",
             Self::SharedObject { .. } => "shared_object",
-            Self::Race { .. } => "race",
+            Self::Race { .. } | Self::NumberRace { .. } => "race",
             Self::WrongActor { .. } => "wrong_actor",
             Self::LaneTwice { .. } => "lane_twice",
             Self::SensesInLane { .. } => "senses_in_lane",
@@ -313,6 +331,7 @@ impl Violation {
             | Self::Unreached { step }
             | Self::SharedObject { step, .. }
             | Self::Race { step, .. }
+            | Self::NumberRace { step, .. }
             | Self::WrongActor { step, .. }
             | Self::SensesInLane { step }
             | Self::NotSensing { step, .. }
@@ -333,6 +352,7 @@ impl Violation {
             | Self::Goal { .. }
             | Self::Order { .. }
             | Self::Claim { .. }
+            | Self::NumberClaim { .. }
             | Self::UnknownActor { .. }
             | Self::Unasked { .. }
             | Self::LaneTwice { .. }
@@ -358,7 +378,9 @@ impl Violation {
             | Self::NothingFits { step, .. }
             | Self::Prohibited { step, .. }
             | Self::StepClaim { step, .. } => *step = number(*step),
-            Self::SharedObject { step, other, .. } | Self::Race { step, other, .. } => {
+            Self::SharedObject { step, other, .. }
+            | Self::Race { step, other, .. }
+            | Self::NumberRace { step, other, .. } => {
                 *step = number(*step);
                 *other = number(*other);
             }
@@ -379,6 +401,7 @@ impl Violation {
             | Self::Goal { .. }
             | Self::Order { .. }
             | Self::Claim { .. }
+            | Self::NumberClaim { .. }
             | Self::UnknownActor { .. }
             | Self::Unasked { .. }
             | Self::LaneTwice { .. }

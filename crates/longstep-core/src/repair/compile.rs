@@ -7,10 +7,11 @@ use rustc_hash::FxHashSet;
 use super::pins::{Pins, Reach, Unwanted};
 use super::target::Meant;
 use crate::effort;
-use crate::model::{ActionId, Domain, EntityId, Fact, Wanted, World, plain_words, singular, subject_of};
+use crate::model::{ActionId, Domain, EntityId, Fact, NumberTest, Wanted, World, plain_words, singular, subject_of};
 use crate::plan::{DraftStep, Resolved};
 use crate::search::{
-    Always, Formula, GroundAction, GroundEffect, Grounder, Literal, Operator, Requirements, Scope, Task,
+    Always, Formula, GroundAction, GroundEffect, GroundNumericEffect, Grounder, Literal, Operator, Requirements, Scope,
+    Task,
 };
 use crate::verify::{Candidate, Purpose, can_apply, candidates, claimed_places};
 
@@ -88,12 +89,7 @@ impl Compiled<'_> {
             goals.push(Formula::or([kept, forgone]));
         }
         self.operators.append(&mut self.marks);
-        let task = Task {
-            initial: self.grounder.initial,
-            operators: self.operators,
-            goal: Formula::and(goals),
-            always: self.always,
-        };
+        let task = self.grounder.task(self.operators, Formula::and(goals), self.always);
         (task, self.moves)
     }
 
@@ -114,6 +110,7 @@ impl Compiled<'_> {
             outcome: None,
             precondition: self.arrived.clone(),
             effects: vec![effect(forgone, true)],
+            numeric: Vec::new(),
         });
         self.moves.push(Move::Forgo(fact));
         literal(forgone, true)
@@ -136,6 +133,12 @@ pub(super) fn requirements(world: &World, draft: &Resolved, meant: &Meant) -> (R
         let action = domain.action(step.action);
         for (atom, holds) in action.precondition.atoms() {
             requirements.literal(atom.predicate, holds);
+        }
+        for function in action.precondition.numbers().flat_map(NumberTest::functions) {
+            requirements.function(function);
+        }
+        for effect in &action.numeric {
+            requirements.function(effect.fluent.function);
         }
         // A replacement for the step changes some of the same facts.
         for effect in &action.effects {
@@ -183,12 +186,15 @@ pub(super) fn compile<'a>(
         .iter()
         .filter(|unwanted| unwanted.arguments.iter().all(|thing| scope.contains(*thing)))
         .map(|unwanted| {
-            let mut effects = grounder.operator(unwanted.step()).effects;
+            let Operator {
+                mut effects, numeric, ..
+            } = grounder.operator(unwanted.step());
             effects.sort();
             TakenOut {
                 before: unwanted.before,
                 anywhere: unwanted.reach != Reach::Here,
                 effects,
+                numeric,
             }
         })
         .collect();
@@ -269,6 +275,7 @@ fn effect(fact: u32, holds: bool) -> GroundEffect {
     GroundEffect {
         condition: Formula::TRUE,
         literal: Literal { fact, holds },
+        may: false,
     }
 }
 
@@ -277,13 +284,14 @@ struct TakenOut {
     before: usize,
     anywhere: bool,
     effects: Vec<GroundEffect>,
+    numeric: Vec<GroundNumericEffect>,
 }
 
 impl TakenOut {
     fn is_like(&self, operator: &Operator) -> bool {
         let mut effects = operator.effects.clone();
         effects.sort();
-        self.effects == effects
+        self.effects == effects && self.numeric == operator.numeric
     }
 }
 
@@ -347,6 +355,7 @@ impl Writer<'_, '_> {
             outcome: None,
             precondition: condition,
             effects: Vec::new(),
+            numeric: Vec::new(),
         };
         self.reading(index, nothing)
     }
@@ -360,6 +369,7 @@ impl Writer<'_, '_> {
         let costs = self.domain.repair;
         let mut kept: Vec<(Operator, u32)> = Vec::new();
         let mut brings: FxHashSet<Literal> = FxHashSet::default();
+        let mut changes: FxHashSet<u32> = FxHashSet::default();
         let mut handles: FxHashSet<EntityId> = FxHashSet::default();
         let mut idle: Vec<Formula> = Vec::new();
         for choice in choices {
@@ -376,8 +386,10 @@ impl Writer<'_, '_> {
                 .collect();
             if !choice.mismatch {
                 brings.extend(&always);
+                let numeric = operator.numeric.iter().filter(|effect| effect.condition.is_true());
+                changes.extend(numeric.map(|effect| effect.variable));
                 handles.extend(&choice.arguments);
-                if !always.is_empty() {
+                if !always.is_empty() && operator.numeric.is_empty() {
                     idle.push(Formula::and(always.into_iter().map(Formula::Literal)));
                 }
             }
@@ -404,7 +416,10 @@ impl Writer<'_, '_> {
             }
             let same_things = operator.step.arguments.iter().all(|entity| handles.contains(entity));
             let alike = |effect: &GroundEffect| effect.condition.is_true() && brings.contains(&effect.literal);
-            if operator.step.action != step.action && same_things && operator.effects.iter().any(alike) {
+            let counts =
+                |effect: &GroundNumericEffect| effect.condition.is_true() && changes.contains(&effect.variable);
+            let alike = operator.effects.iter().any(alike) || operator.numeric.iter().any(counts);
+            if operator.step.action != step.action && same_things && alike {
                 let meaning = Move::Replace(index, operator.step.clone());
                 self.push(self.reading(index, operator.clone()), costs.replace, meaning);
             }

@@ -2,7 +2,7 @@
 
 use super::compile::{Move, Reason, compare_mentions};
 use super::target::Meant;
-use crate::model::{Domain, Fact, Moment, State, World, fact_text, holds};
+use crate::model::{Domain, Fact, Moment, NumberChange, State, World, fact_text, holds};
 use crate::plan::{Plan, Resolved, Step};
 use crate::search::GroundAction;
 use crate::verify::{Change, Purpose, Report, Violation, apply, broken_at_end, unmet};
@@ -237,7 +237,25 @@ impl Reasons<'_> {
             }
             without
         };
-        let without = |state: &State| undo(state, &changes);
+        let trace = &self.report.ending().trace;
+        let numbers = trace
+            .numbers()
+            .nth(at)
+            .map_or(&[] as &[NumberChange], |(_, numbers)| numbers);
+        let without = |state: &State| {
+            let mut without = undo(state, &changes);
+            for change in numbers {
+                // The number that the state would have without the difference that the step makes.
+                let other = change.before.and_then(|before| {
+                    let difference = change.after.minus(before)?;
+                    state.number(change.fluent)?.minus(difference)
+                });
+                if let Some(other) = other {
+                    without.set_number(change.fluent, other);
+                }
+            }
+            without
+        };
         for (step, before) in steps.iter().zip(&self.before).skip(at + 1) {
             let missing = self.lacking(step, &without(before));
             if !missing.is_empty() {
@@ -283,10 +301,7 @@ impl Reasons<'_> {
         let condition = &self.domain.action(step.action).precondition;
         unmet(self.world, state, condition, &mut step.arguments.clone())
             .iter()
-            .map(|missing| match missing.fact {
-                Some(fact) => fact_text(self.world, fact, missing.holds),
-                None => "the impossible".to_owned(),
-            })
+            .map(|missing| missing.text(self.world).unwrap_or_else(|| "the impossible".to_owned()))
             .collect()
     }
 

@@ -352,7 +352,8 @@ fn follow(
     given_up.sort_unstable();
     let script = Script::of(world, draft, &way.moves);
     let mut purpose = purpose.clone();
-    purpose.claim = purpose.claim.map(|claim| claim.without(&given_up));
+    // A repair pursues claimed facts, and leaves numbers to the steps that bring them about.
+    purpose.claim = purpose.claim.map(|claim| claim.without(&given_up).without_numbers());
     let report = check(world, script.plan(), &purpose);
     let edits = script.edits(world, draft, &purpose, meant, &report);
     Some(Repaired {

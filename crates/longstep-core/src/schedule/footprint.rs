@@ -2,9 +2,9 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::model::{EntityId, Fact, State, World};
+use crate::model::{EntityId, Fact, Fluent, State, World, assigned};
 use crate::plan::Step;
-use crate::search::{Formula, GroundAction, Literal, Operator, ground_step};
+use crate::search::{Formula, GroundAction, Literal, Meaning, Operator, ground_step};
 
 /// The facts that a step reads and writes when executed in a given state.
 #[derive(Debug, Clone)]
@@ -12,8 +12,36 @@ pub(super) struct Footprint {
     /// The facts that decide its precondition and the conditions of its effects, with their values.
     reads: FxHashMap<Fact, bool>,
     writes: Writes,
+    /// The numbers that it reads, and those that it changes.
+    numbers: Numbers,
     /// The objects among its arguments.
     things: Vec<EntityId>,
+}
+
+/// The numbers that a step reads and changes.
+#[derive(Debug, Clone, Default)]
+struct Numbers {
+    reads: FxHashSet<Fluent>,
+    writes: FxHashSet<Fluent>,
+}
+
+impl Numbers {
+    /// Returns the numbers of a step in a state.
+    fn of(world: &World, state: &State, step: &Step) -> Self {
+        let action = world.domain().action(step.action);
+        let mut numbers = Self::default();
+        for (fluent, _) in assigned(world, state, &action.numeric, &mut step.arguments.clone()) {
+            numbers.writes.insert(fluent);
+        }
+        numbers
+    }
+
+    /// Returns true if one of the steps changes a number that the other reads or changes.
+    fn interfere(&self, other: &Self) -> bool {
+        let touches =
+            |numbers: &Self, fluent: &Fluent| numbers.reads.contains(fluent) || numbers.writes.contains(fluent);
+        self.writes.iter().any(|own| touches(other, own)) || other.writes.iter().any(|own| touches(self, own))
+    }
 }
 
 /// The facts that a step writes, with their values.
@@ -31,8 +59,10 @@ pub(super) type Contended = FxHashSet<(Fact, bool)>;
 /// A ground step in the state before its execution.
 pub(super) struct Grounded {
     operator: Operator,
-    /// The facts that its literals number, with their values.
-    facts: Vec<(Fact, bool)>,
+    /// The meanings that its literals number, with their values.
+    facts: Vec<(Meaning, bool)>,
+    /// The numbers that its effects read and change.
+    numbers: Numbers,
     things: Vec<EntityId>,
 }
 
@@ -45,8 +75,9 @@ impl Grounded {
         let (operator, facts) = ground_step(world, ground);
         let handled = |entity: &EntityId| world.is_of_kind(*entity, world.domain().environment.object);
         Self {
+            numbers: Numbers::of(world, state, step),
             operator,
-            facts: facts.into_iter().map(|fact| (fact, state.holds(fact))).collect(),
+            facts: facts.into_iter().map(|own| (own.clone(), own.holds(state))).collect(),
             things: step.arguments.iter().copied().filter(handled).collect(),
         }
     }
@@ -59,7 +90,9 @@ impl Grounded {
         let mut writes = Writes::default();
         for effect in &self.operator.effects {
             if effect.condition.holds(&|literal| self.holds(literal)) {
-                let (fact, held) = self.facts[effect.literal.fact as usize];
+                let (Meaning::Fact(fact), held) = self.facts[effect.literal.fact as usize] else {
+                    continue;
+                };
                 let before = writes.get(&fact).is_some_and(|write: &Write| write.holds);
                 // A fact both added and deleted is added.
                 let holds = effect.literal.holds || before;
@@ -83,10 +116,25 @@ impl Grounded {
     /// facts is preferred.
     pub(super) fn footprint(&self, contended: &Contended) -> Footprint {
         let effects = self.operator.effects.iter().map(|effect| &effect.condition);
-        let conditions = std::iter::once(&self.operator.precondition).chain(effects);
-        let reasons = conditions.flat_map(|condition| self.because(condition, contended).1);
+        let numeric = self.operator.numeric.iter().map(|effect| &effect.condition);
+        let conditions = std::iter::once(&self.operator.precondition)
+            .chain(effects)
+            .chain(numeric);
+        let mut numbers = self.numbers.clone();
+        let mut reads = FxHashMap::default();
+        for literal in conditions.flat_map(|condition| self.because(condition, contended).1) {
+            match &self.facts[literal.fact as usize] {
+                (Meaning::Fact(fact), holds) => {
+                    reads.insert(*fact, *holds);
+                }
+                (Meaning::Test(test), _) => test.for_each(&mut |fluent| {
+                    numbers.reads.insert(*fluent);
+                }),
+            }
+        }
         Footprint {
-            reads: reasons.map(|literal| self.facts[literal.fact as usize]).collect(),
+            reads,
+            numbers,
             writes: self.writes(),
             things: self.things.clone(),
         }
@@ -103,9 +151,10 @@ impl Grounded {
         let reasons: Vec<(bool, Vec<Literal>)> = parts.iter().map(|part| self.because(part, contended)).collect();
         let deciding = reasons.iter().filter(|(value, _)| *value == decisive);
         let weight = |why: &[Literal]| {
-            let open = why
-                .iter()
-                .filter(|literal| contended.contains(&self.facts[literal.fact as usize]));
+            let open = why.iter().filter(|literal| match &self.facts[literal.fact as usize] {
+                (Meaning::Fact(fact), holds) => contended.contains(&(*fact, *holds)),
+                (Meaning::Test(_), _) => true,
+            });
             (open.count(), why.len())
         };
         match deciding.min_by_key(|(_, why)| weight(why)) {
@@ -116,8 +165,8 @@ impl Grounded {
 }
 
 impl Footprint {
-    /// Returns true if this step must stay before `later`: both handle an object, or one of them changes a fact that
-    /// the other reads or writes.
+    /// Returns true if this step must stay before `later`: both handle an object, or one of them changes a fact or
+    /// a number that the other reads or writes.
     pub(super) fn is_needed_before(&self, later: &Self) -> bool {
         let write = |by: &Self, fact: &Fact| by.writes.get(fact).copied();
         let enables =
@@ -128,6 +177,7 @@ impl Footprint {
             || later.reads.iter().any(enables)
             || self.reads.iter().any(disturbs)
             || self.writes.iter().any(differ)
+            || self.numbers.interfere(&later.numbers)
     }
 }
 

@@ -1,20 +1,41 @@
 //! States as bit sets.
 
 use super::formula::Literal;
+use super::task::Task;
+use crate::model::Number;
 
-/// A state or a set of facts: one bit for each fact of the task.
+/// A state or a set of facts: one bit for each fact of the task, then one word for each of its numbers.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Bits(Box<[u64]>);
 
+/// The word of a variable without a number; no number has as many millionths.
+const UNKNOWN: u64 = i64::MIN as u64;
+
+/// Returns the number of words for the facts of a task.
+fn fact_words(task: &Task) -> usize {
+    task.initial.len().div_ceil(64)
+}
+
 impl Bits {
-    /// Returns the state in which none of the facts hold.
-    pub(super) fn none(facts: usize) -> Self {
-        Self(vec![0; facts.div_ceil(64)].into())
+    /// Returns the state in which none of the facts hold, with all numbers zero.
+    pub(super) fn none(task: &Task) -> Self {
+        Self(vec![0; fact_words(task) + task.numbers.initial.len()].into())
     }
 
     /// Work units for storing a state: three copies of its bits and the search data.
-    pub(super) fn units(facts: usize) -> usize {
-        32 + facts / 16
+    pub(super) fn units(task: &Task) -> usize {
+        32 + task.initial.len() / 16 + 4 * task.numbers.initial.len()
+    }
+
+    /// Returns the number of a variable; none if it has none.
+    pub(super) fn number(&self, task: &Task, variable: u32) -> Option<Number> {
+        Number::of_millionths(self.0[fact_words(task) + variable as usize] as i64)
+    }
+
+    /// Sets the number of a variable.
+    pub(super) fn set_number(&mut self, task: &Task, variable: u32, number: Option<Number>) {
+        let word = number.map_or(UNKNOWN, |number| number.millionths() as u64);
+        self.0[fact_words(task) + variable as usize] = word;
     }
 
     pub(super) fn holds(&self, fact: u32) -> bool {

@@ -50,8 +50,8 @@ pub(super) struct Dominance {
 
 impl Dominance {
     pub(super) fn new(task: &Task) -> Self {
-        let facts = task.initial.len();
-        let (mut one_way, mut better) = (Bits::none(facts), Bits::none(facts));
+        // Numbers are in neither: states with different numbers are not compared.
+        let (mut one_way, mut better) = (Bits::none(task), Bits::none(task));
         for (fact, helps) in helps(task).into_iter().enumerate() {
             let holds = helps == Helps::When(true);
             let fact = fact as u32;
@@ -110,6 +110,16 @@ fn helps(task: &Task) -> Vec<Helps> {
                 });
             });
         }
+    }
+    // A change of a number is neither good nor bad.
+    for effect in task.operators.iter().flat_map(|operator| &operator.numeric) {
+        effect.condition.for_each(&mut |literal| {
+            require(literal);
+            require(Literal {
+                holds: !literal.holds,
+                ..literal
+            });
+        });
     }
     for operator in &task.operators {
         operator.precondition.for_each(&mut require);

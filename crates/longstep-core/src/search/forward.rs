@@ -397,7 +397,7 @@ impl<'a> Search<'a> {
         {
             return;
         }
-        effort::spend(Bits::units(self.task.initial.len()));
+        effort::spend(Bits::units(self.task));
         self.known.insert(state.clone(), number);
         self.nodes.push(SearchNode::new(state, parent, depth, estimate));
         self.open.push(self.priority(number, preferred));

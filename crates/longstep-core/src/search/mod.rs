@@ -16,6 +16,7 @@ mod improve;
 mod landmark_cut;
 mod limits;
 mod node;
+mod numbers;
 mod outcome;
 mod relaxed;
 mod relevance;
@@ -31,10 +32,13 @@ pub(crate) use formula::{Formula, Literal};
 use forward::Straight;
 pub(crate) use forward::{Found, cheapest, greedy};
 pub use limits::{EFFORT, Effort, EffortError, Limits};
+pub(crate) use numbers::GroundNumericEffect;
 pub use outcome::Outcome;
 pub(crate) use relevance::reduce;
 pub(crate) use scope::{Requirements, Scope};
-pub(crate) use task::{Always, GroundCondition, GroundEffect, Grounder, Operator, Task, ground_condition, ground_step};
+pub(crate) use task::{
+    Always, GroundCondition, GroundEffect, Grounder, Meaning, Operator, Task, ground_condition, ground_step,
+};
 pub use why_not::{WhyNot, why_not};
 
 use crate::effort;

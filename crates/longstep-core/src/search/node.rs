@@ -2,6 +2,7 @@
 
 use super::bits::Bits;
 use super::formula::Literal;
+use super::numbers::Numbers;
 use super::task::{Operator, Task};
 
 /// A state that a search has reached, with the cheapest known path to it.
@@ -44,42 +45,65 @@ impl SearchNode {
 
 /// Returns the initial state of a task, with the progress that it makes.
 pub(super) fn start(task: &Task) -> Bits {
-    let mut start = Bits::none(task.initial.len());
+    let mut start = Bits::none(task);
     for (fact, holds) in task.initial.iter().enumerate() {
         let fact = fact as u32;
         start.set(Literal { fact, holds: *holds });
+    }
+    for (variable, number) in task.numbers.initial.iter().enumerate() {
+        start.set_number(task, variable as u32, *number);
     }
     record(task, start)
 }
 
 /// Returns the state after an operator, with the progress that it makes.
 pub(super) fn after(task: &Task, state: &Bits, operator: &Operator) -> Bits {
-    record(task, applied(state, operator))
+    record(task, applied(task, state, operator))
 }
 
 /// Applies the operators that record progress, each as soon as it is applicable.
 fn record(task: &Task, mut state: Bits) -> Bits {
     for mark in task.marks() {
         if mark.precondition.holds(&|literal| state.is(literal)) {
-            state = applied(&state, mark);
+            state = applied(task, &state, mark);
         }
     }
     state
 }
 
-fn applied(state: &Bits, operator: &Operator) -> Bits {
+fn applied(task: &Task, state: &Bits, operator: &Operator) -> Bits {
     let mut next = state.clone();
     let fires = |holds: bool| {
-        operator
+        let effects = operator
             .effects
             .iter()
-            .filter(move |effect| effect.literal.holds == holds && effect.condition.holds(&|literal| state.is(literal)))
+            .filter(move |effect| !effect.may && effect.literal.holds == holds);
+        effects.filter(|effect| effect.condition.holds(&|literal| state.is(literal)))
     };
     // As in PDDL, a fact that is both deleted and added holds afterwards.
     for effect in fires(false).chain(fires(true)) {
         next.set(effect.literal);
     }
+    if !operator.numeric.is_empty() {
+        renumber(task, state, operator, &mut next);
+    }
     next
+}
+
+/// Sets the numbers after an operator, and the tests of them.
+fn renumber(task: &Task, state: &Bits, operator: &Operator, next: &mut Bits) {
+    let before = |variable: u32| state.number(task, variable);
+    let Some(after) = Numbers::after(operator, &before, &|literal| state.is(literal)) else {
+        // The precondition excludes this.
+        return;
+    };
+    for (variable, number) in after {
+        next.set_number(task, variable, Some(number));
+    }
+    for test in &task.numbers.tests {
+        let holds = test.test.holds(&|variable: &u32| next.number(task, *variable));
+        next.set(Literal { fact: test.fact, holds });
+    }
 }
 
 /// Returns the state after an operator; none if it equals `state` or breaks a rule that holds in it.

@@ -91,7 +91,7 @@ fn keep_allowed(task: &mut Task) -> bool {
 /// Returns true if the operator makes the literal false whenever it is applied.
 fn breaks(operator: &Operator, literal: Literal) -> bool {
     let mut effects = operator.effects.iter();
-    effects.any(|effect| effect.literal == opposite(literal) && effect.condition.is_true())
+    effects.any(|effect| !effect.may && effect.literal == opposite(literal) && effect.condition.is_true())
         // As in PDDL, a fact that is both deleted and added holds afterwards.
         && !(literal.holds && operator.effects.iter().any(|effect| effect.literal == literal))
 }
@@ -223,6 +223,13 @@ fn simplify(task: &mut Task) {
         operator
             .effects
             .retain(|effect| changes[effect.literal.fact as usize] && !effect.condition.is_false());
+    }
+    for operator in &mut task.operators {
+        operator
+            .numeric
+            .iter_mut()
+            .for_each(|effect| take(&mut effect.condition));
+        operator.numeric.retain(|effect| !effect.condition.is_false());
     }
     task.operators
         .retain(|operator| !operator.precondition.is_false() && !operator.effects.is_empty());
@@ -432,9 +439,10 @@ fn opposite(literal: Literal) -> Literal {
 fn renumber(mut task: Task) -> Task {
     let mut numbers: Vec<Option<u32>> = vec![None; task.initial.len()];
     let mut initial = Vec::new();
+    let facts = &task.initial;
     let mut visit = |literal: Literal| {
         numbers[literal.fact as usize].get_or_insert_with(|| {
-            initial.push(task.initial[literal.fact as usize]);
+            initial.push(facts[literal.fact as usize]);
             (initial.len() - 1) as u32
         });
     };
@@ -447,6 +455,28 @@ fn renumber(mut task: Task) -> Task {
             visit(effect.literal);
         }
     }
+    // The conditions of changes of numbers on which a test depends may refer to further tests.
+    while effort::spend(1) && !task.numbers.tests.is_empty() {
+        let before = initial.len();
+        let needed = task
+            .numbers
+            .needed(&task.operators, &|fact| numbers[fact as usize].is_some());
+        let mut visit = |literal: Literal| {
+            numbers[literal.fact as usize].get_or_insert_with(|| {
+                initial.push(facts[literal.fact as usize]);
+                (initial.len() - 1) as u32
+            });
+        };
+        let effects = task.operators.iter().flat_map(|operator| &operator.numeric);
+        for effect in effects.filter(|effect| needed[effect.variable as usize]) {
+            effect.condition.for_each(&mut visit);
+        }
+        if initial.len() == before {
+            break;
+        }
+    }
+    let fact = |fact: u32| numbers[fact as usize];
+    task.numbers.keep(&mut task.operators, fact);
     let again = |literal: Literal| Literal {
         fact: numbers[literal.fact as usize].unwrap_or_default(),
         holds: literal.holds,
@@ -459,6 +489,9 @@ fn renumber(mut task: Task) -> Task {
         for effect in &mut operator.effects {
             effect.condition.for_each_mut(renumber);
             renumber(&mut effect.literal);
+        }
+        for effect in &mut operator.numeric {
+            effect.condition.for_each_mut(renumber);
         }
     }
     task.initial = initial;

@@ -11,7 +11,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::Wanted;
 use crate::effort;
 use crate::model::{
-    Action, Atom, Bindings, Condition, Domain, EntityId, Moment, PredicateId, Term, TypeId, World, ever_candidates,
+    Action, Atom, Bindings, Condition, Domain, EntityId, FunctionId, Moment, NumberTest, PredicateId, Term, TypeId,
+    World, ever_candidates,
 };
 
 /// Maximum number of ground effects for which the whole world is grounded.
@@ -107,7 +108,9 @@ impl Scope {
                         .map(|(_, kind)| *kind),
                 )
             });
-            choices.saturating_mul(effects.fold(1, u64::saturating_add))
+            let numeric = action.numeric.iter();
+            let numeric = numeric.map(|effect| product(&mut effect.forall.iter().map(|(_, kind)| *kind)));
+            choices.saturating_mul(effects.chain(numeric).fold(1, u64::saturating_add))
         };
         let actions = domain
             .actions
@@ -161,10 +164,16 @@ fn literals(condition: &Condition) -> impl Iterator<Item = (PredicateId, bool)> 
     condition.atoms().map(|(atom, holds)| (atom.predicate, holds))
 }
 
+/// Returns the numeric functions in a condition.
+fn functions(condition: &Condition) -> impl Iterator<Item = FunctionId> {
+    condition.numbers().flat_map(NumberTest::functions)
+}
+
 /// The requirements of a goal: literals by predicate, and the conditions themselves.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Requirements {
     literals: FxHashSet<(PredicateId, bool)>,
+    functions: FxHashSet<FunctionId>,
     conditions: Vec<(Condition, Vec<EntityId>)>,
 }
 
@@ -184,6 +193,7 @@ impl Requirements {
     /// Adds a condition whose first slots are bound.
     fn condition(&mut self, condition: &Condition, bindings: &[EntityId]) {
         self.literals.extend(literals(condition));
+        self.functions.extend(functions(condition));
         self.conditions.push((condition.clone(), bindings.to_vec()));
     }
 
@@ -192,13 +202,31 @@ impl Requirements {
         self.literals.insert((predicate, holds));
     }
 
+    /// Adds a numeric function.
+    pub(crate) fn function(&mut self, function: FunctionId) {
+        self.functions.insert(function);
+    }
+
     /// By action: true if it changes or senses a required literal, directly or for another relevant action.
     fn actions(&self, domain: &Domain) -> Vec<bool> {
         let mut required = self.literals.clone();
+        let mut numbers = self.functions.clone();
         let mut matters = vec![false; domain.actions.len()];
         loop {
-            let before = required.len();
+            let before = required.len() + numbers.len();
             for (action, matters) in domain.actions.iter().zip(&mut matters) {
+                for effect in &action.numeric {
+                    if !numbers.contains(&effect.fluent.function) {
+                        continue;
+                    }
+                    numbers.extend(effect.value.functions());
+                    // A change may be wanted or not, so both values of its condition matter.
+                    required.extend(literals(&effect.condition).flat_map(|(own, _)| [(own, true), (own, false)]));
+                    numbers.extend(functions(&effect.condition));
+                    if !std::mem::replace(matters, true) {
+                        required.extend(literals(&action.precondition));
+                    }
+                }
                 for effect in &action.effects {
                     if !required.contains(&(effect.atom.predicate, effect.adds)) {
                         continue;
@@ -217,6 +245,10 @@ impl Requirements {
                     // Sensing is applicable only while none of its outcomes is known.
                     required.extend(action.senses.iter().map(|atom| (atom.predicate, false)));
                 }
+                if *matters {
+                    numbers.extend(functions(&action.precondition));
+                    numbers.extend(action.effects.iter().flat_map(|effect| functions(&effect.condition)));
+                }
                 // The conditions under which an effect deletes a required literal are relevant too.
                 for effect in action.effects.iter().filter(|_| *matters) {
                     if required.contains(&(effect.atom.predicate, !effect.adds)) {
@@ -224,7 +256,7 @@ impl Requirements {
                     }
                 }
             }
-            if required.len() == before {
+            if required.len() + numbers.len() == before {
                 return matters;
             }
         }
@@ -277,7 +309,7 @@ fn named(world: &World, condition: &Condition, bindings: &mut Bindings, found: &
                 bindings.pop();
             }
         }
-        Condition::Forall(..) | Condition::Atom { .. } | Condition::Equal { .. } => {}
+        Condition::Forall(..) | Condition::Atom { .. } | Condition::Equal { .. } | Condition::Number { .. } => {}
     }
 }
 

@@ -97,6 +97,7 @@ fn set(fact: u32, condition: Formula) -> GroundEffect {
     GroundEffect {
         condition,
         literal: Literal { fact, holds: true },
+        may: false,
     }
 }
 
@@ -113,5 +114,6 @@ fn mark(precondition: Formula, effects: Vec<GroundEffect>) -> Operator {
         outcome: None,
         precondition,
         effects,
+        numeric: Vec::new(),
     }
 }

@@ -6,13 +6,14 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::GroundAction;
 use super::formula::{Formula, Literal};
+use super::numbers::{GroundNumericEffect, NumberGrounder, Numbers};
 use super::scope::{Requirements, Scope};
 use super::stages::StageEvents;
 use super::target::Target;
 use crate::effort;
 use crate::model::{
-    Action, ActionId, Atom, Bindings, Condition, Domain, EntityId, Fact, Moment, Slot, Term, TypeId, Wanted, World,
-    ever_candidates, ground as ground_atom, static_value,
+    Action, ActionId, Arithmetic, Atom, Bindings, Condition, Domain, EntityId, Fact, GroundTest, Moment, NumericEffect,
+    Slot, State, Term, TypeId, Wanted, World, ever_candidates, ground as ground_atom, static_value,
 };
 
 /// Work units for one node of a condition, which is stored and copied into smaller tasks.
@@ -23,6 +24,8 @@ const PART: usize = 16;
 pub(crate) struct GroundEffect {
     pub(crate) condition: Formula,
     pub(crate) literal: Literal,
+    /// True if the effect is never applied: it marks a test of numbers that the operator may change.
+    pub(crate) may: bool,
 }
 
 /// A ground action.
@@ -40,6 +43,7 @@ pub(crate) struct Operator {
     pub(crate) outcome: Option<Fact>,
     pub(crate) precondition: Formula,
     pub(crate) effects: Vec<GroundEffect>,
+    pub(crate) numeric: Vec<GroundNumericEffect>,
 }
 
 /// A planning task.
@@ -52,6 +56,8 @@ pub(crate) struct Task {
     pub(crate) goal: Formula,
     /// The ground `always` rules.
     pub(crate) always: Always,
+    /// The numbers, and the facts that are computed from them.
+    pub(crate) numbers: Numbers,
 }
 
 /// The ground `always` rules: one formula for each binding.
@@ -109,10 +115,11 @@ impl Task {
         let effect = |effect: &GroundEffect| effect.condition.size();
         let operator = |operator: &Operator| {
             let effects: usize = operator.effects.iter().map(effect).sum();
-            operator.precondition.size() + effects
+            operator.precondition.size() + effects + 4 * operator.numeric.len()
         };
         let all: usize = self.operators.iter().map(operator).sum();
-        (all + self.goal.size() + self.always.iter().map(Formula::size).sum::<usize>()) / 8 + 1
+        (all + self.numbers.tests.len() + self.goal.size() + self.always.iter().map(Formula::size).sum::<usize>()) / 8
+            + 1
     }
 }
 
@@ -121,8 +128,27 @@ impl Task {
 pub(crate) struct GroundCondition {
     /// The condition; static facts are replaced by their values.
     pub(crate) formula: Formula,
-    /// The facts, by their numbers in the literals.
-    pub(crate) facts: Vec<Fact>,
+    /// The facts and the requirements on numbers, by their numbers in the literals.
+    pub(crate) facts: Vec<Meaning>,
+}
+
+/// The meaning of a literal of a task.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) enum Meaning {
+    /// A fact of the world.
+    Fact(Fact),
+    /// A requirement on numbers.
+    Test(GroundTest),
+}
+
+impl Meaning {
+    /// Returns the value in a state.
+    pub(crate) fn holds(&self, state: &State) -> bool {
+        match self {
+            Self::Fact(fact) => state.holds(*fact),
+            Self::Test(test) => test.holds(&|fluent| state.number(*fluent)),
+        }
+    }
 }
 
 /// Grounds a condition under `bindings`; static facts and `initially` atoms are replaced by their values.
@@ -137,7 +163,7 @@ pub(crate) fn ground_condition(world: &World, condition: &Condition, bindings: &
 }
 
 /// Grounds one step; returns the operator and the facts by number.
-pub(crate) fn ground_step(world: &World, step: GroundAction) -> (Operator, Vec<Fact>) {
+pub(crate) fn ground_step(world: &World, step: GroundAction) -> (Operator, Vec<Meaning>) {
     let scope = Scope::whole(world, &Requirements::default());
     let mut grounder = Grounder::new(world, &scope);
     let operator = grounder.operator(step);
@@ -176,13 +202,8 @@ fn ground_with(world: &World, scope: &Scope, target: &Target, sensing: bool) -> 
         operators.extend(grounder.sensing());
     }
     operators.extend(marks);
-    let task = Task {
-        initial: grounder.initial,
-        operators,
-        goal,
-        always,
-    };
-    (task, grounder.numbers)
+    let numbers = std::mem::take(&mut grounder.numbers);
+    (grounder.task(operators, goal, always), numbers)
 }
 
 /// Returns the conjuncts of a condition; atoms and equalities with the number of parameters to bind before evaluation.
@@ -194,6 +215,7 @@ fn conjuncts(condition: &Condition) -> Vec<(usize, &Condition)> {
     let all_needed = |part: &Condition| match part {
         Condition::Atom { atom, .. } => atom.terms.iter().map(needed).max().unwrap_or(0),
         Condition::Equal { left, right, .. } => needed(left).max(needed(right)),
+        Condition::Number { test, .. } => test.last_slot().map_or(0, |slot| slot + 1),
         _ => 0,
     };
     condition.conjuncts().map(|part| (all_needed(part), part)).collect()
@@ -205,6 +227,7 @@ pub(crate) struct Grounder<'a> {
     world: &'a World,
     scope: &'a Scope,
     numbers: FxHashMap<Fact, u32>,
+    fluents: NumberGrounder,
     /// The events of the stages after the first one.
     pub(super) events: Vec<StageEvents>,
     /// True while conditions refer to the copies of events in the last stage.
@@ -221,10 +244,30 @@ impl<'a> Grounder<'a> {
             world,
             scope,
             numbers: FxHashMap::default(),
+            fluents: NumberGrounder::default(),
             events: Vec::new(),
             copying: false,
             initial: Vec::new(),
         }
+    }
+
+    /// Returns the task of everything that was grounded.
+    pub(crate) fn task(self, mut operators: Vec<Operator>, goal: Formula, always: Always) -> Task {
+        let state = &self.world.state;
+        let numbers = self.fluents.finish(|fluent| state.number(fluent), &mut operators);
+        Task {
+            initial: self.initial,
+            operators,
+            goal,
+            always,
+            numbers,
+        }
+    }
+
+    /// Marks in the operators the requirements on numbers that they may change.
+    pub(super) fn mark(&self, operators: &mut [Operator]) {
+        let state = &self.world.state;
+        self.fluents.clone().finish(|fluent| state.number(fluent), operators);
     }
 
     /// Grounds the conjunction of all wanted conditions.
@@ -282,6 +325,7 @@ impl<'a> Grounder<'a> {
                 };
                 operators.push(Operator {
                     effects: grounder.effects(action, arguments),
+                    numeric: grounder.numeric(action, arguments),
                     step,
                     is_mark: false,
                     cost: 1,
@@ -331,7 +375,9 @@ impl<'a> Grounder<'a> {
                                 fact: *fact,
                                 holds: true,
                             },
+                            may: false,
                         }],
+                        numeric: Vec::new(),
                     });
                 }
             });
@@ -345,6 +391,7 @@ impl<'a> Grounder<'a> {
         let precondition = self.formula(&action.precondition, &mut step.arguments.clone());
         Operator {
             effects: self.effects(action, &step.arguments),
+            numeric: self.numeric(action, &step.arguments),
             step,
             is_mark: false,
             cost: 1,
@@ -354,10 +401,19 @@ impl<'a> Grounder<'a> {
         }
     }
 
-    /// Returns the facts by number; requires a task without extra facts.
-    pub(super) fn facts(self) -> Vec<Fact> {
-        let mut facts: Vec<(u32, Fact)> = self.numbers.into_iter().map(|(fact, number)| (number, fact)).collect();
-        facts.sort_unstable();
+    /// Returns the meanings of the facts by number; requires a task without extra facts.
+    pub(super) fn facts(self) -> Vec<Meaning> {
+        let facts = self
+            .numbers
+            .into_iter()
+            .map(|(fact, number)| (number, Meaning::Fact(fact)));
+        let tests = self
+            .fluents
+            .tests()
+            .iter()
+            .map(|(test, number)| (*number, Meaning::Test(test.clone())));
+        let mut facts: Vec<(u32, Meaning)> = facts.chain(tests).collect();
+        facts.sort_unstable_by_key(|(number, _)| *number);
         facts.into_iter().map(|(_, fact)| fact).collect()
     }
 
@@ -449,8 +505,63 @@ impl<'a> Grounder<'a> {
                     fact: self.number(ground_atom(atom, bindings)),
                     holds: *holds,
                 }),
+                (None, Condition::Number { test, .. }) => self.test(test.ground(self.world, bindings)),
                 (value, _) => constant(value == Some(true)),
             },
+        }
+    }
+
+    /// Returns the formula for a requirement on numbers.
+    fn test(&mut self, test: GroundTest) -> Formula {
+        let known = |test: &GroundTest| test.expressions().all(|own| matches!(own, Arithmetic::Constant(_)));
+        if known(&test) {
+            return constant(test.holds(&|_| None));
+        }
+        let (initial, state) = (&mut self.initial, &self.world.state);
+        Formula::Literal(self.fluents.literal(test, |test| {
+            initial.push(test.holds(&|fluent| state.number(*fluent)));
+            (initial.len() - 1) as u32
+        }))
+    }
+
+    /// Grounds the effects of an action on numbers.
+    fn numeric(&mut self, action: &Action, arguments: &[EntityId]) -> Vec<GroundNumericEffect> {
+        let mut effects = Vec::new();
+        for effect in &action.numeric {
+            self.numeric_effect(effect, 0, &mut arguments.to_vec(), &mut effects);
+        }
+        // An assignment comes before others; equal assignments count once, equal increases each for itself.
+        effects.sort();
+        effects
+    }
+
+    fn numeric_effect(
+        &mut self,
+        effect: &NumericEffect,
+        depth: usize,
+        bindings: &mut Bindings,
+        effects: &mut Vec<GroundNumericEffect>,
+    ) {
+        let Some((slot, kind)) = effect.forall.get(depth) else {
+            let condition = self.formula(&effect.condition, bindings);
+            if !condition.is_false() && effort::spend(effort::KEPT) {
+                let value = effect.value.ground(self.world, bindings);
+                effects.push(GroundNumericEffect {
+                    condition,
+                    variable: self.fluents.of_fluent(effect.fluent.ground(bindings)),
+                    kind: effect.kind,
+                    value: self.fluents.expression(&value),
+                });
+            }
+            return;
+        };
+        for entity in self.things((*slot, *kind), &effect.condition, true, bindings).as_ref() {
+            if !effort::spend(1) {
+                return;
+            }
+            bindings.push(*entity);
+            self.numeric_effect(effect, depth + 1, bindings, effects);
+            bindings.pop();
         }
     }
 
@@ -540,6 +651,7 @@ impl<'a> Grounder<'a> {
                         fact,
                         holds: effect.adds,
                     },
+                    may: false,
                 });
             }
             return;

@@ -4,11 +4,12 @@
 //! again without some of its requirements, and follows a goal that cannot be reached back to a fact that no action
 //! brings about.
 
-use super::task::{Grounder, Operator};
+use super::task::{Grounder, Meaning, Operator};
 use super::{Formula, Limits, Literal, Outcome, Requirements, Scope, relevance, solve};
 use crate::effort;
 use crate::model::{
-    Bindings, Condition, EntityId, Fact, Moment, Prohibition, Wanted, World, ground, holds, static_value, unify,
+    Bindings, Condition, EntityId, Fact, GroundTest, Moment, Prohibition, Wanted, World, ground, holds, static_value,
+    unify,
 };
 use crate::verify::Purpose;
 
@@ -33,6 +34,8 @@ pub struct WhyNot {
     pub together: bool,
     /// A fact that a goal needs, and that no action can bring about; with `false` for a fact that must not hold.
     pub missing: Option<(Fact, bool)>,
+    /// A requirement on numbers that a goal needs, and that no action can bring about.
+    pub missing_number: Option<GroundTest>,
 }
 
 /// Finds the reasons why there is no plan for a purpose that [`solve`] has proven unsolvable.
@@ -99,7 +102,11 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
         .filter(|index| !is_solved(world, &alone(&conditions[*index])))
         .collect();
     why.together = count > 1 && why.goals.is_empty();
-    why.missing = why.goals.first().and_then(|index| missing(world, &conditions[*index]));
+    match why.goals.first().and_then(|index| missing(world, &conditions[*index])) {
+        Some(Lack::Fact(fact, holds)) => why.missing = Some((fact, holds)),
+        Some(Lack::Number(test)) => why.missing_number = Some(test),
+        None => {}
+    }
     if effort::is_exhausted() { WhyNot::default() } else { why }
 }
 
@@ -114,19 +121,27 @@ fn conditions(purpose: &Purpose) -> Vec<Wanted> {
     }
 }
 
-/// Returns a fact that the condition needs and that nothing brings about, following the conditions of actions back.
-fn missing(world: &World, wanted: &Wanted) -> Option<(Fact, bool)> {
+/// A fact or a number that nothing brings about.
+enum Lack {
+    Fact(Fact, bool),
+    Number(GroundTest),
+}
+
+/// Returns what the condition needs and nothing brings about, following the conditions of actions back.
+fn missing(world: &World, wanted: &Wanted) -> Option<Lack> {
     let scope = Scope::whole(world, &Requirements::of(world, [wanted]));
     if !scope.is_bearable(world) {
         return None;
     }
     let mut grounder = Grounder::new(world, &scope);
     let goal = grounder.goal(std::slice::from_ref(wanted));
-    let operators = grounder.operators(&wanted.bindings.iter().copied().collect());
+    let mut operators = grounder.operators(&wanted.bindings.iter().copied().collect());
+    grounder.mark(&mut operators);
     let initial = grounder.initial.clone();
     let facts = grounder.facts();
     if goal.is_false() {
-        return denied(world, &wanted.condition, &mut wanted.bindings.clone());
+        let denied = denied(world, &wanted.condition, &mut wanted.bindings.clone());
+        return denied.map(|(fact, holds)| Lack::Fact(fact, holds));
     }
     let reached = relevance::reached(&initial, &operators);
     let mut open = lacking(&goal, &reached);
@@ -152,11 +167,15 @@ fn missing(world: &World, wanted: &Wanted) -> Option<(Fact, bool)> {
         }
     }
     let literal = last?;
-    let fact = facts[literal.fact as usize];
-    Some(match literal.holds {
+    let fact = match &facts[literal.fact as usize] {
+        Meaning::Fact(fact) => *fact,
+        Meaning::Test(test) => return Some(Lack::Number(test.clone())),
+    };
+    let (fact, holds) = match literal.holds {
         true => prevented(world, fact).unwrap_or((fact, true)),
         false => (fact, false),
-    })
+    };
+    Some(Lack::Fact(fact, holds))
 }
 
 /// Returns the fewest literals of a condition that are not reached.

@@ -444,7 +444,7 @@ impl Binder<'_> {
             let arguments = self.deepest.get(depth).cloned().or_else(|| {
                 let lacking = |arguments: &&Vec<EntityId>| {
                     let missing = self.lacks(depth, &state, arguments);
-                    let impossible = missing.iter().any(|m| m.fact.is_none());
+                    let impossible = missing.iter().any(Missing::is_impossible);
                     let broken = self.advance(&mut state.clone(), &way, arguments);
                     (impossible, broken, missing.len())
                 };

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use super::Violation;
 use super::walk::{STATES, Walk, Way};
 use crate::effort;
-use crate::model::EntityId;
+use crate::model::{EntityId, Fluent, Number, State};
 use crate::plan::{Lane, LaneItem, StepId};
 
 impl Walk<'_> {
@@ -120,15 +120,36 @@ impl Walk<'_> {
         let last = |way: &Way| self.history.back(way.here).next().map(|(step, _)| step.index());
         let differs = |one: &Way, other: &Way| one.state.iter().find(|fact| !other.state.holds(*fact));
         let fact = differs(&one, &other).or_else(|| differs(&other, &one));
-        if let (Some(step), Some(second), Some(fact)) = (last(&one), last(&other), fact) {
+        let (Some(step), Some(second)) = (last(&one), last(&other)) else {
+            return;
+        };
+        let (first, second) = (step.min(second), step.max(second));
+        if let Some(fluent) = different_number(&one.state, &other.state).filter(|_| fact.is_none()) {
+            let violation = Violation::NumberRace {
+                step: first,
+                other: second,
+                fluent,
+            };
+            return self.wrong(violation, self.when(&one));
+        }
+        if let Some(fact) = fact {
             let violation = Violation::Race {
-                step: step.min(second),
-                other: step.max(second),
+                step: first,
+                other: second,
                 fact,
             };
             self.wrong(violation, self.when(&one));
         }
     }
+}
+
+/// Returns the first fluent with different numbers in two states.
+fn different_number(one: &State, other: &State) -> Option<Fluent> {
+    let differs = |one: &State, other: &State| {
+        let differs = |(fluent, number): &&(Fluent, Number)| other.number(*fluent) != Some(*number);
+        one.numbers().iter().find(differs).map(|(fluent, _)| *fluent)
+    };
+    differs(one, other).or_else(|| differs(other, one))
 }
 
 /// Returns the lanes that can go on from these positions: each lane with a step alone, lanes that meet at a

@@ -59,5 +59,5 @@ impl LoopStates {
 
 /// Returns the work units for storing a state: the part that is not shared with the initial state.
 pub(super) fn kept_units(state: &ChangedLists) -> usize {
-    state.iter().map(|(_, facts)| 2 * facts.len() + 1).sum()
+    state.units()
 }

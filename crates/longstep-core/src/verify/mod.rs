@@ -35,7 +35,8 @@ use std::borrow::Cow;
 use crate::effort;
 use crate::environment::Claim;
 use crate::model::{
-    ActionId, Domain, EntityId, Fact, Moment, Prohibition, State, Wanted, World, differences, holds, subject_of,
+    ActionId, Domain, EntityId, Fact, Fluent, Moment, Number, Prohibition, State, Wanted, World, differences, holds,
+    subject_of,
 };
 use crate::plan::{Plan, Step};
 use walk::{Walk, Way};
@@ -213,7 +214,11 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
     let ends = walk.run();
     let claimed = purpose.claim.as_ref();
     let binding = claimed.map_or_else(Vec::new, |claim| binding_claims(world, &plan, claim));
-    let kept = |way: &Way| binding.iter().all(|fact| way.state.holds(*fact));
+    let numbers = claimed.map_or_else(Vec::new, |claim| claim.promised_numbers(world));
+    let differs = |way: &Way, (fluent, number): (Fluent, Number)| way.state.number(fluent) != Some(number);
+    let kept = |way: &Way| {
+        binding.iter().all(|fact| way.state.holds(*fact)) && !numbers.iter().any(|number| differs(way, *number))
+    };
     let as_claimed = claimed.and_then(|_| ends.iter().position(kept));
     let endings = walk.each(ends, |walk, mut way| {
         end(walk, &way, purpose);
@@ -222,6 +227,14 @@ fn simulated(world: &World, plan: Plan, purpose: &Purpose) -> Report {
         if as_claimed.is_none() {
             for fact in binding.iter().filter(|fact| !way.state.holds(**fact)) {
                 walk.wrong(Violation::Claim { fact: *fact }, when.clone());
+            }
+            for (fluent, claimed) in numbers.iter().filter(|number| differs(&way, **number)) {
+                let violation = Violation::NumberClaim {
+                    fluent: *fluent,
+                    claimed: *claimed,
+                    simulated: way.state.number(*fluent),
+                };
+                walk.wrong(violation, when.clone());
             }
         }
         vec![Ending {

@@ -315,12 +315,8 @@ impl<'a> Walk<'a> {
             let order = &self.order;
             order.step(self.world, &before, action, &mut self.bindings, &mut way.state);
         }
-        let changed = self
-            .history
-            .back(way.here)
-            .next()
-            .is_some_and(|(_, changes)| !changes.is_empty());
-        if !changed && !action.effects.is_empty() {
+        let has_effects = !action.effects.is_empty() || !action.numeric.is_empty();
+        if !self.history.has_changed(way.here) && has_effects {
             self.odd(Violation::NoEffect { step: id.index() }, self.when(way));
         }
         for violation in claims::broken(self.claims, id.index(), &way.state) {
@@ -374,7 +370,7 @@ impl<'a> Walk<'a> {
             let mut way = way.clone();
             way.here = self.history.add(id, before, |changes| {
                 way.state.set(*fact, true);
-                changes.push(super::Change {
+                changes.facts.push(super::Change {
                     fact: *fact,
                     holds: true,
                 });

@@ -3,7 +3,7 @@
 use minijinja::{Value, context};
 
 use super::forms::{acts, has_trees, senses};
-use crate::model::{Action, Condition, Domain, RuleTime, Slot, Term, TypeId};
+use crate::model::{Action, Condition, Domain, NumberTest, NumericExpression, RuleTime, Slot, Term, TypeId};
 
 /// Builds the variables of a template:
 ///
@@ -140,10 +140,18 @@ fn action_context(domain: &Domain, action: &Action) -> Value {
 
 /// Splits a condition into short sentences that must all hold. `names` are the names of the variables, by slot.
 fn needs(domain: &Domain, condition: &Condition, names: &[String]) -> Vec<String> {
-    condition
-        .conjuncts()
-        .map(|part| sentence(domain, part, names))
-        .collect()
+    // That the numbers of an effect are known goes without saying.
+    let is_implied = |part: &&Condition| part.numbers().any(|test| matches!(test, NumberTest::Known(..)));
+    let parts = condition.conjuncts().filter(|part| !is_implied(part));
+    parts.map(|part| sentence(domain, part, names)).collect()
+}
+
+/// Writes a numeric expression.
+fn number(domain: &Domain, expression: &NumericExpression, names: &[String]) -> String {
+    expression.written(&|own| {
+        let says = &domain.function(own.function).says;
+        says.fill(|place| called(domain, own.terms[place], names))
+    })
 }
 
 fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String {
@@ -181,6 +189,18 @@ fn sentence(domain: &Domain, condition: &Condition, names: &[String]) -> String 
             let (left, right) = (called(domain, *left, names), called(domain, *right, names));
             let relation = if *holds { "is" } else { "is not" };
             format!("{left} {relation} {right}")
+        }
+        Condition::Number { test, initially } => {
+            let sentence = match test {
+                NumberTest::Compare(left, comparison, right) => {
+                    let (left, right) = (number(domain, left, names), number(domain, right, names));
+                    format!("{left} {comparison} {right}")
+                }
+                NumberTest::Known(expression, true) => format!("{} is known", number(domain, expression, names)),
+                NumberTest::Known(expression, false) => format!("{} is not known", number(domain, expression, names)),
+            };
+            let when = if *initially { " at the start" } else { "" };
+            format!("{sentence}{when}")
         }
     }
 }

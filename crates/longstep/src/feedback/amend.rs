@@ -2,7 +2,7 @@
 
 use super::apply::{Applied, apply, completed, reopened};
 use super::{Obstacle, StepWish};
-use crate::environment::{State, World, fact_text};
+use crate::environment::{State, World};
 use crate::goal::GoalFact;
 use crate::plan::{Plan, Resolved, Step};
 use crate::repair::{Edit, RepairOutcome, repair_pinned};
@@ -197,9 +197,6 @@ fn wanted_text(world: &World, wanted: &Wanted, state: &State) -> String {
         return fact.sentence(world);
     }
     let missing = unmet(world, state, &wanted.condition, &mut wanted.bindings.clone());
-    let facts: Vec<String> = missing
-        .iter()
-        .filter_map(|missing| Some(fact_text(world, missing.fact?, missing.holds)))
-        .collect();
+    let facts: Vec<String> = missing.iter().filter_map(|missing| missing.text(world)).collect();
     facts.join(", and ")
 }

@@ -47,6 +47,7 @@ fn for_each_condition(domain: &Domain, visit: &mut impl FnMut(&Condition)) {
     for action in &domain.actions {
         visit(&action.precondition);
         action.effects.iter().for_each(|effect| visit(&effect.condition));
+        action.numeric.iter().for_each(|effect| visit(&effect.condition));
     }
     for word in &domain.goal_words {
         visit(&word.condition);
@@ -128,7 +129,8 @@ fn effects(domain: &Domain, reads: &Reads, places: &Places<'_>, action: &Action,
 fn is_useless(reads: &Reads, action: &Action) -> bool {
     let changed = action.effects.iter().map(|effect| effect.atom.predicate);
     let sensed = action.senses.iter().map(|atom| atom.predicate);
-    changed.chain(sensed).all(|predicate| reads.nothing_reads(predicate))
+    // A number is in the environment after a plan, where a person sees it.
+    action.numeric.is_empty() && changed.chain(sensed).all(|predicate| reads.nothing_reads(predicate))
 }
 
 fn let_it_be_read(name: &str, otherwise: &str) -> String {

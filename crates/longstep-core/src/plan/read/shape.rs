@@ -93,13 +93,14 @@ const COHESION_KEYS: [&str; 5] = [
     "object_name",
     "object_names",
 ];
-const ENVIRONMENT_KEYS: [&str; 10] = [
+const ENVIRONMENT_KEYS: [&str; 11] = [
     "assets",
     "asset_states",
     "objects",
     "object_states",
     "asset_properties",
     "object_properties",
+    "facts",
     "names",
     "types",
     "speaker",
@@ -261,6 +262,7 @@ impl Shape<'_, '_> {
                 .unwrap_or_default(),
             asset_properties: self.field(&fields, "asset_properties", Self::all_words)?,
             object_properties: self.field(&fields, "object_properties", Self::all_words)?,
+            facts: self.field(&fields, "facts", Self::texts)?,
             names: self.field(&fields, "names", |shape, node, path| shape.map(node, path, Self::text))?,
             types: self.field(&fields, "types", |shape, node, path| shape.map(node, path, Self::text))?,
             speaker: self.field(&fields, "speaker", Self::text)?,

@@ -329,7 +329,7 @@ impl<'a> Search<'a> {
                     return;
                 }
                 let number = nodes.all.len() as u32;
-                effort::spend(Bits::units(self.task.initial.len()));
+                effort::spend(Bits::units(self.task));
                 nodes.numbers.insert(state.clone(), number);
                 nodes.all.push(SearchNode::new(state, parent, depth, estimate));
                 number
