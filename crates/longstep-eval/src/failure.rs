@@ -181,6 +181,7 @@ fn word(fact: &GoalFact) -> (u8, usize) {
         GoalFact::Word { word, .. } => (0, word.index()),
         GoalFact::Plain(fact) => (1, fact.predicate().index()),
         GoalFact::If(_) => (2, 0),
-        GoalFact::Choice(_) => (3, 0),
+        GoalFact::Number(number) => (3, number.fluent.function().index()),
+        GoalFact::Choice(_) => (4, 0),
     }
 }

@@ -75,6 +75,9 @@ impl Claim {
         }
         claim.numbers.sort_unstable();
         claim.numbers.dedup();
+        for (fluent, number) in &claim.numbers {
+            claim.state.set_number(*fluent, *number);
+        }
         for default in &domain.defaults {
             for entity in claim.mentioned.iter().copied() {
                 let mut bindings: Bindings = vec![entity];

@@ -2,7 +2,7 @@
 
 use super::conditional::{IF, THEN, split_once};
 use super::expansion::{self, Expansion};
-use super::{Conditional, Goal, GoalFact, Group, WrittenConditional};
+use super::{Conditional, Goal, GoalFact, Group, NumberGoal, WrittenConditional};
 use crate::call::{Call, find_unquoted, unquoted};
 use crate::diagnostic::nearest;
 use crate::model::{
@@ -171,6 +171,16 @@ pub enum GoalError {
     CountOfSteps {
         /// The part of the goal.
         part: String,
+    },
+    /// A side of a comparison that is no number of the domain.
+    #[error("`{text}` in `{part}` should be {expected}")]
+    NotANumber {
+        /// The part of the goal.
+        part: String,
+        /// The side of the comparison.
+        text: String,
+        /// The expected notation.
+        expected: String,
     },
     /// An entity of the wrong type.
     #[error("`{name}` in `{part}` is no {expected}")]
@@ -404,6 +414,9 @@ fn bare(world: &World, part: &str, call: &Call) -> Result<Option<Fact>, GoalErro
 
 pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
     let domain = world.domain();
+    if let Some(comparison) = NumberGoal::read(world, part)? {
+        return Ok(comparison.into());
+    }
     let mut error = None;
     for (index, word) in domain.goal_words.iter().enumerate() {
         let Some(names) = read_form(word, part) else { continue };

@@ -4,6 +4,9 @@
 //! checks a plan against [`Goal::purpose`].
 
 mod choice;
+mod comparison;
+#[cfg(test)]
+mod comparison_tests;
 mod conditional;
 mod constraint;
 mod expansion;
@@ -17,6 +20,7 @@ mod stages;
 mod tests;
 
 pub use choice::Choice;
+pub use comparison::{NumberGoal, Operand};
 pub use conditional::Conditional;
 pub use conditional::{AND, ELSE, IF, NOT, THEN, WrittenConditional};
 pub use constraint::{ALWAYS, Constraint, NEVER};
@@ -43,6 +47,8 @@ pub enum GoalFact {
     },
     /// A fact, written with a state word of the environment.
     Plain(Fact),
+    /// A comparison of numbers.
+    Number(NumberGoal),
     /// Goals that depend on the outcome of sensing.
     If(Conditional),
     /// A goal for some members of a group.
@@ -100,6 +106,7 @@ impl GoalFact {
                 domain.goal_word(*word).form.iter().map(piece).collect()
             }
             Self::Plain(fact) => written_fact(domain, *fact, name),
+            Self::Number(comparison) => comparison.written(domain, name),
             Self::If(conditional) => conditional.written(domain, name),
             Self::Choice(choice) => choice.written(domain, name),
         }
@@ -162,6 +169,7 @@ impl GoalFact {
                 let says = &domain.words(fact.predicate()).says;
                 says.fill(|place| name(fact.argument(place)))
             }
+            Self::Number(comparison) => comparison.sentence(voice, world),
             Self::If(conditional) => conditional.sentence(voice, world),
             Self::Choice(choice) => choice.sentence(voice, world),
         }
@@ -182,6 +190,7 @@ impl GoalFact {
                 let arguments = domain.arguments(*fact).map(there).collect::<Option<Vec<_>>>()?;
                 Self::Plain(Fact::new(fact.predicate(), arguments))
             }
+            Self::Number(comparison) => Self::Number(comparison.carried(domain, there)?),
             Self::If(conditional) => Self::If(conditional.carried(domain, from, to)?),
             Self::Choice(choice) => Self::Choice(choice.carried(domain, from, to)?),
         })
@@ -193,6 +202,7 @@ impl GoalFact {
         match self {
             Self::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
             Self::Plain(fact) => domain.arguments(*fact).next(),
+            Self::Number(comparison) => domain.arguments_of(comparison.fluent).next(),
             Self::If(conditional) => domain.arguments(conditional.condition).next(),
             Self::Choice(choice) => choice.subject(domain),
         }
@@ -203,6 +213,7 @@ impl GoalFact {
         match self {
             Self::Word { arguments, .. } => arguments.clone(),
             Self::Plain(fact) => domain.arguments(*fact).collect(),
+            Self::Number(comparison) => comparison.about(domain),
             Self::If(conditional) => {
                 let condition = domain.arguments(conditional.condition);
                 let parts = self.parts();
@@ -222,6 +233,7 @@ impl GoalFact {
                 bindings: arguments.clone(),
             },
             Self::Plain(fact) => Wanted::of_fact(domain, *fact),
+            Self::Number(comparison) => comparison.wanted(domain),
             Self::If(conditional) => conditional.wanted(domain, all),
             Self::Choice(choice) => choice.wanted(domain),
         }
@@ -409,6 +421,7 @@ impl Goal {
         let is_sensed = |fact: &GoalFact| match fact {
             GoalFact::If(_) | GoalFact::Choice(_) => false,
             GoalFact::Plain(fact) => domain.is_sensed(fact.predicate()),
+            GoalFact::Number(_) => false,
             GoalFact::Word { word, .. } => {
                 let mut atoms = domain.goal_word(*word).condition.atoms();
                 atoms.any(|(atom, _)| domain.is_sensed(atom.predicate))

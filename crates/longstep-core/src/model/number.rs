@@ -85,6 +85,13 @@ fn rounded(dividend: i128, divisor: i128) -> Option<Number> {
     i64::try_from(signed).ok().and_then(Number::of_millionths)
 }
 
+impl Number {
+    /// Returns the nearest floating-point number, for formats that have no decimals.
+    pub fn approximate(self) -> f64 {
+        self.0 as f64 / Self::ONE as f64
+    }
+}
+
 impl From<i32> for Number {
     fn from(whole: i32) -> Self {
         Self(i64::from(whole) * Self::ONE)

@@ -8,8 +8,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::domain::pddl::{Dialect, Reader, Semantics};
 use crate::domain::sexpr::{self, Expression};
 use crate::model::{
-    Arithmetic, Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, Function, Number, Predicate,
-    PredicateId, State, Words, World,
+    Arithmetic, Domain, ENTITY_LIMIT, Entity, EntityId, Environment, Fact, Function, Number, Predicate, PredicateId,
+    State, Words, World,
 };
 use crate::search::Wanted;
 use crate::verify::Purpose;

@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use rustc_hash::FxHashMap;
 
 use super::bits::Bits;
+use super::cost::{self, Costs};
 use super::dominance::Dominance;
 use super::greedy::{Lazy, Rank};
 use super::improve::{self, improve};
@@ -64,6 +65,7 @@ impl Straight {
             } => Outcome::Solved {
                 worst: steps.len() as u32,
                 at_least,
+                cost: cost::total(world, &steps),
                 plan: steps
                     .into_iter()
                     .map(|step| Step::explained(world, step.action, step.arguments))
@@ -74,6 +76,14 @@ impl Straight {
             Self::ProvenUnsolvable { expanded } => Outcome::ProvenUnsolvable { when: None, expanded },
             Self::GaveUp { why, expanded } => Outcome::GaveUp { why, expanded },
         }
+    }
+
+    /// Returns the result for a task with these costs: a plan that is too long for them is not proven cheapest.
+    pub(super) fn priced(mut self, costs: Costs) -> Self {
+        if let Self::Solved { steps, shortest, .. } = &mut self {
+            *shortest &= steps.len() < costs.steps;
+        }
+        self
     }
 
     /// Returns the number of expanded states.

@@ -4,12 +4,17 @@
 //! conditional effects as in Röger, Pommerening and Helmert (2014): the cost of a cut is deducted from the whole
 //! action, whichever of its effects are in the cut, so the bound stays admissible.
 
+use std::collections::BTreeMap;
+
 use super::relaxed::{NONE, Relaxed};
 use super::task::Task;
 use crate::effort;
 
 /// Number of propositions and rules that are processed for one work unit.
 const LOOKS: usize = 8;
+
+/// Costs below this have a bucket each; higher ones occur in domains with costs of their own.
+const DENSE: u32 = 4_096;
 
 /// Value of an unreachable proposition.
 const UNREACHED: u32 = u32::MAX;
@@ -31,8 +36,10 @@ pub(super) struct LandmarkCut {
     supporter: Vec<u32>,
     /// By rule: value of its supporter.
     reached_at: Vec<u32>,
-    /// Priority queue: a bucket of propositions for each cost, which is a small integer.
+    /// Priority queue: a bucket of propositions for each cost below [`DENSE`].
     buckets: Vec<Vec<u32>>,
+    /// The buckets of higher costs.
+    sparse: BTreeMap<u32, Vec<u32>>,
     /// By proposition: the last round in which it was in the goal zone, or reached outside of it.
     near_goal: Vec<u32>,
     reached: Vec<u32>,
@@ -68,6 +75,7 @@ impl LandmarkCut {
             supporter: vec![NONE; rules],
             reached_at: vec![0; rules],
             buckets: Vec::new(),
+            sparse: BTreeMap::new(),
             near_goal: vec![0; propositions],
             reached: vec![0; propositions],
             round: 0,
@@ -204,6 +212,19 @@ impl LandmarkCut {
                 None => *distance += 1,
             }
         }
+        while let Some(mut bucket) = self.sparse.first_entry() {
+            let cost = *bucket.key();
+            match bucket.get_mut().pop() {
+                Some(proposition) if self.value[proposition as usize] == cost => {
+                    *distance = cost as usize;
+                    return Some(proposition);
+                }
+                Some(_) => {}
+                None => {
+                    bucket.remove();
+                }
+            }
+        }
         None
     }
 
@@ -219,6 +240,9 @@ impl LandmarkCut {
     fn improve(&mut self, proposition: u32, value: u32) {
         if value < self.value[proposition as usize] {
             self.value[proposition as usize] = value;
+            if value >= DENSE {
+                return self.sparse.entry(value).or_default().push(proposition);
+            }
             if self.buckets.len() <= value as usize {
                 self.buckets.resize(value as usize + 1, Vec::new());
             }

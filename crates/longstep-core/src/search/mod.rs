@@ -8,6 +8,7 @@ mod additive;
 mod applicable;
 mod bits;
 mod contingent;
+mod cost;
 mod dominance;
 mod formula;
 mod forward;
@@ -17,6 +18,8 @@ mod landmark_cut;
 mod limits;
 mod node;
 mod numbers;
+#[cfg(test)]
+mod numbers_tests;
 mod outcome;
 mod relaxed;
 mod relevance;
@@ -135,8 +138,17 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
         if effort::is_exhausted() {
             break;
         }
-        let task = relevance::reduce(task::ground(world, &scope, target));
-        let outcome = forward::search(&task, limits);
+        let mut task = relevance::reduce(task::ground(world, &scope, target));
+        let costs = match cost::price(world, &mut task) {
+            Ok(costs) => costs,
+            Err(why) => {
+                return Straight::GaveUp {
+                    why,
+                    expanded: looked_at,
+                };
+            }
+        };
+        let outcome = forward::search(&task, limits).priced(costs);
         match outcome {
             outcome if scope.whole => return outcome,
             Straight::Solved { steps, expanded, .. } if reaches(world, &steps, &target.wanted) => {

@@ -1,6 +1,6 @@
 //! Result of a search.
 
-use crate::model::Fact;
+use crate::model::{Fact, Number};
 use crate::plan::Plan;
 
 /// Result of a search.
@@ -12,7 +12,10 @@ pub enum Outcome {
         plan: Plan,
         /// Number of steps in the worst case, with one iteration of each loop.
         worst: u32,
-        /// True if it is proven that no plan has a better worst case.
+        /// Cost of the steps in the worst case, with one iteration of each loop; none in a domain without costs.
+        cost: Option<Number>,
+        /// True if it is proven that no plan has a better worst case: in a domain with costs a lower cost, in others fewer
+        /// steps.
         shortest: bool,
         /// Proven lower bound on the worst case of all plans; 0 if none is known.
         at_least: u32,

@@ -38,7 +38,7 @@ use crate::model::{
     ActionId, Domain, EntityId, Fact, Fluent, Moment, Number, Prohibition, State, Wanted, World, differences, holds,
     subject_of,
 };
-use crate::plan::{Plan, Step};
+use crate::plan::{Plan, Step, StepId};
 use walk::{Walk, Way};
 
 /// A condition to achieve in a stage of a plan.
@@ -162,6 +162,27 @@ impl Report {
     /// The ending that fulfills the claim, or the first one if none does.
     pub fn claimed_ending(&self) -> &Ending {
         &self.endings[self.claimed.unwrap_or(0)]
+    }
+
+    /// Returns the cost of the steps on the dearest path; none in a domain without costs, or if the cost is not known.
+    pub fn cost(&self) -> Option<Number> {
+        let domain = self.world.domain();
+        if !domain.has_costs() {
+            return None;
+        }
+        let of_step = |step: StepId| {
+            let Step { action, arguments, .. } = self.plan.step(step);
+            match &domain.action(*action).cost {
+                Some(cost) => cost.value(&self.world.state, arguments),
+                None => Some(Number::ZERO),
+            }
+        };
+        let of_ending = |ending: &Ending| {
+            let mut steps = ending.trace.steps();
+            steps.try_fold(Number::ZERO, |sum, (step, _)| sum.plus(of_step(step)?))
+        };
+        let costs = self.endings.iter().map(of_ending);
+        costs.collect::<Option<Vec<Number>>>()?.into_iter().max()
     }
 
     /// Converts the report to a verified plan if there are no violations.

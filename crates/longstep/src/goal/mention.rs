@@ -386,7 +386,7 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
     let meant = &spoken.entities;
     let subject = |fact: &GoalFact| match fact {
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
-        GoalFact::Plain(_) | GoalFact::If(_) | GoalFact::Choice(_) => None,
+        GoalFact::Plain(_) | GoalFact::Number(_) | GoalFact::If(_) | GoalFact::Choice(_) => None,
     };
     let is_meant = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
     // A type of the domain is no word of the instruction.

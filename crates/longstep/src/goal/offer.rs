@@ -482,7 +482,7 @@ fn disturbs(domain: &Domain, fact: &GoalFact, entity: EntityId) -> bool {
             .disturbs
             .iter()
             .any(|parameter| arguments[*parameter] == entity),
-        GoalFact::Plain(_) => false,
+        GoalFact::Plain(_) | GoalFact::Number(_) => false,
         GoalFact::If(_) => fact.parts().into_iter().any(|part| disturbs(domain, part, entity)),
         GoalFact::Choice(choice) => choice.alternatives().any(|part| disturbs(domain, part, entity)),
     }

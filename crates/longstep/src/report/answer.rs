@@ -2,7 +2,7 @@
 //!
 //! These types define the wire format, so the other types of the library can change freely.
 
-use longstep_core::model::entries_of;
+use longstep_core::model::{Number, entries_of, entry_of_number};
 use serde::Serialize;
 
 use crate::environment::{self, Claim, Environment, State, Voice, World};
@@ -70,6 +70,9 @@ pub struct Answer {
     /// The goals that left a choice, with what the plan chose.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<ChoiceAnswer>,
+    /// The cost of the steps on the dearest path; absent in a domain without costs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cost: Option<f64>,
     /// The edits of a repair, in plan order.
     pub edits: Vec<EditAnswer>,
     /// The violations of the plan.
@@ -290,6 +293,7 @@ impl Answer {
             goal: Vec::new(),
             groups: Vec::new(),
             choices: Vec::new(),
+            cost: None,
             edits: Vec::new(),
             violations: Vec::new(),
             claims: Claims::default(),
@@ -328,11 +332,15 @@ impl Answer {
         answer.violations = violations
             .map(|v| ViolationAnswer::of(world, v, &calls, report.plan.steps(), goal))
             .collect();
+        answer.cost = report.cost().map(Number::approximate);
         answer.assumptions = report.assumptions.iter().map(|a| a.message(world)).collect();
         let odd = report.warnings.iter();
         answer.notes = odd
             .map(|warning| warning.message(world, report.plan.steps(), goal))
             .collect();
+        answer
+            .notes
+            .extend(report.cost().map(|cost| format!("the plan costs {cost}")));
         if let Some(goal) = goal {
             answer.set_goal(world, goal);
             let choices = goal.choices().map(|choice| {
@@ -466,8 +474,24 @@ fn words_by_entity(world: &World, state: &State) -> Vec<Vec<String>> {
             all[subject.index()].push(text);
         }
     }
+    for (fluent, number) in state.numbers() {
+        if let (Some(subject), text) = entry_of_number(world, *fluent, *number) {
+            all[subject.index()].push(text);
+        }
+    }
     all.iter_mut().for_each(|words| words.sort());
     all
+}
+
+/// Returns the statements without a subject that differ.
+fn facts(before: &Environment, after: &Environment) -> Changed {
+    let given = |environment: &Environment| environment.facts.clone().unwrap_or_default();
+    let only = |these: &[String], others: &[String]| -> String {
+        let own: Vec<String> = these.iter().filter(|own| !others.contains(own)).cloned().collect();
+        own.join(", ")
+    };
+    let (was, is) = (given(before), given(after));
+    ("facts".to_owned(), only(&was, &is), only(&is, &was))
 }
 
 /// A changed entity: its identifier, and its states before and after.
@@ -484,6 +508,7 @@ pub fn changes(before: &Environment, after: &Environment) -> Vec<Changed> {
     };
     let all = before.objects.iter().chain(&before.assets);
     all.map(|identifier| (identifier.clone(), entry(before, identifier), entry(after, identifier)))
+        .chain([facts(before, after)])
         .filter(|(_, was, is)| was != is)
         .collect()
 }

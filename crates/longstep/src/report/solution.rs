@@ -68,7 +68,12 @@ pub fn of_purpose(
                 states: expanded,
             });
             if !shortest {
-                answer.notes.push(not_proven(worst, at_least, expanded));
+                let note = if world.domain().has_costs() {
+                    "a cheaper plan may exist: the search for it was cut short".to_owned()
+                } else {
+                    not_proven(worst, at_least, expanded)
+                };
+                answer.notes.push(note);
             }
             plan = report.into_verified().ok();
             answer

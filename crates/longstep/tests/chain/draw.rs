@@ -23,7 +23,7 @@ impl Drawn {
             GoalFact::Word { word, arguments } => offers
                 .iter()
                 .any(|o| o.word == *word && o.arguments.contains(arguments)),
-            GoalFact::Plain(_) | GoalFact::If(_) | GoalFact::Choice(_) => false,
+            GoalFact::Plain(_) | GoalFact::Number(_) | GoalFact::If(_) | GoalFact::Choice(_) => false,
         };
         self.goal.facts.iter().all(offered)
     }

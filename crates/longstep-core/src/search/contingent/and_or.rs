@@ -192,8 +192,14 @@ impl<'a> Search<'a> {
                     let node = &nodes.all[number as usize];
                     let (depth, state) = (node.depth, node.state.clone());
                     if let Some((worst, sum)) = self.outcomes_at_least(&state, look)? {
-                        let cost = (depth + 1 + self.manner.weight * worst).max(cost);
-                        open.push(cost, worst, true, Choice::Outcomes(number, look, depth + 1 + sum));
+                        let depth = depth + self.cost_of(look);
+                        let cost = (depth + self.manner.weight * worst).max(cost);
+                        open.push(
+                            cost,
+                            worst,
+                            true,
+                            Choice::Outcomes(number, look, depth.saturating_add(sum)),
+                        );
                     }
                 }
                 Choice::Outcomes(number, look, total) => {
@@ -342,22 +348,28 @@ impl<'a> Search<'a> {
     /// Returns lower bounds on the cost of the outcomes of sensing: the worst one and the sum. None if one of them is
     /// unsolvable.
     fn outcomes_at_least(&mut self, state: &Bits, look: u32) -> Result<Option<(u32, u32)>, TooFar> {
-        let (mut worst, mut sum) = (0, 0);
+        let (mut worst, mut sum) = (0, 0_u32);
         for operator in self.looks[look as usize].clone() {
             let next = after(self.task, state, &self.task.operators[operator as usize]);
             let Some(cost) = self.estimate(&next, false)?.cost else {
                 return Ok(None);
             };
             worst = worst.max(cost);
-            sum += cost;
+            sum = sum.saturating_add(cost);
         }
         Ok(Some((worst, sum)))
+    }
+
+    /// Returns the cost of a sensing step.
+    fn cost_of(&self, look: u32) -> u32 {
+        self.task.operators[self.looks[look as usize][0] as usize].cost
     }
 
     /// Returns the best policy that senses at a node.
     fn solved(&mut self, nodes: &Nodes, number: u32, look: u32, below: u32) -> Result<Option<Course>, TooFar> {
         let node = &nodes.all[number as usize];
-        let Some(left) = below.checked_sub(node.depth + 1) else {
+        let depth = node.depth + self.cost_of(look);
+        let Some(left) = below.checked_sub(depth) else {
             return Ok(None);
         };
         let mut outcomes = Vec::new();
@@ -377,12 +389,14 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         let worst = outcomes.iter().map(|(_, course)| course.worst).max().unwrap_or(0);
-        let total: u32 = outcomes.iter().map(|(_, course)| course.total).sum();
+        let total = outcomes
+            .iter()
+            .fold(0_u32, |sum, (_, course)| sum.saturating_add(course.total));
         Ok(Some(Course {
             path: path(&nodes.all, number),
             then: Then::Look(outcomes),
-            worst: node.depth + 1 + worst,
-            total: node.depth + 1 + total,
+            worst: depth + worst,
+            total: depth.saturating_add(total),
         }))
     }
 }

@@ -15,6 +15,7 @@ mod tests;
 
 use self::and_or::{Manner, Search, TooFar};
 use self::policy::Course;
+use super::cost::{self, Costs};
 use super::target::Target;
 use super::task::Task;
 use super::{Found, Limits, Outcome, Requirements, Scope, cheapest, forward, relevance, task};
@@ -30,6 +31,13 @@ const LONGEST: u32 = 1_000;
 
 /// Parts of the limit on any plan: AND-OR search evaluates a state by landmark cuts, which takes longer.
 const LAZY: usize = 10;
+
+/// Returns a bound on the cost of a plan.
+fn dearest(task: &Task) -> u32 {
+    let costs = task.operators.iter().map(|operator| operator.cost);
+    costs.max().unwrap_or(1).max(1).saturating_mul(LONGEST)
+}
+
 
 /// Finds a plan with the shortest worst case that achieves all wanted conditions for every sensing outcome. It does not
 /// sense facts that are known or that the goal does not need.
@@ -65,17 +73,26 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
         expanded: 0,
     };
     let Some(scope) = scope else { return too_large() };
-    let task = relevance::reduce(task::ground_sensing(world, &scope, target));
+    let mut task = relevance::reduce(task::ground_sensing(world, &scope, target));
+    let costs = match cost::price(world, &mut task) {
+        Ok(costs) => costs,
+        Err(why) => return Outcome::GaveUp { why, expanded: 0 },
+    };
     let outcome = match task.operators.iter().any(|operator| operator.outcome.is_some()) {
-        true => of_task(world, &task, limits),
-        false => forward::search(&task, limits).explained(world),
+        true => of_task(world, &task, costs, limits),
+        false => forward::search(&task, limits).priced(costs).explained(world),
     };
     match outcome {
         Outcome::Solved {
-            plan, worst, expanded, ..
+            plan,
+            worst,
+            cost,
+            expanded,
+            ..
         } if !scope.whole => Outcome::Solved {
             plan,
             worst,
+            cost,
             shortest: false,
             at_least: 0,
             expanded,
@@ -109,7 +126,7 @@ fn run(task: &Task, manner: Manner, below: u32, limits: &Limits, tally: &mut Tal
     found.map(|course| course.map(|course| (*course).clone()))
 }
 
-fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
+fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome {
     let manner = |limit: usize| Manner {
         limit,
         ties: TIES,
@@ -126,15 +143,20 @@ fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
             },
             |plan| Outcome::Solved {
                 plan,
-                worst: course.worst,
-                shortest,
-                at_least: if shortest { course.worst } else { 0 },
+                worst: course.steps(),
+                cost: course.cost(world, task),
+                at_least: if shortest && !world.domain().has_costs() {
+                    course.steps()
+                } else {
+                    0
+                },
+                shortest: shortest && (course.steps() as usize) < costs.steps,
                 expanded,
             },
         )
     };
     let focused = relevance::focus(task);
-    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), LONGEST, limits, &mut tally) {
+    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), dearest(task), limits, &mut tally) {
         // The proof search uses all operators but accepts only a better worst case.
         let found = run(task, manner(limits.proof), direct.worst, limits, &mut tally);
         return match found {
@@ -149,7 +171,7 @@ fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
             weight,
             ..manner(limit)
         };
-        match run(task, manner, LONGEST, limits, &mut tally) {
+        match run(task, manner, dearest(task), limits, &mut tally) {
             Ok(Some(course)) => return solved(task, &course, weight == 1, tally.states),
             Ok(None) => {
                 proven = true;
@@ -163,7 +185,7 @@ fn of_task(world: &World, task: &Task, limits: &Limits) -> Outcome {
         ..manner(limits.shortest)
     };
     if forgets(task)
-        && let Ok(Some(course)) = run(task, looping, LONGEST, limits, &mut tally)
+        && let Ok(Some(course)) = run(task, looping, dearest(task), limits, &mut tally)
     {
         return solved(task, &course, false, tally.states);
     }

@@ -3,9 +3,10 @@
 use std::rc::Rc;
 
 use crate::effort;
-use crate::model::{Domain, Fact, World};
+use crate::model::{Domain, Fact, Number, World};
 use crate::plan::{Node, Plan, Step, StepId, Test};
 use crate::search::GroundAction;
+use crate::search::cost;
 use crate::search::task::Task;
 
 /// A policy from a state on: a sequence of operator numbers, and the continuation.
@@ -13,9 +14,9 @@ use crate::search::task::Task;
 pub(super) struct Course {
     pub(super) path: Vec<u32>,
     pub(super) then: Then,
-    /// Number of steps in the worst case, with one iteration of each loop.
+    /// Cost in the worst case, with one iteration of each loop.
     pub(super) worst: u32,
-    /// Total number of steps in all branches.
+    /// Total cost of all branches.
     pub(super) total: u32,
 }
 
@@ -31,6 +32,29 @@ pub(super) enum Then {
 }
 
 impl Course {
+    /// Returns the number of steps in the worst case, with one iteration of each loop.
+    pub(super) fn steps(&self) -> u32 {
+        let path = self.path.len() as u32;
+        match &self.then {
+            Then::Done | Then::Again => path,
+            Then::Look(outcomes) => path + 1 + outcomes.iter().map(|(_, course)| course.steps()).max().unwrap_or(0),
+        }
+    }
+
+    /// Returns the cost in the worst case, with one iteration of each loop; none in a domain without costs.
+    pub(super) fn cost(&self, world: &World, task: &Task) -> Option<Number> {
+        let step = |number: &u32| &task.operators[*number as usize].step;
+        let path = cost::total(world, self.path.iter().map(step))?;
+        let Then::Look(outcomes) = &self.then else {
+            return Some(path);
+        };
+        let after = |(operator, course): &(u32, Rc<Course>)| {
+            cost::total(world, [step(operator)])?.plus(course.cost(world, task)?)
+        };
+        let worst = outcomes.iter().map(after).collect::<Option<Vec<Number>>>()?;
+        path.plus(worst.into_iter().max().unwrap_or_default())
+    }
+
     /// Returns true if `self` is preferable: fewer steps in the worst case, fewer in total, earlier sensing.
     pub(super) fn is_better(&self, other: &Self) -> bool {
         let rank = |course: &Self| (course.worst, course.total, course.path.len());
