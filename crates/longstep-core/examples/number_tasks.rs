@@ -47,7 +47,9 @@ fn task(paths: &[&str]) -> Result<Value, Box<dyn std::error::Error>> {
         }));
     }
     Ok(match solve(world, &purpose, &Limits::default()) {
-        Outcome::Solved { plan, cost, shortest, .. } => json!({
+        Outcome::Solved {
+            plan, cost, shortest, ..
+        } => json!({
             "outcome": "solved",
             "plan": write_plan(world, plan.steps()),
             "cost": cost.map(|cost| cost.to_string()),

@@ -81,9 +81,17 @@ impl Numbers {
     fn mark_changes(&self, operators: &mut [Operator]) {
         let is_tame = self.is_tame(operators);
         let depends = depends(operators, self.initial.len());
+        // A variable that has no number and is never assigned one stays without: its tests are false for ever.
+        let mut known: Vec<bool> = self.initial.iter().map(Option::is_some).collect();
+        for effect in operators.iter().flat_map(|operator| &operator.numeric) {
+            known[effect.variable as usize] |= effect.kind == NumberChangeKind::Assign;
+        }
         let mut by_variable: Vec<Vec<(usize, bool)>> = vec![Vec::new(); self.initial.len()];
         for (index, test) in self.tests.iter().enumerate() {
-            if is_tame && self.is_always_known(&test.test) {
+            let mut is_known = true;
+            test.test
+                .for_each(&mut |variable| is_known &= known[*variable as usize]);
+            if !is_known || is_tame && self.is_always_known(&test.test) {
                 continue;
             }
             let mut direct: FxHashSet<u32> = FxHashSet::default();
