@@ -341,6 +341,8 @@ class Drawer:
             }
             for index in range(self.random.randrange(1, 4))
         ]
+        # A domain in which no action has a cost has none.
+        costs = costs and any(action["cost"] is not None for action in actions)
         numbers = {}
         if self.numeric:
             for key in [("charge",), *(("level", own) for own in OBJECTS), *(("rate", own) for own in OBJECTS)]:
