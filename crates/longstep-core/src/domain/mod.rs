@@ -22,7 +22,7 @@ pub use crate::model::{
     RepairCosts, Rule, RuleTime, Slot, StateWord, Template, Term, TypeId, Types, Unknown, base_name, ends_with, head,
     label, matches_name, plain_words, singular, stem,
 };
-pub use crate::model::{Decimal, OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
+pub use crate::model::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use bare::from_pddl;
 pub use files::Files;
 pub use load::{content_position, load, load_with_findings, read_toml};

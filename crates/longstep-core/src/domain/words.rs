@@ -233,16 +233,9 @@ pub struct AcceptEntry {
 pub struct ValueEntry {
     pub unit: Option<Text>,
     #[serde(default)]
-    pub units: IndexMap<Text, Spanned<NumberEntry>>,
-    pub min: Option<Spanned<NumberEntry>>,
-    pub max: Option<Spanned<NumberEntry>>,
+    pub units: IndexMap<Text, Spanned<NumberText>>,
+    pub min: Option<Spanned<NumberText>>,
+    pub max: Option<Spanned<NumberText>>,
     #[serde(default)]
     pub text: bool,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(untagged)]
-pub enum NumberEntry {
-    Whole(i64),
-    Decimal(f64),
 }

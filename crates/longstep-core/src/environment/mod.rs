@@ -14,7 +14,8 @@ mod write;
 
 pub use crate::model::{
     AssumptionSource, Bindings, Difference, Distinctions, Entity, EntityId, Environment, Fact, FactSet, Fluent, Moment,
-    Number, Prohibition, State, StepPattern, Voice, Words, World, differences, fact_text, fluent_text, holds, subject_of,
+    Number, Prohibition, State, StepPattern, Voice, Words, World, differences, fact_text, fluent_text, holds,
+    subject_of,
 };
 pub use claim::Claim;
 pub use origin::Origin;

@@ -4,8 +4,8 @@
 //! its entities and initial state. [`holds`] evaluates a [`Condition`] in a [`Moment`], and [`apply`] applies an action
 //! to a [`State`].
 
-mod article;
 mod arithmetic;
+mod article;
 mod condition;
 mod diff;
 mod distinction;
@@ -63,7 +63,7 @@ pub use simulate::{Missing, Shortfall, apply, unmet};
 pub(crate) use simulate::{apply_onto, fired, rests_on};
 pub use template::Template;
 pub use trace::{Change, Changes, Ending, NumberChange, StepId, Trace};
-pub use value::{Decimal, OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
+pub use value::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
 pub use wanted::Wanted;
 pub use wording::{entries_of, entry_of_number, state_word, subject_of, written_fact};
 pub(crate) use world::ENTITY_LIMIT;

@@ -3,10 +3,9 @@
 //! A value is an entity that no environment lists: a text that mentions one adds it to a world
 //! ([`World::add_values`](super::World::add_values)).
 
-use std::fmt;
 use std::ops::Range;
 
-use super::{Domain, TypeId};
+use super::{Domain, Number, TypeId};
 
 /// A type whose entities are values.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,11 +31,11 @@ pub struct QuantityForm {
     /// The unit in which values are written; empty for a plain number.
     pub unit: String,
     /// All units that a text may use, each with its size in `unit`.
-    pub units: Vec<(String, Decimal)>,
+    pub units: Vec<(String, Number)>,
     /// The smallest value.
-    pub minimum: Option<Decimal>,
+    pub minimum: Option<Number>,
     /// The largest value.
-    pub maximum: Option<Decimal>,
+    pub maximum: Option<Number>,
 }
 
 /// A value of a domain.
@@ -45,7 +44,7 @@ pub struct Value {
     /// The type.
     pub kind: TypeId,
     /// The number in the unit of the type; none for a text.
-    pub number: Option<Decimal>,
+    pub number: Option<Number>,
     /// The notation, which is the identifier of the entity: `180 s`, `"dinner is ready"`.
     pub written: String,
 }
@@ -64,72 +63,15 @@ pub struct OutOfRange {
     pub kind: String,
 }
 
-/// A decimal number with up to six decimal places, computed exactly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct Decimal(i64);
-
-/// Units of a [`Decimal`] in one.
-const ONE: i64 = 1_000_000;
-
 /// The largest number of characters of a text value.
 const TEXT_LIMIT: usize = 200;
 
 /// The largest number of values that one text adds to a world.
 pub(super) const VALUE_LIMIT: usize = 50;
 
-impl Decimal {
-    /// The number one.
-    pub const ONE: Decimal = Decimal(ONE);
-
-    /// Parses `12`, `-0.5` or `1.25`; none for any other form and for numbers that six decimal places cannot express.
-    ///
-    /// ```
-    /// use longstep_core::domain::Decimal;
-    /// assert_eq!(Decimal::parse("1.50").unwrap().to_string(), "1.5");
-    /// assert_eq!(Decimal::parse("1e9"), None);
-    /// ```
-    pub fn parse(text: &str) -> Option<Self> {
-        let (negative, digits) = match text.strip_prefix('-') {
-            Some(digits) => (true, digits),
-            None => (false, text),
-        };
-        let (whole, fraction) = digits.split_once('.').unwrap_or((digits, "0"));
-        let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-        if !is_number(whole) || !is_number(fraction) {
-            return None;
-        }
-        let fraction = fraction.trim_end_matches('0');
-        if fraction.len() > 6 {
-            return None;
-        }
-        let millionths: i64 = format!("{fraction:0<6}").parse().ok()?;
-        let all = whole.parse::<i64>().ok()?.checked_mul(ONE)?.checked_add(millionths)?;
-        Some(Self(if negative { -all } else { all }))
-    }
-
-    /// Returns the product; none if six decimal places cannot express it.
-    fn times(self, other: Self) -> Option<Self> {
-        let product = i128::from(self.0) * i128::from(other.0);
-        let exact = product % i128::from(ONE) == 0;
-        let value = i64::try_from(product / i128::from(ONE)).ok()?;
-        exact.then_some(Self(value))
-    }
-}
-
-impl fmt::Display for Decimal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sign = if self.0 < 0 { "-" } else { "" };
-        let (whole, fraction) = (self.0.unsigned_abs() / ONE as u64, self.0.unsigned_abs() % ONE as u64);
-        match fraction {
-            0 => write!(f, "{sign}{whole}"),
-            _ => write!(f, "{sign}{whole}.{}", format!("{fraction:06}").trim_end_matches('0')),
-        }
-    }
-}
-
 impl QuantityForm {
     /// Writes a number with the unit of the type.
-    pub fn written(&self, number: Decimal) -> String {
+    pub fn written(&self, number: Number) -> String {
         match self.unit.as_str() {
             "" => number.to_string(),
             unit => format!("{number} {unit}"),
@@ -137,8 +79,8 @@ impl QuantityForm {
     }
 
     /// Returns the value of a number in one of the units; none if the number cannot be converted exactly.
-    fn value(&self, domain: &Domain, kind: TypeId, number: Decimal) -> Result<Value, OutOfRange> {
-        let beyond = |relation, bound: Decimal| OutOfRange {
+    fn value(&self, domain: &Domain, kind: TypeId, number: Number) -> Result<Value, OutOfRange> {
+        let beyond = |relation, bound: Number| OutOfRange {
             written: self.written(number),
             relation,
             bound: self.written(bound),
@@ -240,7 +182,7 @@ impl Domain {
             .next()
             .filter(|c| matches!(c, ' ' | '\u{a0}' | '\u{202f}' | '-'));
         let gap = gap.map_or(0, char::len_utf8);
-        let mut best: Option<(usize, Decimal, &ValueType, &QuantityForm)> = None;
+        let mut best: Option<(usize, Number, &ValueType, &QuantityForm)> = None;
         for own in &self.values {
             let ValueForm::Quantity(form) = &own.form else { continue };
             for (unit, factor) in &form.units {
@@ -281,7 +223,7 @@ fn identifier_end(text: &str) -> Option<usize> {
 
 /// Reads a number at the start of a text, and returns its length. A comma before one or two digits separates decimal
 /// places; before three digits it may group thousands, so such a number is not read.
-fn number_at(text: &str) -> Option<(usize, Decimal)> {
+fn number_at(text: &str) -> Option<(usize, Number)> {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let sign = usize::from(text.starts_with('-'));
     let whole = sign + digits(&text[sign..]);
@@ -307,7 +249,7 @@ fn number_at(text: &str) -> Option<(usize, Decimal)> {
     if text[end..].starts_with(':') && digits(&text[end + 1..]) > 0 {
         return None;
     }
-    Some((end, Decimal::parse(&plain)?))
+    Some((end, Number::parse(&plain)?))
 }
 
 /// Returns the length of a unit at the start of a text: in the same case, or in another one if the unit is a word.
@@ -339,9 +281,9 @@ mod tests {
         let household = crate::domain::shipped("household").unwrap().unwrap();
         household.edited(|data| {
             let mut quantity = |name: &str, unit: &str, units: &[(&str, &str)], range: [Option<&str>; 2]| {
-                let number = |text: &str| Decimal::parse(text).unwrap();
+                let number = |text: &str| Number::parse(text).unwrap();
                 let kind = data.types.intern(name);
-                let mut all = vec![(unit.to_owned(), Decimal::ONE)];
+                let mut all = vec![(unit.to_owned(), Number::from(1))];
                 all.extend(units.iter().map(|(unit, factor)| ((*unit).to_owned(), number(factor))));
                 data.values.push(ValueType {
                     kind,

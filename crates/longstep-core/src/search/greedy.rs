@@ -205,7 +205,7 @@ impl Run<'_> {
             (node.parent, node.depth) = (parent, depth);
             return *number;
         }
-        effort::spend(Bits::units(self.task.initial.len()));
+        effort::spend(Bits::units(self.task));
         let number = self.nodes.len() as u32;
         self.known.insert(state.clone(), number);
         self.nodes.push(Node { state, parent, depth });

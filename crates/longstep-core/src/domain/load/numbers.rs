@@ -68,7 +68,7 @@ impl Loader<'_> {
         }
     }
 
-    fn decimal(&mut self, text: &Spanned<words::NumberText>) -> Option<Number> {
+    pub(super) fn decimal(&mut self, text: &Spanned<words::NumberText>) -> Option<Number> {
         let number = Number::parse(&text.get_ref().digits());
         if number.is_none() {
             let position = Position::of(self.text, text.span().start);

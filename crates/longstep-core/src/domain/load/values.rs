@@ -3,9 +3,9 @@
 use indexmap::IndexMap;
 use toml::Spanned;
 
-use super::super::words::{NumberEntry, ValueEntry};
+use super::super::words::{NumberText, ValueEntry};
 use super::{EnvironmentTypes, Loader, TypeId};
-use crate::model::{Decimal, QuantityForm, ValueForm, ValueType};
+use crate::model::{Number, QuantityForm, ValueForm, ValueType};
 
 impl Loader<'_> {
     pub(super) fn values(
@@ -49,12 +49,12 @@ impl Loader<'_> {
         if let Some(place) = entry.unit.as_ref() {
             self.report_unfit_unit(place);
         }
-        let mut units = vec![(unit.to_owned(), Decimal::ONE)];
+        let mut units = vec![(unit.to_owned(), Number::from(1))];
         for (name, factor) in &entry.units {
             self.report_unfit_unit(name);
             units.push((name.get_ref().clone(), self.decimal(factor)?));
         }
-        let bound = |loader: &mut Self, entry: &Option<Spanned<NumberEntry>>| match entry {
+        let bound = |loader: &mut Self, entry: &Option<Spanned<NumberText>>| match entry {
             Some(entry) => loader.decimal(entry),
             None => None,
         };
@@ -68,21 +68,6 @@ impl Loader<'_> {
             minimum,
             maximum,
         }))
-    }
-
-    fn decimal(&mut self, entry: &Spanned<NumberEntry>) -> Option<Decimal> {
-        let text = match entry.get_ref() {
-            NumberEntry::Whole(number) => number.to_string(),
-            NumberEntry::Decimal(number) => number.to_string(),
-        };
-        let number = Decimal::parse(&text);
-        if number.is_none() {
-            self.report(
-                entry,
-                "a number has at most six decimal places and is less than a trillion",
-            );
-        }
-        number
     }
 
     fn report_unfit_unit(&mut self, unit: &Spanned<String>) {

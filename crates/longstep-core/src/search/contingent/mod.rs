@@ -38,7 +38,6 @@ fn dearest(task: &Task) -> u32 {
     costs.max().unwrap_or(1).max(1).saturating_mul(LONGEST)
 }
 
-
 /// Finds a plan with the shortest worst case that achieves all wanted conditions for every sensing outcome. It does not
 /// sense facts that are known or that the goal does not need.
 ///
