@@ -135,6 +135,12 @@ pub(crate) struct StrategyArguments {
     /// Never repair the model's plan
     #[arg(long)]
     pub(crate) no_repair: bool,
+    /// Do not ask about the parts of an instruction that the plan leaves out
+    #[arg(long)]
+    pub(crate) accept_partial: bool,
+    /// Do not ask an embedded model what an instruction forbids, measures or orders before it writes the goal
+    #[arg(long)]
+    pub(crate) no_screening: bool,
     /// Folder with your own prompt parts (role.md, actions.md, ...), which replace the domain's
     #[arg(long, value_name = "FOLDER")]
     pub(crate) prompt: Option<PathBuf>,
@@ -163,6 +169,8 @@ impl StrategyArguments {
             },
             rounds: self.rounds,
             effort: self.effort,
+            partial: self.accept_partial,
+            screening: !self.no_screening,
             ..Settings::default()
         }
     }

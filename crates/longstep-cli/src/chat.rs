@@ -9,7 +9,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use longstep::session::{Event, Session, Settings};
+use longstep::session::{Event, Proposal, Session, Settings};
 use longstep_llm::{AdvanceError, ChatModel, ModelError, SessionFolder, advance, session_directory};
 
 use crate::arguments::{ChatArguments, ModelArguments};
@@ -139,8 +139,11 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
     }
     let mut session = resumed.session;
     folder.mend(&session)?;
+    // A session of an older program was begun without screening.
     let settings = Settings {
         accept: arguments.yes,
+        screening: arguments.strategy.settings().screening,
+        partial: arguments.strategy.settings().partial,
         effort: arguments.strategy.effort.or(session.settings().effort),
         ..session.settings()
     };
@@ -171,6 +174,7 @@ impl Chat<'_> {
                 return Ok(output::NOT_WRITTEN);
             }
             let asks = match self.session.proposal() {
+                Some(proposal) if proposal.question.is_some() => "Go on? [Enter, `no`, or a change] ",
                 Some(_) => "Accept? [Enter, `no`, or a change] ",
                 None if !self.session.endings().is_empty() => "Which? [number] ",
                 None => "> ",
@@ -210,7 +214,7 @@ impl Chat<'_> {
         let plain = plain(line);
         if self.session.proposal().is_some() {
             match plain.as_str() {
-                word if ACCEPTING.contains(&word) => self.session.accept()?,
+                word if ACCEPTING.contains(&word) => self.accept()?,
                 word if REJECTING.contains(&word) => {
                     self.session.cancel()?;
                     screen::notice("Cancelled; nothing has changed");
@@ -227,6 +231,16 @@ impl Chat<'_> {
             self.session.instruct(plan::checked_instruction(line)?)?;
         }
         Ok(Next::GoOn)
+    }
+
+    /// Accepts the plan, or the rule that is offered in place of one.
+    fn accept(&mut self) -> Result<()> {
+        let offers_rule = self.session.proposal().is_some_and(Proposal::offers_rule);
+        self.session.accept()?;
+        if offers_rule {
+            screen::rules(&self.session);
+        }
+        Ok(())
     }
 
     /// Takes the number of the outcome with which the last plan ended.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use longstep::dialogue::{self, Prepared};
 use longstep::report::{Answer, Status};
-use longstep::session::{Failure as NoPlan, Response, Session};
+use longstep::session::{Failure as NoPlan, Response, Session, Settings};
 use longstep_llm::advance;
 
 use crate::arguments::PlanArguments;
@@ -26,7 +26,12 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     let mut model = ask::model(&arguments.model.model, &arguments.model)?;
     let opened = stopwatch() - opening;
     let facts = model.facts();
-    let mut session = Session::new(named, domain, world, arguments.strategy.settings(), facts, stopwatch);
+    // The prompt to explain is the one for goals.
+    let settings = Settings {
+        screening: arguments.strategy.settings().screening && !arguments.explain_prompt,
+        ..arguments.strategy.settings()
+    };
+    let mut session = Session::new(named, domain, world, settings, facts, stopwatch);
     // A new session waits for an instruction.
     session.instruct(instruction)?;
     if arguments.explain_prompt {
@@ -54,6 +59,15 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
                 shown = lanes::side_by_side(world, &proposal.plan, &proposal.purpose, &mut answer);
             }
             (answer, lines.unwrap_or_default())
+        }
+        Response::Consent(proposal) => {
+            let question = proposal.question.as_deref().unwrap_or_default();
+            let goal = proposal.goal.as_ref();
+            let lines = goal.map(|goal| solve::goal_lines(session.world(), goal));
+            (
+                proposal.answer.as_question(session.world(), question),
+                lines.unwrap_or_default(),
+            )
         }
         Response::NoPlan(failure) => (unhappy(failure)?, Vec::new()),
         Response::Question(question) => {

@@ -27,6 +27,7 @@ pub(crate) fn answer(answer: &Answer, shown: Changes) {
 /// Prints an answer; `lanes` replaces the list of steps, if it is not empty.
 pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
     if answer.status == Status::Question {
+        not_represented(answer);
         print_line!("{} {}", "Question:".yellow().bold(), answer.plan.question);
         return;
     }
@@ -54,6 +55,7 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
     list("Groups", &groups);
     let chosen: Vec<String> = answer.choices.iter().flat_map(|choice| choice.says.clone()).collect();
     list("Chosen", &chosen);
+    not_represented(answer);
     list("Assumptions", &answer.assumptions);
     let differing: Vec<String> = answer
         .claims
@@ -78,6 +80,16 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
     list("Violations", &violations);
     output::blank();
     verdict(answer);
+}
+
+/// Prints the parts of the instruction that the plan ignores.
+fn not_represented(answer: &Answer) {
+    let gaps = answer.not_represented.iter();
+    let gaps: Vec<String> = gaps.map(|gap| format!("\"{}\" ({})", gap.text, gap.kind)).collect();
+    list("Not represented", &gaps);
+    if !gaps.is_empty() && answer.status == Status::Question {
+        output::blank();
+    }
 }
 
 /// Prints the differences between two environments.

@@ -88,7 +88,7 @@ pub(crate) fn finish(answer: &Answer, goal: &[String], lanes: &[Line], save: Opt
     if json {
         show::json(answer)?;
     } else {
-        if !goal.is_empty() && answer.status != Status::Question {
+        if !goal.is_empty() {
             show::heading("Goal");
             for line in goal {
                 print_line!("  {line}");

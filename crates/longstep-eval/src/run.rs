@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use longstep::domain::Domain;
-use longstep::session::{Event, Session, Settings, Strategy};
+use longstep::session::{Event, Proposal, Session, Settings, Strategy};
 use longstep_core::environment::{Voice, World};
 use longstep_core::verify::VerifiedPlan;
 use longstep_llm::{AdvanceError, ChatModel, Watch, advance};
@@ -138,7 +138,7 @@ struct Observed<'a> {
 impl Observed<'_> {
     fn attempt(&self, key: Key, case: &Case, step: &Step, says: &str) -> Attempt {
         let world = self.world;
-        let proposal = self.session.proposal();
+        let proposal = self.proposal();
         let answer = match (proposal, self.session.failure()) {
             (Some(proposal), _) => Some(&proposal.answer),
             (None, Some(failure)) => failure.answer(),
@@ -166,7 +166,7 @@ impl Observed<'_> {
             edits: answer.iter().flat_map(|answer| &answer.edits).map(Edit::from).collect(),
             claim_right: None,
             understood: understood.collect(),
-            question: self.session.question().unwrap_or_default().to_owned(),
+            question: self.question().unwrap_or_default().to_owned(),
             replies: Vec::new(),
             corrections: Vec::new(),
             plan: self.lines(plan),
@@ -196,14 +196,25 @@ impl Observed<'_> {
         attempt
     }
 
+    /// The plan that was proposed without a question.
+    fn proposal(&self) -> Option<&Proposal> {
+        self.session.proposal().filter(|proposal| proposal.question.is_none())
+    }
+
+    /// The question of the model, or the one about a plan that leaves out a part of the instruction.
+    fn question(&self) -> Option<&str> {
+        let of_plan = || self.session.proposal()?.question.as_deref();
+        self.session.question().or_else(of_plan)
+    }
+
     fn outcome(&self) -> Outcome {
         if !self.fits {
             return Outcome::Limit;
         }
-        if self.session.question().is_some() {
+        if self.question().is_some() {
             return Outcome::Question;
         }
-        match (self.session.proposal(), self.session.failure()) {
+        match (self.proposal(), self.session.failure()) {
             (Some(_), _) => Outcome::Verified,
             (None, Some(failure)) => match failure.answer() {
                 Some(answer) => answer.status.into(),
@@ -288,7 +299,7 @@ impl Observed<'_> {
                 found.extend((!amiss.unreached.is_empty()).then_some(Failure::MissingGoal));
             }
         }
-        let goal = self.session.proposal().and_then(|proposal| proposal.goal.as_ref());
+        let goal = self.proposal().and_then(|proposal| proposal.goal.as_ref());
         if let Some(goal) = goal.filter(|_| wants_plan && !attempt.correct) {
             found.extend(failure::of_goal(self.domain, goal, step.expected.goals()));
         }

@@ -76,6 +76,7 @@ pub use session::Session;
 use longstep_core::{call, diagnostic, effort, environment, json, plan, repair, schedule, search, verify, visible};
 
 pub mod compose;
+pub mod coverage;
 pub mod dialogue;
 pub mod domain;
 pub mod feedback;

@@ -46,6 +46,13 @@ pub(super) fn response(session: &Session, interactive: bool) {
             proposal(session);
             waiting(interactive);
         }
+        Response::Consent(waits) => {
+            proposal(session);
+            if let Some(question) = &waits.question {
+                print_line!("{} {question}", "Question:".yellow().bold());
+            }
+            consent(interactive);
+        }
         Response::Endings(endings) => ended(session, &endings),
         Response::NoPlan(failure) => match failure.answer() {
             Some(answer) => show::answer(answer, show::Changes::Hidden),
@@ -61,6 +68,14 @@ fn waiting(interactive: bool) {
     if !interactive {
         let line = "Waiting for a decision: an empty line accepts the plan, `no` cancels it.";
         print_line!("{}", line.dimmed());
+        output::blank();
+    }
+}
+
+/// Without a terminal there is no prompt, so a line says how the question is answered.
+fn consent(interactive: bool) {
+    if !interactive {
+        print_line!("{}", "Waiting for an answer: an empty line says yes, `no` cancels.".dimmed());
         output::blank();
     }
 }
@@ -214,7 +229,7 @@ pub(super) fn where_we_are(session: &Session, interactive: bool) {
     if let Some(instruction) = session.instruction() {
         notice(&format!("Current instruction: {instruction}"));
     }
-    if session.proposal().is_some() {
+    if let Response::Plan(_) = session.response() {
         plan(session);
         waiting(interactive);
     } else {

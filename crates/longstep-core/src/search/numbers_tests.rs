@@ -584,6 +584,7 @@ fn check_search(case: &Case, problem: &Problem, counts: &mut Counts) {
         }
     };
     let limits = Limits {
+        effort: Limits::default().effort,
         direct: 300,
         proof: 300,
         shortest: 600,

@@ -77,8 +77,11 @@ pub(super) fn fixed_turns(domain: &Domain, kind: ConstraintKind) -> Vec<Message>
     let mut task = domain.prompts.goal.clone();
     if kind == ConstraintKind::JsonSchema {
         task.push_str(
-            "\n\nWrite the answer as a JSON object with two keys: \"goals\", the list of goals, and \"question\", \
-             which is empty unless you have to ask.",
+            "\n\nWrite the answer as a JSON object with four keys: \"goals\", the list of goals; \"never\", the goals that \
+             the person forbids; \"not_represented\", the parts of the instruction that none of these goals says, \
+             each with its \"text\", copied from the instruction, and its \"kind\": a prohibition, a quantity (also a \
+             time), a condition, an order, a quotation, a name, or other; and \"question\", which is empty unless you \
+             have to ask.",
         );
     }
     let mut turns = vec![Message::new(Role::System, task)];
@@ -95,10 +98,10 @@ pub(super) fn in_form(answer: &str, kind: ConstraintKind) -> String {
     match kind {
         ConstraintKind::Grammar => answer.to_owned(),
         ConstraintKind::JsonSchema => match answer.strip_prefix(crate::goal::QUESTION) {
-            Some(question) => json!({"question": question, "goals": []}).to_string(),
+            Some(question) => json!({"question": question, "goals": [], "never": [], "not_represented": []}).to_string(),
             None => {
                 let goals: Vec<&str> = answer.split(" & ").collect();
-                json!({"question": "", "goals": goals}).to_string()
+                json!({"question": "", "goals": goals, "never": [], "not_represented": []}).to_string()
             }
         },
     }

@@ -10,6 +10,7 @@ use super::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, PartCost, Reply, Role, Round, TokenCounter, Transcript,
     object, scene,
 };
+use crate::coverage::{Gap, Mark};
 use crate::effort;
 use crate::environment::{EntityId, World};
 use crate::goal::{
@@ -52,6 +53,10 @@ pub struct GoalDialogue {
     further: Option<Request>,
     /// True if enumerating `open` or the scene exceeded the work budget.
     exhausted: bool,
+    /// The instruction as one line.
+    instruction: String,
+    /// The parts of the instruction that the answer of a server marks.
+    marks: Vec<Mark>,
 }
 
 /// The inputs of a goal dialogue.
@@ -135,6 +140,8 @@ impl GoalDialogue {
             open: Vec::new(),
             further: None,
             exhausted: shown.exhausted,
+            instruction: plain_line(instruction),
+            marks: Vec::new(),
         }
     }
 
@@ -255,6 +262,12 @@ impl GoalDialogue {
         &self.world
     }
 
+    /// The parts of the instruction that the answer of a server does not represent; a model under a grammar is asked for
+    /// them in a [`ScreeningDialogue`](super::ScreeningDialogue).
+    pub fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+
     /// Returns true if enumerating the possible goals exceeded the work budget. No reply is usable then.
     pub(super) fn is_exhausted(&self) -> bool {
         self.exhausted
@@ -309,13 +322,34 @@ impl GoalDialogue {
             question: String,
             #[serde(default)]
             goals: Vec<String>,
+            #[serde(default)]
+            never: Vec<String>,
+            #[serde(default)]
+            not_represented: Vec<Part>,
+        }
+        #[derive(Deserialize)]
+        struct Part {
+            text: String,
+            kind: Gap,
         }
         let answer: Answer = object(text)?;
         if !answer.question.trim().is_empty() {
             return Ok(Some(self.answer_to_question(answer.question.trim().to_owned())));
         }
+        // A text that is no quotation marks the whole instruction: a part that is left out is never dropped.
+        let mark = |part: &Part| {
+            let whole = || Mark {
+                range: 0..self.instruction.len(),
+                gap: part.kind,
+            };
+            Mark::of(&self.instruction, &plain_line(&part.text), part.kind).unwrap_or_else(whole)
+        };
+        self.marks = answer.not_represented.iter().take(GOAL_LIMIT).map(mark).collect();
         let known = self.facts.iter().map(|fact| fact.everyday(&self.world));
-        let parts: Vec<String> = known.chain(answer.goals.into_iter().take(GOAL_LIMIT)).collect();
+        let goals = answer.goals.into_iter().take(GOAL_LIMIT);
+        let never = answer.never.into_iter().take(GOAL_LIMIT);
+        let never = never.map(|goal| format!("{}{goal}", goal::NEVER));
+        let parts: Vec<String> = known.chain(goals).chain(never).collect();
         for part in &parts {
             self.world.add_values(part);
         }

@@ -5,6 +5,7 @@ use longstep_core::model::written_fact;
 use serde_json::Value;
 
 use super::answer_grammar::{Grammar, any_text, closed, group, list, listed, one_of, quoted};
+use crate::coverage::Gap;
 use crate::environment::{EntityId, World};
 use crate::goal::{Dependence, GoalFact, IF, NOT, Offer, THEN};
 use crate::model::{FormPiece, GoalWord};
@@ -130,7 +131,8 @@ fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
     parts.push(format!("({})", alternatives.join(" | ")));
 }
 
-/// Returns a JSON schema for a whole answer: `{"question": "", "goals": ["put(pie, oven)"]}`.
+/// Returns a JSON schema for a whole answer: `{"question": "", "goals": ["put(pie, oven)"], "never": [],
+/// "not_represented": [{"text": "for ten minutes", "kind": "quantity"}]}`.
 ///
 /// The schema enumerates the offered goals if servers can be expected to accept the list. Otherwise, and with `depends`,
 /// where goals may have conditions, it admits any string, and the parser rejects strings that are no goals.
@@ -139,9 +141,18 @@ pub(super) fn goal_schema(world: &World, offers: &[Offer], depends: bool) -> Val
         .iter()
         .flat_map(|offer| offer.arguments.iter().map(|arguments| (offer.word, arguments.clone())))
         .map(|(word, arguments)| GoalFact::Word { word, arguments }.everyday(world));
+    let all: Vec<String> = texts.collect();
     let goals = match depends {
         true => None,
-        false => listed(texts.collect()),
+        false => listed(all.clone()),
     };
-    closed(&[("question", any_text()), ("goals", list(one_of(goals.as_deref())))])
+    let never = one_of(listed(all).as_deref());
+    let kinds: Vec<String> = Gap::ALL.iter().map(|gap| gap.name().to_owned()).collect();
+    let part = closed(&[("text", any_text()), ("kind", one_of(Some(&kinds)))]);
+    closed(&[
+        ("question", any_text()),
+        ("goals", list(one_of(goals.as_deref()))),
+        ("never", list(never)),
+        ("not_represented", list(part)),
+    ])
 }

@@ -21,6 +21,7 @@ mod parts;
 mod query;
 mod reply;
 mod scene;
+mod screening;
 mod template;
 mod template_context;
 #[cfg(test)]
@@ -48,6 +49,7 @@ pub use query::query;
 pub(crate) use reply::answered;
 pub use reply::direct_schema;
 pub use scene::scene;
+pub use screening::ScreeningDialogue;
 pub use transcript::{Dialogue, DialogueError, Transcript};
 pub(crate) use transcript::{object, one_line, whole};
 pub(crate) use tree_schema::{TreeForms, in_schema, tree_schema};

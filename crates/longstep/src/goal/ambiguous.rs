@@ -80,7 +80,7 @@ fn concerned(world: &World, constraint: &Constraint) -> Vec<(EntityId, TypeId)> 
                     .map(|parameter| parameter.kind);
                 arguments.iter().copied().zip(kinds).collect()
             }
-            GoalFact::Plain(_) | GoalFact::If(_) | GoalFact::Choice(_) => Vec::new(),
+            GoalFact::Plain(_) | GoalFact::Number(_) | GoalFact::If(_) | GoalFact::Choice(_) => Vec::new(),
         },
     }
 }

@@ -5,6 +5,7 @@
 use longstep_core::model::{Number, entries_of, entry_of_number};
 use serde::Serialize;
 
+use crate::coverage::{self, Coverage, Gap, Role};
 use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, GoalFact, Group, LeftOut};
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
@@ -79,6 +80,12 @@ pub struct Answer {
     pub violations: Vec<ViolationAnswer>,
     /// Comparison of the claimed environment with the simulated one.
     pub claims: Claims,
+    /// The parts of the instruction with their roles, in the order of the text; empty without an instruction, and for
+    /// the direct strategy.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub coverage: Vec<PartAnswer>,
+    /// The parts of the instruction that the goal does not represent, so that the plan ignores them.
+    pub not_represented: Vec<GapAnswer>,
     /// Assumptions behind the verdict, and goals that were left out.
     pub assumptions: Vec<String>,
     /// The state of knowledge at the end of the search; none if the plan does not come from one.
@@ -141,6 +148,31 @@ pub struct SearchAnswer {
     pub at_least: u32,
     /// Number of states that the search looked at.
     pub states: usize,
+}
+
+/// A part of an instruction.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PartAnswer {
+    /// Its text.
+    pub text: String,
+    /// Its first byte in the instruction, whose spaces and line breaks are single spaces.
+    pub start: usize,
+    /// `goal`, `constraint`, `background` or `not_represented`.
+    pub role: &'static str,
+    /// For `goal` and `constraint`, the indices in `goal` of what it asks for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub goals: Vec<usize>,
+}
+
+/// A part of an instruction that the goal does not represent.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct GapAnswer {
+    /// Its text.
+    pub text: String,
+    /// `prohibition`, `quantity`, `condition`, `order`, `quotation`, `name` or `other`.
+    pub kind: &'static str,
+    /// True if it makes the answer a question.
+    pub question: bool,
 }
 
 /// An edit of a repair.
@@ -297,6 +329,8 @@ impl Answer {
             edits: Vec::new(),
             violations: Vec::new(),
             claims: Claims::default(),
+            coverage: Vec::new(),
+            not_represented: Vec::new(),
             assumptions: Vec::new(),
             search: None,
             usage: UsageAnswer::default(),
@@ -392,6 +426,49 @@ impl Answer {
             "{count} steps, {} of time instead of {before}",
             compacted.after
         ));
+    }
+
+    /// Adds the roles of the instruction's parts. Constraints follow the goals in `goal`.
+    pub fn set_coverage(&mut self, goal: &Goal, coverage: &Coverage) {
+        let part = |part: &coverage::Part| {
+            let (role, goals) = match &part.role {
+                Role::Goals(goals) => ("goal", goals.clone()),
+                Role::Constraints(constraints) => {
+                    let place = |index: &usize| goal.facts.len() + index;
+                    ("constraint", constraints.iter().map(place).collect())
+                }
+                Role::Background => ("background", Vec::new()),
+                Role::NotRepresented(_) => ("not_represented", Vec::new()),
+            };
+            PartAnswer {
+                text: coverage.text(part).to_owned(),
+                start: part.range.start,
+                role,
+                goals,
+            }
+        };
+        let gap = |(text, gap): (&str, Gap)| GapAnswer {
+            text: text.to_owned(),
+            kind: gap.name(),
+            question: gap.is_question(),
+        };
+        self.coverage = coverage.parts().iter().map(part).collect();
+        self.not_represented = coverage.gaps().map(gap).collect();
+    }
+
+    /// Returns the question in place of the plan that it is about: the goal and the coverage stay, the steps do not.
+    #[must_use]
+    pub fn as_question(&self, world: &World, question: &str) -> Self {
+        let summary = &self.plan.instruction_summary;
+        Self {
+            goal: self.goal.clone(),
+            coverage: self.coverage.clone(),
+            not_represented: self.not_represented.clone(),
+            assumptions: self.assumptions.clone(),
+            usage: self.usage,
+            timings_ms: self.timings_ms,
+            ..Self::without_plan(Status::Question, world, summary, question)
+        }
     }
 
     /// Adds the goals that were left out to the assumptions.

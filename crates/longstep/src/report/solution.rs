@@ -57,6 +57,7 @@ pub fn of_purpose(
             shortest,
             at_least,
             expanded,
+            ..
         } => {
             let report = check(world, steps, purpose);
             let verified = now();

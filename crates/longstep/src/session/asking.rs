@@ -1,7 +1,10 @@
 //! Model requests and replies.
 
 use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct};
-use crate::dialogue::{Dialogue, DialogueError, Finish, FittedDialogue, Prepared, PromptError, Reply, TokenCounter};
+use crate::dialogue::{
+    ConstraintKind, Dialogue, DialogueError, Finish, FittedDialogue, Prepared, PromptError, Reply, ScreeningDialogue,
+    TokenCounter, plain_line,
+};
 use crate::feedback::{FeedbackDialogue, FeedbackInput, Wish};
 
 use super::Strategy;
@@ -16,6 +19,8 @@ pub(super) struct Asking {
 
 #[derive(Debug, Clone)]
 pub(super) enum What {
+    /// The marks of the instruction, before the goal.
+    Screening(Box<ScreeningDialogue>),
     /// A goal. The dialogue starts when the token budget is known.
     Goal(Option<Box<FittedDialogue>>),
     /// A whole plan.
@@ -37,6 +42,18 @@ impl Session {
             Strategy::Goal => What::Goal(None),
             Strategy::Direct => What::Plan,
         })
+    }
+
+    /// Creates the first request for an instruction: a screening if the model works under a grammar. The answers of
+    /// servers have a place for marks.
+    pub(super) fn first_request(&self, instruction: &str) -> Asking {
+        let screens = self.settings.screening && self.model.kind == ConstraintKind::Grammar;
+        match self.settings.strategy {
+            Strategy::Goal if screens => {
+                Asking::new(What::Screening(Box::new(ScreeningDialogue::new(&plain_line(instruction)))))
+            }
+            _ => self.ask(),
+        }
     }
 
     /// Creates a request for feedback on the turn's plan, and adds the feedback to the rounds if needed.
@@ -79,6 +96,7 @@ impl Session {
         counter: &mut dyn TokenCounter,
     ) -> Result<Box<Prepared>, PromptError> {
         let prepared = match &mut asking.what {
+            What::Screening(dialogue) => self.screening_request(dialogue, counter),
             What::Goal(goal) => self.goal_request(&turn, goal, counter),
             What::Plan => self.plan_request(&turn, counter),
             What::Wish(dialogue, _) => Ok(Prepared {
@@ -142,6 +160,13 @@ impl Session {
         turn.model_milliseconds += milliseconds;
         self.events.push(Event::reply(reply, milliseconds));
         match asking.what {
+            What::Screening(mut dialogue) => match dialogue.supply(reply) {
+                Ok(marks) => {
+                    turn.marks = marks.unwrap_or_default();
+                    self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
+                }
+                Err(error) => self.give_up(turn, Failure::Reply(error)),
+            },
             What::Goal(goal) => self.goal_reply(turn, goal, reply),
             What::Plan => self.plan_reply(turn, reply),
             What::Wish(mut dialogue, words) => match dialogue.supply(reply) {

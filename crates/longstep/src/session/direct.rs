@@ -124,6 +124,7 @@ impl Session {
                 goal: None,
                 answer,
                 refused: Vec::new(),
+                question: None,
             })),
             None => {
                 Checked::Wrong {

@@ -12,7 +12,7 @@ use crate::environment::Environment;
 use crate::plan::PlanFile;
 
 /// The version of logs that this library writes, and the newest that it reads.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// An event of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,15 +2,18 @@
 
 use super::asking::{Asking, What};
 use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
+use crate::coverage::{self, Coverage, Gap};
 use crate::dialogue::{
-    Dialogue, DialogueError, FittedDialogue, GoalDialogue, GoalInput, Prepared, PromptError, Reply, Round, TokenCounter,
+    Dialogue, DialogueError, FittedDialogue, GoalDialogue, GoalInput, OverBudget, Prepared, PromptError, Reply, Round,
+    ScreeningDialogue, TokenCounter, plain_line,
 };
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
-use crate::goal::{self, Goal, LeftOut, SpelledOut, Understanding};
+use crate::goal::{self, Goal, GoalFact, LeftOut, NEVER, SpelledOut, Understanding};
 use crate::report;
 use crate::report::Answer;
 use crate::search::Limits;
+use crate::verify::VerifiedPlan;
 
 impl Session {
     /// Returns the request for goals.
@@ -48,6 +51,29 @@ impl Session {
         })
     }
 
+    /// Returns the request for the marks of the instruction.
+    pub(super) fn screening_request(
+        &self,
+        dialogue: &ScreeningDialogue,
+        counter: &mut dyn TokenCounter,
+    ) -> Result<Prepared, PromptError> {
+        let request = dialogue.request();
+        if let Some(context) = self.model.context {
+            let messages = request.messages.iter().map(|message| counter.message_tokens(message));
+            let needed = messages.sum::<u64>() + counter.frame_tokens();
+            let room = context.saturating_sub(request.max_tokens.into());
+            if needed > room {
+                return Err(OverBudget { needed, room }.into());
+            }
+        }
+        Ok(Prepared {
+            request,
+            costs: Vec::new(),
+            dropped: 0,
+            left_out: 0,
+        })
+    }
+
     fn goal_input<'a>(&'a self, turn: &'a Turn, world: &'a World, instruction: &'a str) -> GoalInput<'a> {
         GoalInput {
             domain: &self.domain,
@@ -58,10 +84,11 @@ impl Session {
         }
     }
 
-    /// Returns the instruction with an open pronoun replaced by the entities of the last plan.
+    /// Returns the text that asks for goals, with an open pronoun replaced by the entities of the last plan.
     fn spelled_out(&self, turn: &Turn) -> String {
-        let spelled = self.pronoun(&turn.instruction);
-        spelled.map_or_else(|| turn.instruction.clone(), |spelled| spelled.text)
+        let wish = self.wish(turn).unwrap_or_else(|| turn.instruction.clone());
+        let spelled = self.pronoun(&wish);
+        spelled.map_or(wish, |spelled| spelled.text)
     }
 
     fn pronoun(&self, instruction: &str) -> Option<SpelledOut> {
@@ -100,7 +127,7 @@ impl Session {
         }
     }
 
-    pub(super) fn goal_reply(&mut self, turn: Turn, goal: Option<Box<FittedDialogue>>, reply: &Reply) {
+    pub(super) fn goal_reply(&mut self, mut turn: Turn, goal: Option<Box<FittedDialogue>>, reply: &Reply) {
         let mut fitted = goal.unwrap_or_else(|| Box::new(self.goal_dialogue(&turn, None)));
         match fitted.dialogue.supply(reply) {
             Ok(None) => {
@@ -108,11 +135,13 @@ impl Session {
             }
             Ok(Some(understood)) => {
                 self.world.share_values(fitted.dialogue.world());
+                turn.marks.extend(fitted.dialogue.marks().iter().cloned());
                 let carried = match fitted.is_narrowed {
                     true => understood.carried(&self.domain, fitted.dialogue.world(), &self.world),
                     false => Some(understood),
                 };
                 match carried {
+                    Some(understood) if self.wish(&turn).is_none() => self.offer_rule(turn, &understood),
                     Some(Understanding::Goal(goal, left_out)) if turn.accepts_as_goal(&goal) => {
                         self.pursue(turn, goal, &left_out);
                     }
@@ -133,27 +162,41 @@ impl Session {
     }
 
     /// Plans for a goal.
-    fn pursue(&mut self, turn: Turn, goal: Goal, left_out: &[LeftOut]) {
+    fn pursue(&mut self, turn: Turn, mut goal: Goal, left_out: &[LeftOut]) {
         let world = &self.world;
         let limits = self.settings.effort.map_or(self.limits, Limits::from);
-        let solution = report::of_goal(world, &goal, &turn.instruction, &limits, self.now);
+        let instruction = &turn.instruction;
+        let mut solution = report::of_goal(world, &goal, instruction, &limits, self.now);
+        if let (Some(staged), Some(_)) = (turn.staged(&goal), &solution.plan) {
+            let ordered = report::of_goal(world, &staged, instruction, &limits, self.now);
+            if ordered.plan.is_some() {
+                (goal, solution) = (staged, ordered);
+            }
+        }
         let mut answer = solution.answer;
         answer.tell_left_out(world, left_out);
-        if let Some(spelled) = self.pronoun(&turn.instruction) {
+        if let Some(spelled) = self.pronoun(instruction) {
             let names = spelled.meant.iter().map(|id| world.with_article(*id));
             let names: Vec<String> = names.collect();
             let note = format!("\"{}\" was taken for {}", spelled.pronoun, names.join(" and "));
             answer.assumptions.push(note);
         }
+        let coverage = turn.coverage(world, &goal, solution.plan.as_ref());
+        answer.set_coverage(&goal, &coverage);
         turn.price(&mut answer);
         match solution.plan {
             Some(plan) => {
+                let question = match goal.facts.is_empty() {
+                    true => Some(rule_question(world, &goal)),
+                    false => coverage.question(),
+                };
                 let proposal = Proposal {
                     plan,
                     purpose: goal.purpose(world),
                     goal: Some(goal),
                     answer,
                     refused: Vec::new(),
+                    question: question.filter(|_| !self.settings.partial),
                 };
                 self.propose(turn, proposal);
             }
@@ -195,7 +238,84 @@ impl Session {
     }
 }
 
+impl Session {
+    /// Returns the instruction without what it forbids; none if it only forbids something.
+    ///
+    /// The rest is a wish if it names an entity, or if neither it nor the prohibition names one and it is not much
+    /// shorter: "please" in front of a prohibition is no wish.
+    fn wish(&self, turn: &Turn) -> Option<String> {
+        let text = turn.text();
+        let (forbidden, rest) = coverage::without_prohibitions(&text, &turn.marks);
+        if forbidden.is_empty() {
+            return Some(turn.instruction.clone());
+        }
+        let letters = |text: &str| text.chars().filter(|character| character.is_alphanumeric()).count();
+        let is_wish = match coverage::names_entity(&self.world, &rest) {
+            true => true,
+            false => !coverage::names_entity(&self.world, &forbidden) && letters(&rest) * 2 > letters(&forbidden),
+        };
+        is_wish.then_some(rest)
+    }
+
+    /// Handles an instruction that only forbids something. What the model understood as a goal is what must not be
+    /// achieved: it is offered as a rule, with an empty plan.
+    fn offer_rule(&mut self, turn: Turn, understood: &Understanding) {
+        let facts = match understood {
+            Understanding::Goal(goal, _) => &goal.facts[..],
+            Understanding::Question(_) => &[],
+        };
+        let parts = facts.iter().flat_map(GoalFact::parts);
+        let parts: Vec<String> = parts.map(|fact| format!("{NEVER}{}", fact.exact(&self.world))).collect();
+        match goal::parse(&self.world, &parts.join(" & ")) {
+            Ok(rules) => self.pursue(turn, rules, &[]),
+            Err(_) => {
+                let question = format!(
+                    "You forbid something that I cannot say as a rule: \"{}\". What may I not do?",
+                    turn.text()
+                );
+                self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
+            }
+        }
+    }
+}
+
+/// Returns the question for a goal that only forbids something.
+fn rule_question(world: &World, goal: &Goal) -> String {
+    format!(
+        "There is nothing to do. Should this rule hold from now on: {}?",
+        goal.sentences(world).join("; ")
+    )
+}
+
 impl Turn {
+    /// Returns the instruction as one line, which its marks refer to.
+    pub(super) fn text(&self) -> String {
+        plain_line(&self.instruction)
+    }
+
+    /// Returns the goal with its parts in the order in which they are written, if the instruction gives an order and the
+    /// goal has none.
+    fn staged(&self, goal: &Goal) -> Option<Goal> {
+        let has_order = self.marks.iter().any(|mark| mark.gap == Gap::Order);
+        let is_plain = |fact: &GoalFact| !matches!(fact, GoalFact::If(_));
+        let can_have = goal.stages.is_empty() && goal.facts.len() > 1 && goal.facts.iter().all(is_plain);
+        (has_order && can_have).then(|| {
+            let mut staged = goal.clone();
+            staged.stages = (1..goal.facts.len()).collect();
+            staged
+        })
+    }
+
+    /// Accounts for the instruction. After an answer or feedback, only the marks of a model count: the later words may
+    /// have replaced a name or a number of the instruction.
+    fn coverage(&self, world: &World, goal: &Goal, plan: Option<&VerifiedPlan>) -> Coverage {
+        let text = self.text();
+        match self.rounds.is_empty() {
+            true => Coverage::new(world, &text, goal, &self.marks, plan),
+            false => Coverage::of_marks(world, &text, goal, &self.marks),
+        }
+    }
+
     /// Adds the token counts and model time of the instruction to an answer.
     pub(super) fn price(&self, answer: &mut Answer) {
         answer.usage = self.usage.into();

@@ -173,6 +173,7 @@ impl Session {
             Stage::Asking(..) => Response::Waiting,
             Stage::Question(_, _, question) => Response::Question(question),
             Stage::Proposed(turn) => match turn.proposal.as_deref() {
+                Some(proposal) if proposal.question.is_some() => Response::Consent(proposal),
                 Some(proposal) => Response::Plan(proposal),
                 None => Response::Ready,
             },
@@ -305,6 +306,7 @@ impl Session {
         self.world.add_values(text);
         let turn = Turn {
             instruction: text.to_owned(),
+            marks: Vec::new(),
             rounds: Vec::new(),
             corrections: 0,
             usage: Usage::default(),
@@ -312,7 +314,7 @@ impl Session {
             proposal: None,
             rereading: None,
         };
-        self.stage = Stage::Asking(turn, self.ask());
+        self.stage = Stage::Asking(turn, self.first_request(text));
         Ok(())
     }
 
@@ -365,8 +367,9 @@ impl Session {
         Ok(())
     }
 
-    /// Accepts the plan. The next instruction starts in its final world. If the plan has several endings,
-    /// [`Session::ended`] must select one first.
+    /// Accepts the plan, and answers its question ([`Proposal::question`]) with yes. The next instruction starts in its
+    /// final world. If the plan has several endings, [`Session::ended`] must select one first. If it offers a rule
+    /// ([`Proposal::offers_rule`]), the rule is put in force instead.
     ///
     /// # Errors
     ///
@@ -378,6 +381,10 @@ impl Session {
         let Some(proposal) = turn.proposal.take() else {
             return Err(self.out_of_turn("accepting"));
         };
+        if proposal.offers_rule() {
+            self.keep_rules(&proposal);
+            return Ok(());
+        }
         let instruction = std::mem::take(&mut turn.instruction);
         let accepted = Accepted {
             before: self.world.clone(),
@@ -465,8 +472,9 @@ impl Session {
         turn.proposal = Some(Box::new(proposal));
         // The round stays: it is part of how this goal came about.
         turn.rereading = None;
+        let asks = turn.proposal.as_ref().is_some_and(|proposal| proposal.question.is_some());
         self.stage = Stage::Proposed(turn);
-        if self.settings.accept {
+        if self.settings.accept && !asks {
             // The line above proposes a plan, so this cannot fail.
             let _ = self.accept();
         }

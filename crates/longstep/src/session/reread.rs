@@ -79,11 +79,15 @@ impl Session {
             return self.stage = Stage::Idle;
         };
         let (purpose, goal) = (proposal.purpose.clone(), proposal.goal.clone());
+        let question = proposal.question.clone();
+        let before = &proposal.answer;
+        let (coverage, not_represented) = (before.coverage.clone(), before.not_represented.clone());
         let world = &self.world;
         let report = amendment.plan.report();
         let mut answer = Answer::of_report(world, report, goal.as_ref(), &turn.instruction);
         answer.edits = amendment.edits.iter().map(EditAnswer::from).collect();
         answer.timings_ms.search = (self.now)() - started;
+        (answer.coverage, answer.not_represented) = (coverage, not_represented);
         turn.price(&mut answer);
         let proposal = Proposal {
             plan: amendment.plan,
@@ -91,6 +95,7 @@ impl Session {
             goal,
             answer,
             refused: Vec::new(),
+            question,
         };
         self.propose(turn, proposal);
     }

@@ -360,6 +360,8 @@ impl Event {
             self,
             Self::Model { .. }
                 | Self::Settings(_)
+                | Self::Rule { .. }
+                | Self::Lifted { .. }
                 | Self::Instruction { .. }
                 | Self::Reply { .. }
                 | Self::Failed { .. }

@@ -1,7 +1,7 @@
 //! Standing rules of a session: prohibitions that bind every later plan.
 
 use super::stage::Stage;
-use super::{Event, OutOfTurn, Session};
+use super::{Event, OutOfTurn, Proposal, Session};
 use crate::goal::{self, GoalError};
 use longstep_core::environment::Prohibition;
 
@@ -81,6 +81,19 @@ impl Session {
     /// Returns the rules in force, in the order in which they were given.
     pub fn rules(&self) -> &[Prohibition] {
         self.world.prohibitions()
+    }
+
+    /// Ends the instruction, and puts the constraints of a plan that offers them in force. A rule that is in force
+    /// already stays.
+    pub(super) fn keep_rules(&mut self, proposal: &Proposal) {
+        self.stage = Stage::Idle;
+        self.events.push(Event::Cancel);
+        let goal = proposal.goal.iter();
+        let texts: Vec<String> = goal.flat_map(|goal| goal.exact(&self.world)).collect();
+        for text in texts {
+            // The session is between instructions, and the text was written for this world.
+            let _ = self.add_rule(&text);
+        }
     }
 
     fn between_instructions(&self, what: &'static str) -> Result<(), OutOfTurn> {

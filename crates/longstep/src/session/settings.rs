@@ -47,10 +47,19 @@ pub struct Settings {
     /// Work of a search for a goal; none for the limits of the planner.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effort: Option<Effort>,
+    /// True if a model under a grammar marks, before it writes goals, what the instruction says beside wishes
+    /// ([`ScreeningDialogue`](crate::dialogue::ScreeningDialogue)). Logs of older programs have no such requests.
+    #[serde(default)]
+    pub screening: bool,
+    /// True if a plan that leaves out a part of the instruction is proposed like any other; otherwise it is a question
+    /// ([`Response::Consent`](super::Response::Consent)).
+    #[serde(default)]
+    pub partial: bool,
 }
 
 impl Default for Settings {
-    /// The goal strategy, repair first, three rounds (the most that the paper needed), and two earlier instructions.
+    /// The goal strategy with screening, repair first, three rounds (the most that the paper needed), and two earlier
+    /// instructions.
     /// Two suffice for "put it back" and keep prompts at a constant length.
     fn default() -> Self {
         Self {
@@ -60,6 +69,8 @@ impl Default for Settings {
             accept: false,
             history: 2,
             effort: None,
+            screening: true,
+            partial: false,
         }
     }
 }

@@ -5,6 +5,7 @@ use std::fmt;
 use super::asking::Asking;
 use super::ended::Left;
 use super::{Ended, Failure, Refusal};
+use crate::coverage::Mark;
 use crate::dialogue::{Round, Usage};
 use crate::goal::Goal;
 use crate::report::Answer;
@@ -20,6 +21,9 @@ pub enum Response<'a> {
     Waiting,
     /// A verified plan, which waits for acceptance or feedback.
     Plan(&'a Proposal),
+    /// A verified plan with a question ([`Proposal::question`]): the plan leaves out a part of the instruction, or it is
+    /// empty because the instruction only forbids something. [`accept`](super::Session::accept) answers yes.
+    Consent(&'a Proposal),
     /// A question, which waits for an answer.
     Question(&'a str),
     /// There is no plan; another instruction or feedback may follow.
@@ -34,6 +38,7 @@ impl fmt::Display for Response<'_> {
             Self::Ready => f.write_str("ready for an instruction"),
             Self::Waiting => f.write_str("waiting for the model"),
             Self::Plan(proposal) => write!(f, "a verified plan of {} steps", proposal.plan.steps().len()),
+            Self::Consent(proposal) => f.write_str(proposal.question.as_deref().unwrap_or_default()),
             Self::Question(question) => f.write_str(question),
             Self::NoPlan(failure) => failure.fmt(f),
             Self::Endings(endings) => write!(f, "the last plan can have ended in {} ways", endings.len()),
@@ -54,12 +59,24 @@ pub struct Proposal {
     pub answer: Answer,
     /// Reasons why the last feedback was refused; empty if it was fulfilled.
     pub refused: Vec<Refusal>,
+    /// The question to answer before the plan counts as what was asked for; see [`Response::Consent`].
+    pub question: Option<String>,
+}
+
+impl Proposal {
+    /// Returns true if the plan does nothing and its constraints are offered as standing rules.
+    pub fn offers_rule(&self) -> bool {
+        let forbids = |goal: &Goal| goal.facts.is_empty() && !goal.constraints.is_empty();
+        self.question.is_some() && self.goal.as_ref().is_some_and(forbids)
+    }
 }
 
 /// One instruction until its plan is accepted.
 #[derive(Debug, Clone)]
 pub(super) struct Turn {
     pub(super) instruction: String,
+    /// The parts of the instruction that a model marked.
+    pub(super) marks: Vec<Mark>,
     /// The model's replies and the feedback on them.
     pub(super) rounds: Vec<Round>,
     /// Number of corrections sent to the model.

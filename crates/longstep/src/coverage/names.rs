@@ -1,0 +1,165 @@
+//! Entities that an instruction names in full. Names are data of the environment and the domain, in any language.
+
+use std::ops::Range;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::entities;
+use crate::environment::{EntityId, World};
+use crate::goal::{Goal, Spoken};
+use crate::model::{plain_words, singular};
+use crate::verify::VerifiedPlan;
+
+/// From this character on, scripts are written without spaces between words (Chinese, Japanese, Korean particles).
+const WITHOUT_SPACES: char = '\u{2e80}';
+
+/// A name in an instruction.
+#[derive(Debug, Clone)]
+struct Mention {
+    range: Range<usize>,
+    /// The entities with this name.
+    entities: Vec<EntityId>,
+    /// True if the name was found as words; otherwise as a part of a text without spaces.
+    as_words: bool,
+}
+
+/// The names of entities in an instruction: of overlapping ones, the longest.
+#[derive(Debug, Clone)]
+pub(super) struct Mentions(Vec<Mention>);
+
+impl Mentions {
+    pub(super) fn of(world: &World, instruction: &str) -> Self {
+        let words = words(instruction);
+        let mut places: FxHashMap<&str, Vec<usize>> = FxHashMap::default();
+        for (place, (word, _)) in words.iter().enumerate() {
+            places.entry(word).or_default().push(place);
+        }
+        let mut found: FxHashMap<(usize, usize), Mention> = FxHashMap::default();
+        for (id, entity) in world.entities() {
+            for name in std::iter::once(&entity.name).chain(&entity.names) {
+                let (ranges, as_words) = match name.contains(|character| character >= WITHOUT_SPACES) {
+                    true => (occurrences(instruction, name), false),
+                    false => (sequences(&words, &places, name), true),
+                };
+                for range in ranges {
+                    let mention = found.entry((range.start, range.end)).or_insert_with(|| Mention {
+                        range,
+                        entities: Vec::new(),
+                        as_words,
+                    });
+                    if !mention.entities.contains(&id) {
+                        mention.entities.push(id);
+                    }
+                }
+            }
+        }
+        let mut all: Vec<Mention> = found.into_values().collect();
+        all.sort_by_key(|mention| (std::cmp::Reverse(mention.range.len()), mention.range.start));
+        let mut kept: Vec<Mention> = Vec::new();
+        for mention in all {
+            let overlaps = |other: &Mention| mention.range.start < other.range.end && other.range.start < mention.range.end;
+            if !kept.iter().any(overlaps) {
+                kept.push(mention);
+            }
+        }
+        kept.sort_by_key(|mention| mention.range.start);
+        Self(kept)
+    }
+
+    /// Returns true if the range is part of a name.
+    pub(super) fn cover(&self, range: &Range<usize>) -> bool {
+        let covers = |mention: &Mention| mention.range.start <= range.start && range.end <= mention.range.end;
+        self.0.iter().any(covers)
+    }
+
+    /// Returns the entities that are named within a range.
+    pub(super) fn within(&self, range: &Range<usize>) -> impl Iterator<Item = EntityId> {
+        let inside = |mention: &&Mention| range.start <= mention.range.start && mention.range.end <= range.end;
+        self.0.iter().filter(inside).flat_map(|mention| mention.entities.iter().copied())
+    }
+}
+
+/// Returns the names of entities that the goal does not concern: they are not in it, no fact of the environment relates
+/// them to an entity in it ("the cup next to the sink"), and the plan does not use them.
+pub(super) fn gaps(
+    world: &World,
+    instruction: &str,
+    goal: &Goal,
+    mentions: &Mentions,
+    plan: Option<&VerifiedPlan>,
+) -> Vec<Range<usize>> {
+    let spoken = Spoken::of(world, instruction);
+    let concerned = concerned(world, goal, plan);
+    let is_gap = |mention: &&Mention| {
+        let meant = |entity: &EntityId| !mention.as_words || spoken.entities.contains(entity);
+        !mention.entities.iter().any(|entity| concerned.contains(entity)) && mention.entities.iter().any(meant)
+    };
+    mentions.0.iter().filter(is_gap).map(|mention| mention.range.clone()).collect()
+}
+
+/// Returns the entities of the goal and the plan, everything that a fact relates to one of the goal, and the places of
+/// these places: a fact whose first argument is concerned concerns its others.
+fn concerned(world: &World, goal: &Goal, plan: Option<&VerifiedPlan>) -> FxHashSet<EntityId> {
+    let domain = world.domain();
+    let goals = entities(world, goal);
+    let mut all: FxHashSet<EntityId> = goals.iter().copied().collect();
+    let steps = plan.iter().flat_map(|plan| plan.plan().steps());
+    all.extend(steps.flat_map(|step| step.arguments.iter().copied()));
+    let facts: Vec<Vec<EntityId>> = world.state.iter().map(|fact| domain.arguments(fact).collect()).collect();
+    for fact in facts.iter().filter(|fact| fact.iter().any(|entity| goals.contains(entity))) {
+        all.extend(fact);
+    }
+    loop {
+        let before = all.len();
+        for fact in &facts {
+            if fact.first().is_some_and(|first| all.contains(first)) {
+                all.extend(fact);
+            }
+        }
+        if all.len() == before {
+            return all;
+        }
+    }
+}
+
+/// Returns the places at which the words of a name stand in the instruction, in the singular.
+fn sequences(words: &[(String, Range<usize>)], places: &FxHashMap<&str, Vec<usize>>, name: &str) -> Vec<Range<usize>> {
+    let name: Vec<String> = plain_words(name).iter().map(|word| singular(word)).collect();
+    let Some(first) = name.first() else { return Vec::new() };
+    let starts = places.get(first.as_str()).into_iter().flatten();
+    starts
+        .filter_map(|start| {
+            let window = words.get(*start..start + name.len())?;
+            let is_name = window.iter().zip(&name).all(|((word, _), part)| word == part);
+            is_name.then(|| window[0].1.start..window[name.len() - 1].1.end)
+        })
+        .collect()
+}
+
+/// Returns the places at which a text contains a name.
+fn occurrences(instruction: &str, name: &str) -> Vec<Range<usize>> {
+    instruction.match_indices(name).map(|(at, found)| at..at + found.len()).collect()
+}
+
+/// Returns the words of a text in the singular, as [`plain_words`] finds them, with their places.
+fn words(text: &str) -> Vec<(String, Range<usize>)> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    let mut last = ' ';
+    for (at, character) in text.char_indices() {
+        let end = at + character.len_utf8();
+        let joins = character.is_alphanumeric()
+            && last.is_alphanumeric()
+            && character.is_ascii_digit() == last.is_ascii_digit();
+        match ranges.last_mut() {
+            Some(range) if joins => range.end = end,
+            _ if character.is_alphanumeric() => ranges.push(at..end),
+            _ => {}
+        }
+        last = match character {
+            '\'' | '\u{2019}' => last,
+            other => other,
+        };
+    }
+    let word = |range: Range<usize>| (singular(&plain_words(&text[range.clone()]).concat()), range);
+    ranges.into_iter().map(word).collect()
+}
