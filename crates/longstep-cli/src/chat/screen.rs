@@ -75,7 +75,10 @@ fn waiting(interactive: bool) {
 /// Without a terminal there is no prompt, so a line says how the question is answered.
 fn consent(interactive: bool) {
     if !interactive {
-        print_line!("{}", "Waiting for an answer: an empty line says yes, `no` cancels.".dimmed());
+        print_line!(
+            "{}",
+            "Waiting for an answer: an empty line says yes, `no` cancels.".dimmed()
+        );
         output::blank();
     }
 }

@@ -54,7 +54,9 @@ pub(super) fn is_represented(world: &World, text: &str, goal: &Goal) -> bool {
 /// Returns the goal in lower case, and all names of its entities.
 fn texts(world: &World, goal: &Goal) -> Vec<String> {
     let parts = goal.everyday(world).into_iter();
-    let names = entities(world, goal).into_iter().flat_map(|entity| &world.entity(entity).names);
+    let names = entities(world, goal)
+        .into_iter()
+        .flat_map(|entity| &world.entity(entity).names);
     parts.chain(names.cloned()).map(|text| text.to_lowercase()).collect()
 }
 
@@ -70,7 +72,11 @@ fn counts(world: &World, goal: &Goal) -> Vec<usize> {
             }
         }
     }
-    subjects.into_values().map(|own| own.len()).filter(|count| *count > 1).collect()
+    subjects
+        .into_values()
+        .map(|own| own.len())
+        .filter(|count| *count > 1)
+        .collect()
 }
 
 /// Returns the numbers in a text: digits of any script, with points, commas and colons between them.
@@ -98,7 +104,11 @@ fn quotations(text: &str) -> Vec<Range<usize>> {
     let mut at = 0;
     while let Some((open, character)) = text[at..].char_indices().map(|(place, c)| (at + place, c)).find(opens) {
         let start = open + character.len_utf8();
-        let closing = |c: char| QUOTATION_MARKS.iter().any(|(open, close)| *open == character && *close == c);
+        let closing = |c: char| {
+            QUOTATION_MARKS
+                .iter()
+                .any(|(open, close)| *open == character && *close == c)
+        };
         let Some(length) = text[start..].find(closing) else {
             break;
         };

@@ -19,7 +19,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::environment::{EntityId, World};
-use crate::goal::{Constraint, Goal, GoalFact};
+use crate::goal::{Goal, GoalFact};
 use crate::verify::VerifiedPlan;
 use names::Mentions;
 
@@ -166,7 +166,9 @@ impl Coverage {
         let mut parts = Vec::new();
         let mut start = 0;
         for gap in gaps {
-            parts.extend(clauses(instruction, start..gap.range.start).map(|range| with_role(world, goal, mentions, range)));
+            parts.extend(
+                clauses(instruction, start..gap.range.start).map(|range| with_role(world, goal, mentions, range)),
+            );
             start = gap.range.end;
             parts.push(gap);
         }
@@ -238,8 +240,20 @@ pub(crate) fn names_entity(world: &World, text: &str) -> bool {
 
 /// Returns the marked parts that the goal does not represent.
 fn marked(world: &World, instruction: &str, goal: &Goal, marks: &[Mark]) -> Vec<Part> {
+    let missing = marks
+        .iter()
+        .filter(|mark| !is_represented(world, instruction, goal, mark));
+    let mut missing: Vec<&Mark> = missing.collect();
+    // Of overlapping marks the one with a question stays, and of these the longest: consent is to all of its text.
+    missing.sort_by_key(|mark| {
+        (
+            !mark.gap.is_question(),
+            std::cmp::Reverse(mark.range.len()),
+            mark.range.start,
+        )
+    });
     let mut gaps = Vec::new();
-    for mark in marks.iter().filter(|mark| !is_represented(world, instruction, goal, mark)) {
+    for mark in missing {
         enter(&mut gaps, mark.range.clone(), Role::NotRepresented(mark.gap));
     }
     gaps
@@ -290,7 +304,10 @@ fn clauses(instruction: &str, range: Range<usize>) -> impl Iterator<Item = Range
 fn ends_clause(text: &str, at: usize, character: char) -> bool {
     const ENDS: &str = ",.;:!?\u{3001}\u{3002}\u{ff0c}\u{ff01}\u{ff1f}\u{ff1b}\u{60c}\u{61f}\u{964}\u{2026}";
     let before = text[..at].chars().next_back().is_some_and(char::is_numeric);
-    let after = text[at + character.len_utf8()..].chars().next().is_some_and(char::is_numeric);
+    let after = text[at + character.len_utf8()..]
+        .chars()
+        .next()
+        .is_some_and(char::is_numeric);
     ENDS.contains(character) && !(before && after)
 }
 
@@ -306,7 +323,7 @@ fn with_role(world: &World, goal: &Goal, mentions: &Mentions, range: Range<usize
         .collect();
     let constraints = goal.constraints.iter().enumerate();
     let constraints: Vec<usize> = constraints
-        .filter(|(_, constraint)| names_one(&constraint_entities(world, constraint)))
+        .filter(|(_, constraint)| names_one(&constraint.about(domain)))
         .map(|(index, _)| index)
         .collect();
     let role = match (goals.is_empty(), constraints.is_empty()) {
@@ -334,22 +351,13 @@ fn attribute_the_rest(goal: &Goal, parts: &mut [Part]) {
     }
 }
 
-/// Returns the entities of a constraint.
-fn constraint_entities(world: &World, constraint: &Constraint) -> Vec<EntityId> {
-    match constraint {
-        Constraint::State { fact, .. } => fact.about(world.domain()),
-        Constraint::Step { arguments, .. } => arguments.iter().flatten().copied().collect(),
-        Constraint::Untouched(entity) => vec![*entity],
-    }
-}
-
 /// Returns the entities of a goal and of its constraints.
 fn entities(world: &World, goal: &Goal) -> Vec<EntityId> {
     let domain = world.domain();
     let of_goals = goal.facts.iter().flat_map(|fact| fact.about(domain));
     let of_constraints = goal.constraints.iter();
     let mut all: Vec<EntityId> = of_goals
-        .chain(of_constraints.flat_map(|constraint| constraint_entities(world, constraint)))
+        .chain(of_constraints.flat_map(|constraint| constraint.about(domain)))
         .collect();
     all.sort_unstable();
     all.dedup();

@@ -57,7 +57,8 @@ impl Mentions {
         all.sort_by_key(|mention| (std::cmp::Reverse(mention.range.len()), mention.range.start));
         let mut kept: Vec<Mention> = Vec::new();
         for mention in all {
-            let overlaps = |other: &Mention| mention.range.start < other.range.end && other.range.start < mention.range.end;
+            let overlaps =
+                |other: &Mention| mention.range.start < other.range.end && other.range.start < mention.range.end;
             if !kept.iter().any(overlaps) {
                 kept.push(mention);
             }
@@ -75,7 +76,10 @@ impl Mentions {
     /// Returns the entities that are named within a range.
     pub(super) fn within(&self, range: &Range<usize>) -> impl Iterator<Item = EntityId> {
         let inside = |mention: &&Mention| range.start <= mention.range.start && mention.range.end <= range.end;
-        self.0.iter().filter(inside).flat_map(|mention| mention.entities.iter().copied())
+        self.0
+            .iter()
+            .filter(inside)
+            .flat_map(|mention| mention.entities.iter().copied())
     }
 }
 
@@ -94,7 +98,12 @@ pub(super) fn gaps(
         let meant = |entity: &EntityId| !mention.as_words || spoken.entities.contains(entity);
         !mention.entities.iter().any(|entity| concerned.contains(entity)) && mention.entities.iter().any(meant)
     };
-    mentions.0.iter().filter(is_gap).map(|mention| mention.range.clone()).collect()
+    mentions
+        .0
+        .iter()
+        .filter(is_gap)
+        .map(|mention| mention.range.clone())
+        .collect()
 }
 
 /// Returns the entities of the goal and the plan, everything that a fact relates to one of the goal, and the places of
@@ -105,8 +114,15 @@ fn concerned(world: &World, goal: &Goal, plan: Option<&VerifiedPlan>) -> FxHashS
     let mut all: FxHashSet<EntityId> = goals.iter().copied().collect();
     let steps = plan.iter().flat_map(|plan| plan.plan().steps());
     all.extend(steps.flat_map(|step| step.arguments.iter().copied()));
-    let facts: Vec<Vec<EntityId>> = world.state.iter().map(|fact| domain.arguments(fact).collect()).collect();
-    for fact in facts.iter().filter(|fact| fact.iter().any(|entity| goals.contains(entity))) {
+    let facts: Vec<Vec<EntityId>> = world
+        .state
+        .iter()
+        .map(|fact| domain.arguments(fact).collect())
+        .collect();
+    for fact in facts
+        .iter()
+        .filter(|fact| fact.iter().any(|entity| goals.contains(entity)))
+    {
         all.extend(fact);
     }
     loop {
@@ -138,7 +154,10 @@ fn sequences(words: &[(String, Range<usize>)], places: &FxHashMap<&str, Vec<usiz
 
 /// Returns the places at which a text contains a name.
 fn occurrences(instruction: &str, name: &str) -> Vec<Range<usize>> {
-    instruction.match_indices(name).map(|(at, found)| at..at + found.len()).collect()
+    instruction
+        .match_indices(name)
+        .map(|(at, found)| at..at + found.len())
+        .collect()
 }
 
 /// Returns the words of a text in the singular, as [`plain_words`] finds them, with their places.

@@ -23,14 +23,21 @@ fn coverage(instruction: &str, goal: &str, marks: &[(&str, Gap)]) -> Coverage {
         "" => Goal::default(),
         goal => parse(&world, goal).unwrap(),
     };
-    let marks = marks.iter().map(|(text, gap)| Mark::of(instruction, text, *gap).unwrap());
+    let marks = marks
+        .iter()
+        .map(|(text, gap)| Mark::of(instruction, text, *gap).unwrap());
     Coverage::new(&world, instruction, &goal, &marks.collect::<Vec<_>>(), None)
 }
 
 #[track_caller]
 fn check(instruction: &str, goal: &str, expected: &[(&str, Gap)]) {
     let coverage = coverage(instruction, goal, &[]);
-    assert_eq!(coverage.gaps().collect::<Vec<_>>(), expected, "{instruction}: {:?}", coverage.parts());
+    assert_eq!(
+        coverage.gaps().collect::<Vec<_>>(),
+        expected,
+        "{instruction}: {:?}",
+        coverage.parts()
+    );
 }
 
 #[test]
@@ -38,17 +45,37 @@ fn numbers_are_represented_by_names_and_counts() {
     check("Put the pen on the shelf", "put(pen, shelf)", &[]);
     check("Put jar 2 on the shelf", "put(jar 2, shelf)", &[]);
     check("Put jar 2 on the shelf", "put(jar 1, shelf)", &[("jar 2", Gap::Name)]);
-    check("Put the 2 jars on the shelf", "put(jar 1, shelf) & put(jar 2, shelf)", &[]);
-    check("Put 3 jars on the shelf", "put(jar 1, shelf) & put(jar 2, shelf)", &[("3", Gap::Quantity)]);
+    check(
+        "Put the 2 jars on the shelf",
+        "put(jar 1, shelf) & put(jar 2, shelf)",
+        &[],
+    );
+    check(
+        "Put 3 jars on the shelf",
+        "put(jar 1, shelf) & put(jar 2, shelf)",
+        &[("3", Gap::Quantity)],
+    );
     check("Put 2 pens on the shelf", "put(pen, shelf)", &[("2", Gap::Quantity)]);
-    check("Stell den Stift um 7:30 ins Regal", "put(pen, shelf)", &[("7:30", Gap::Quantity)]);
-    check("Open it by 2.5 cm, then wait ٣ s", "opened(cupboard)", &[("2.5", Gap::Quantity), ("٣", Gap::Quantity)]);
+    check(
+        "Stell den Stift um 7:30 ins Regal",
+        "put(pen, shelf)",
+        &[("7:30", Gap::Quantity)],
+    );
+    check(
+        "Open it by 2.5 cm, then wait ٣ s",
+        "opened(cupboard)",
+        &[("2.5", Gap::Quantity), ("٣", Gap::Quantity)],
+    );
 }
 
 #[test]
 fn quotations_are_represented_by_names_alone() {
     check("Put the \"pen\" on the shelf", "put(pen, shelf)", &[]);
-    check("Label the pen \u{201c}new\u{201d}", "put(pen, shelf)", &[("new", Gap::Quotation)]);
+    check(
+        "Label the pen \u{201c}new\u{201d}",
+        "put(pen, shelf)",
+        &[("new", Gap::Quotation)],
+    );
     check("Put the teacher's pen on the 'shelf'", "put(pen, shelf)", &[]);
     check("An \"open quotation", "put(pen, shelf)", &[]);
 }
@@ -56,8 +83,16 @@ fn quotations_are_represented_by_names_alone() {
 #[test]
 fn a_name_may_describe_and_must_not_be_forgotten() {
     // Where the pen is, and where the shelf stands.
-    check("Take the pen from the desk to the shelf on the floor", "put(pen, shelf)", &[]);
-    check("Put the pen and the ruler on the shelf", "put(pen, shelf)", &[("ruler", Gap::Name)]);
+    check(
+        "Take the pen from the desk to the shelf on the floor",
+        "put(pen, shelf)",
+        &[],
+    );
+    check(
+        "Put the pen and the ruler on the shelf",
+        "put(pen, shelf)",
+        &[("ruler", Gap::Name)],
+    );
     check("Put the pen on the shelf, not the ruler", "put(pen, shelf)", &[]);
     check("冷蔵庫を開けて", "put(pen, shelf)", &[("冷蔵庫", Gap::Name)]);
     check("Open the cupboard handle", "opened(cupboard)", &[]);
@@ -67,7 +102,10 @@ fn a_name_may_describe_and_must_not_be_forgotten() {
 fn marks_are_gaps_unless_the_goal_says_them() {
     let gaps = |instruction, goal, marks: &[(&str, Gap)]| {
         let coverage = coverage(instruction, goal, marks);
-        coverage.gaps().map(|(text, gap)| (text.to_owned(), gap)).collect::<Vec<_>>()
+        coverage
+            .gaps()
+            .map(|(text, gap)| (text.to_owned(), gap))
+            .collect::<Vec<_>>()
     };
     let one = |text: &str, gap| vec![(text.to_owned(), gap)];
     let text = "Put the pen on the shelf, but leave the cupboard shut for ten minutes";
@@ -83,15 +121,26 @@ fn marks_are_gaps_unless_the_goal_says_them() {
         one("for ten minutes", Gap::Quantity)
     );
     let order = ("Put", Gap::Order);
-    assert_eq!(gaps(text, "put(pen, shelf) & opened(cupboard)", &[order]), one("Put", Gap::Order));
+    assert_eq!(
+        gaps(text, "put(pen, shelf) & opened(cupboard)", &[order]),
+        one("Put", Gap::Order)
+    );
     assert_eq!(gaps(text, "put(pen, shelf) then opened(cupboard)", &[order]), []);
 }
 
 #[test]
 fn every_letter_belongs_to_one_part() {
     let text = "It is late. Put the pen on the shelf, and close the cupboard at 7.30, please!";
-    let coverage = coverage(text, "put(pen, shelf) & closed(cupboard)", &[("at 7.30", Gap::Quantity)]);
-    let parts: Vec<(&str, &Role)> = coverage.parts().iter().map(|part| (coverage.text(part), &part.role)).collect();
+    let coverage = coverage(
+        text,
+        "put(pen, shelf) & closed(cupboard)",
+        &[("at 7.30", Gap::Quantity)],
+    );
+    let parts: Vec<(&str, &Role)> = coverage
+        .parts()
+        .iter()
+        .map(|part| (coverage.text(part), &part.role))
+        .collect();
     assert_eq!(
         parts,
         [
@@ -104,7 +153,17 @@ fn every_letter_belongs_to_one_part() {
     );
     let question = "I cannot represent \"at 7.30\"; the plan ignores it. Go on?";
     assert_eq!(coverage.question().as_deref(), Some(question));
-    for text in ["", "...", "a", "7", "\"", "é«»", "冷", "pen pen pen 2 2 \"\"", "\u{301}1\u{301}"] {
+    for text in [
+        "",
+        "...",
+        "a",
+        "7",
+        "\"",
+        "é«»",
+        "冷",
+        "pen pen pen 2 2 \"\"",
+        "\u{301}1\u{301}",
+    ] {
         let coverage = super::tests::coverage(text, "put(pen, shelf)", &[]);
         let mut at = 0;
         for part in coverage.parts() {

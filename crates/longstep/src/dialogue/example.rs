@@ -98,7 +98,9 @@ pub(super) fn in_form(answer: &str, kind: ConstraintKind) -> String {
     match kind {
         ConstraintKind::Grammar => answer.to_owned(),
         ConstraintKind::JsonSchema => match answer.strip_prefix(crate::goal::QUESTION) {
-            Some(question) => json!({"question": question, "goals": [], "never": [], "not_represented": []}).to_string(),
+            Some(question) => {
+                json!({"question": question, "goals": [], "never": [], "not_represented": []}).to_string()
+            }
             None => {
                 let goals: Vec<&str> = answer.split(" & ").collect();
                 json!({"question": "", "goals": goals, "never": [], "not_represented": []}).to_string()

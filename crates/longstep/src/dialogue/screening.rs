@@ -153,7 +153,10 @@ mod tests {
     #[track_caller]
     fn check(instruction: &str, answer: &str, expected: &[(&str, Gap)]) {
         let read = marks(instruction, answer).unwrap();
-        let texts: Vec<(&str, Gap)> = read.iter().map(|mark| (&instruction[mark.range.clone()], mark.gap)).collect();
+        let texts: Vec<(&str, Gap)> = read
+            .iter()
+            .map(|mark| (&instruction[mark.range.clone()], mark.gap))
+            .collect();
         assert_eq!(texts, expected, "{answer}");
     }
 
@@ -172,7 +175,14 @@ mod tests {
             &[("First", Gap::Order), ("but not the lock", Gap::Prohibition)],
         );
         check("Oil", "if:   ", &[]);
-        for answer in ["", "wish & ", "wish, forbids: oil", "forbids: the door", "never", "order: First & nothing"] {
+        for answer in [
+            "",
+            "wish & ",
+            "wish, forbids: oil",
+            "forbids: the door",
+            "never",
+            "order: First & nothing",
+        ] {
             let read = marks("First oil the hinge", answer);
             assert!(read.is_err(), "{answer}: {read:?}");
         }

@@ -47,12 +47,14 @@ impl Session {
     /// Creates the first request for an instruction: a screening if the model works under a grammar. The answers of
     /// servers have a place for marks.
     pub(super) fn first_request(&self, instruction: &str) -> Asking {
-        let screens = self.settings.screening && self.model.kind == ConstraintKind::Grammar;
-        match self.settings.strategy {
-            Strategy::Goal if screens => {
-                Asking::new(What::Screening(Box::new(ScreeningDialogue::new(&plain_line(instruction)))))
-            }
-            _ => self.ask(),
+        let text = plain_line(instruction);
+        let screens = self.settings.screening
+            && self.settings.strategy == Strategy::Goal
+            && self.model.kind == ConstraintKind::Grammar
+            && text.contains(char::is_alphanumeric);
+        match screens.then(|| ScreeningDialogue::new(&text)) {
+            Some(screening) => Asking::new(What::Screening(Box::new(screening))),
+            None => self.ask(),
         }
     }
 

@@ -265,7 +265,9 @@ impl Session {
             Understanding::Question(_) => &[],
         };
         let parts = facts.iter().flat_map(GoalFact::parts);
-        let parts: Vec<String> = parts.map(|fact| format!("{NEVER}{}", fact.exact(&self.world))).collect();
+        let parts: Vec<String> = parts
+            .map(|fact| format!("{NEVER}{}", fact.exact(&self.world)))
+            .collect();
         match goal::parse(&self.world, &parts.join(" & ")) {
             Ok(rules) => self.pursue(turn, rules, &[]),
             Err(_) => {
@@ -281,9 +283,10 @@ impl Session {
 
 /// Returns the question for a goal that only forbids something.
 fn rule_question(world: &World, goal: &Goal) -> String {
+    let rules: Vec<String> = goal.everyday(world).iter().map(|rule| format!("`{rule}`")).collect();
     format!(
-        "There is nothing to do. Should this rule hold from now on: {}?",
-        goal.sentences(world).join("; ")
+        "There is nothing to do. Should {} hold from now on?",
+        rules.join(" and ")
     )
 }
 

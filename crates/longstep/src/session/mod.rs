@@ -37,6 +37,8 @@ mod accepted;
 mod asking;
 #[cfg(test)]
 mod branching_tests;
+#[cfg(test)]
+mod coverage_tests;
 mod direct;
 mod ended;
 mod event;
@@ -472,7 +474,10 @@ impl Session {
         turn.proposal = Some(Box::new(proposal));
         // The round stays: it is part of how this goal came about.
         turn.rereading = None;
-        let asks = turn.proposal.as_ref().is_some_and(|proposal| proposal.question.is_some());
+        let asks = turn
+            .proposal
+            .as_ref()
+            .is_some_and(|proposal| proposal.question.is_some());
         self.stage = Stage::Proposed(turn);
         if self.settings.accept && !asks {
             // The line above proposes a plan, so this cannot fail.
