@@ -53,10 +53,8 @@ pub struct GoalDialogue {
     further: Option<Request>,
     /// True if enumerating `open` or the scene exceeded the work budget.
     exhausted: bool,
-    /// The instruction as one line.
-    instruction: String,
-    /// The parts of the instruction that the answer of a server marks.
-    marks: Vec<Mark>,
+    /// The parts of the instruction that the answer of a server quotes as not represented.
+    left_out: Vec<(String, Gap)>,
 }
 
 /// The inputs of a goal dialogue.
@@ -140,8 +138,7 @@ impl GoalDialogue {
             open: Vec::new(),
             further: None,
             exhausted: shown.exhausted,
-            instruction: plain_line(instruction),
-            marks: Vec::new(),
+            left_out: Vec::new(),
         }
     }
 
@@ -262,10 +259,19 @@ impl GoalDialogue {
         &self.world
     }
 
-    /// The parts of the instruction that the answer of a server does not represent; a model under a grammar is asked for
-    /// them in a [`ScreeningDialogue`](super::ScreeningDialogue).
-    pub fn marks(&self) -> &[Mark] {
-        &self.marks
+    /// Returns the parts of an instruction of one line that the answer of a server does not represent. A text that is no
+    /// quotation marks the whole instruction, so that nothing is dropped.
+    ///
+    /// A model under a grammar is asked for them in a [`ScreeningDialogue`](super::ScreeningDialogue).
+    pub fn marks(&self, instruction: &str) -> Vec<Mark> {
+        let mark = |(text, gap): &(String, Gap)| {
+            let whole = || Mark {
+                range: 0..instruction.len(),
+                gap: *gap,
+            };
+            Mark::of(instruction, text, *gap).unwrap_or_else(whole)
+        };
+        self.left_out.iter().map(mark).collect()
     }
 
     /// Returns true if enumerating the possible goals exceeded the work budget. No reply is usable then.
@@ -336,15 +342,8 @@ impl GoalDialogue {
         if !answer.question.trim().is_empty() {
             return Ok(Some(self.answer_to_question(answer.question.trim().to_owned())));
         }
-        // A text that is no quotation marks the whole instruction: a part that is left out is never dropped.
-        let mark = |part: &Part| {
-            let whole = || Mark {
-                range: 0..self.instruction.len(),
-                gap: part.kind,
-            };
-            Mark::of(&self.instruction, &plain_line(&part.text), part.kind).unwrap_or_else(whole)
-        };
-        self.marks = answer.not_represented.iter().take(GOAL_LIMIT).map(mark).collect();
+        let left_out = answer.not_represented.into_iter().take(GOAL_LIMIT);
+        self.left_out = left_out.map(|part| (plain_line(&part.text), part.kind)).collect();
         let known = self.facts.iter().map(|fact| fact.everyday(&self.world));
         let goals = answer.goals.into_iter().take(GOAL_LIMIT);
         let never = answer.never.into_iter().take(GOAL_LIMIT);

@@ -4,8 +4,8 @@ use super::asking::{Asking, What};
 use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
 use crate::coverage::{self, Coverage, Gap};
 use crate::dialogue::{
-    Dialogue, DialogueError, FittedDialogue, GoalDialogue, GoalInput, OverBudget, Prepared, PromptError, Reply, Round,
-    ScreeningDialogue, TokenCounter, plain_line,
+    ConstraintKind, Dialogue, DialogueError, FittedDialogue, GoalDialogue, GoalInput, OverBudget, Prepared,
+    PromptError, Reply, Round, ScreeningDialogue, TokenCounter, plain_line,
 };
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
@@ -135,13 +135,19 @@ impl Session {
             }
             Ok(Some(understood)) => {
                 self.world.share_values(fitted.dialogue.world());
-                turn.marks.extend(fitted.dialogue.marks().iter().cloned());
+                let of_server = self.model.kind == ConstraintKind::JsonSchema;
+                if of_server {
+                    turn.marks = fitted.dialogue.marks(&turn.text());
+                }
                 let carried = match fitted.is_narrowed {
                     true => understood.carried(&self.domain, fitted.dialogue.world(), &self.world),
                     false => Some(understood),
                 };
                 match carried {
-                    Some(understood) if self.wish(&turn).is_none() => self.offer_rule(turn, &understood),
+                    // A server writes what is forbidden as a constraint.
+                    Some(understood) if !of_server && self.wish(&turn).is_none() => {
+                        self.offer_rule(turn, &understood);
+                    }
                     Some(Understanding::Goal(goal, left_out)) if turn.accepts_as_goal(&goal) => {
                         self.pursue(turn, goal, &left_out);
                     }
