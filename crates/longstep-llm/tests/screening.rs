@@ -1,0 +1,156 @@
+//! Instructions that say more than goals, with a real model: prohibitions, quantities, orders and conditions in ten
+//! languages, and ordinary instructions among them. `LONGSTEP_MODEL` is a model reference, by default the catalogue's
+//! default model, `LONGSTEP_THREADS` its threads (1), `LONGSTEP_SCREENING=0` omits the screening.
+//!
+//! ```text
+//! cargo test --release -p longstep-llm --features embedded --test screening -- --ignored --nocapture development
+//! ```
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use longstep::session::{Proposal, Response, Session, Settings};
+use longstep::{Planner, World, goal};
+use longstep_core::verify;
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, load_domain, open};
+
+fn model() -> Box<dyn ChatModel> {
+    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
+    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
+    let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
+    let options = OpenOptions {
+        threads: Some(threads),
+        ..OpenOptions::new(cache_directory().unwrap())
+    };
+    open(&reference, &options, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// An instruction with its scene and what is checked.
+struct Case<'a> {
+    scene: &'a str,
+    kind: &'a str,
+    instruction: &'a str,
+    check: &'a str,
+}
+
+fn cases(text: &str) -> Vec<Case<'_>> {
+    let lines = text.lines().filter(|line| !line.starts_with('#') && !line.is_empty());
+    lines
+        .map(|line| {
+            let fields: Vec<&str> = line.split('|').collect();
+            let [scene, _, kind, instruction, check] = fields[..] else {
+                panic!("{line}")
+            };
+            Case {
+                scene,
+                kind,
+                instruction,
+                check,
+            }
+        })
+        .collect()
+}
+
+/// The domain and the environment of a scene.
+fn scene(name: &str) -> (String, String) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let (domain, file) = match name {
+        "pantry" => ("household".to_owned(), root.join("examples/environments/pantry.json")),
+        "greenhouse" => {
+            let folder = root.join("examples/greenhouse");
+            (folder.display().to_string(), folder.join("environment.json"))
+        }
+        _ => (
+            "virtualhome".to_owned(),
+            root.join(format!("suites/kitchen/scenes/{name}.json")),
+        ),
+    };
+    (domain, std::fs::read_to_string(file).unwrap())
+}
+
+/// Returns what became of an instruction, in one word.
+fn verdict(case: &Case<'_>, world: &World, session: &Session) -> &'static str {
+    match session.response() {
+        Response::Plan(proposal) => match case.kind {
+            "P" | "M" => match breaks(world, proposal, case.check) {
+                true => "forbidden",
+                false => "dropped",
+            },
+            "O" => match achieves(world, proposal, case.check) {
+                true => "right",
+                false => "dropped",
+            },
+            "N" => match is_goal(world, proposal, case.check) {
+                true => "right",
+                false => "wrong",
+            },
+            _ => "dropped",
+        },
+        Response::Consent(_) | Response::Question(_) => "question",
+        _ => "no plan",
+    }
+}
+
+fn breaks(world: &World, proposal: &Proposal, rules: &str) -> bool {
+    let bound = world.with_prohibitions(goal::rules(world, rules).unwrap());
+    let report = verify::check(&bound, proposal.plan.plan().clone(), &proposal.purpose);
+    !report.violations.is_empty()
+}
+
+fn achieves(world: &World, proposal: &Proposal, text: &str) -> bool {
+    let purpose = goal::parse(world, text).unwrap().purpose(world);
+    let report = verify::check(world, proposal.plan.plan().clone(), &purpose);
+    report.violations.is_empty()
+}
+
+fn is_goal(world: &World, proposal: &Proposal, texts: &str) -> bool {
+    let own = proposal.goal.as_ref().unwrap();
+    texts.split(";;").any(|text| goal::parse(world, text).unwrap() == *own)
+}
+
+fn measure(text: &str) -> BTreeMap<(String, &'static str), usize> {
+    let mut model = model();
+    let settings = Settings {
+        screening: std::env::var("LONGSTEP_SCREENING").as_deref() != Ok("0"),
+        ..Settings::default()
+    };
+    let mut counts = BTreeMap::new();
+    for case in cases(text) {
+        let (domain, environment) = scene(case.scene);
+        let planner = Planner::new(load_domain(&domain).unwrap());
+        let world = planner.world(&environment).unwrap();
+        let mut session = planner.session(world.clone(), settings, model.facts()).unwrap();
+        longstep_llm::instruct(&mut session, &mut *model, case.instruction).unwrap();
+        let verdict = verdict(&case, &world, &session);
+        let goal = session.proposal().and_then(|proposal| proposal.goal.as_ref());
+        let goal = goal.map_or(String::new(), |goal| goal.everyday(&world).join(" & "));
+        println!(
+            "{:9} {} {}  ->  {goal}  {}",
+            verdict,
+            case.kind,
+            case.instruction,
+            session.response()
+        );
+        *counts.entry((case.kind.to_owned(), verdict)).or_default() += 1;
+    }
+    for ((kind, verdict), count) in &counts {
+        println!("== {kind} {verdict}: {count}");
+    }
+    counts
+}
+
+#[test]
+#[ignore = "asks a real model about the instructions on which the screening was made"]
+fn development() {
+    let counts = measure(include_str!("screening/development.txt"));
+    assert!(counts.keys().all(|(_, verdict)| *verdict != "forbidden"), "{counts:?}");
+}
+
+#[test]
+#[ignore = "asks a real model about instructions that were written before anything was run"]
+fn test() {
+    let counts = measure(include_str!("screening/test.txt"));
+    assert!(counts.keys().all(|(_, verdict)| *verdict != "forbidden"), "{counts:?}");
+}
