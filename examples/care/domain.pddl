@@ -1,0 +1,74 @@
+; A care robot: it visits people, brings them things, gives pills out of boxes, wakes and informs people.
+(define (domain care)
+  (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
+                 :quantified-preconditions :conditional-effects :equality)
+
+  (:types spot item - thing)
+
+  (:predicates
+    (person ?spot - spot)
+    (lamp ?spot - spot)
+    (box ?item - item)                      ; holds pills
+    (robot-at ?spot - spot)
+    (at ?item - item ?spot - spot)
+    (holding ?item - item)
+    (open ?item - item)
+    (asleep ?spot - spot)
+    (lit ?spot - spot)
+    ; what happened
+    (dosed ?box - item ?person - spot)
+    (informed ?person - spot)
+    (visited ?spot - spot))
+
+  (:action go
+    :parameters (?to - spot)
+    :precondition (not (robot-at ?to))
+    :effect (and (forall (?from - spot) (not (robot-at ?from))) (robot-at ?to) (visited ?to)))
+
+  (:action take
+    :parameters (?item - item ?from - spot)
+    :precondition (and (robot-at ?from) (at ?item ?from) (not (asleep ?from))
+                       (forall (?other - item) (not (holding ?other))))
+    :effect (and (holding ?item) (not (at ?item ?from))))
+
+  ; Nobody is handed anything while asleep.
+  (:action give
+    :parameters (?item - item ?to - spot)
+    :precondition (and (holding ?item) (robot-at ?to) (not (asleep ?to)))
+    :effect (and (at ?item ?to) (not (holding ?item))))
+
+  (:action open-box
+    :parameters (?item - item)
+    :precondition (and (holding ?item) (box ?item) (not (open ?item)))
+    :effect (open ?item))
+
+  (:action close-box
+    :parameters (?item - item)
+    :precondition (and (holding ?item) (box ?item) (open ?item))
+    :effect (not (open ?item)))
+
+  (:action dose
+    :parameters (?box - item ?person - spot)
+    :precondition (and (holding ?box) (box ?box) (open ?box)
+                       (person ?person) (robot-at ?person) (not (asleep ?person)))
+    :effect (dosed ?box ?person))
+
+  (:action wake
+    :parameters (?person - spot)
+    :precondition (and (person ?person) (robot-at ?person) (asleep ?person))
+    :effect (not (asleep ?person)))
+
+  (:action inform
+    :parameters (?person - spot)
+    :precondition (and (person ?person) (robot-at ?person) (not (asleep ?person)))
+    :effect (informed ?person))
+
+  (:action light-on
+    :parameters (?spot - spot)
+    :precondition (and (lamp ?spot) (robot-at ?spot) (not (lit ?spot)))
+    :effect (lit ?spot))
+
+  (:action light-off
+    :parameters (?spot - spot)
+    :precondition (and (lamp ?spot) (robot-at ?spot) (lit ?spot))
+    :effect (not (lit ?spot))))
