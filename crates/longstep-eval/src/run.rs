@@ -55,7 +55,7 @@ pub fn run(
             || 0.0,
         )
     };
-    let mut session = begin(suite.scenes[&unit.case.scene].clone());
+    let mut session = begin(suite.world(unit.case));
     let mut lines = Lines::new();
     for (number, step) in unit.case.steps.iter().enumerate() {
         let says = step.in_words(unit.wording).unwrap_or(&step.says);

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 
 use longstep::goal::Goal;
 use longstep_core::environment::World;
+use longstep_core::model::Prohibition;
 
 pub use load::{Files, domain_name, load};
 pub use reachable::Unreached;
@@ -41,6 +42,8 @@ pub struct Case {
     pub id: String,
     /// The name of its initial world.
     pub scene: String,
+    /// The rules that bind all its plans.
+    pub rules: Vec<Prohibition>,
     /// The steps, at least one.
     pub steps: Vec<Step>,
     /// Tags for selection and grouping.
@@ -78,6 +81,13 @@ impl Expected {
             Self::Plan(goals) => goals,
             Self::Question | Self::Refusal | Self::Either => &[],
         }
+    }
+}
+
+impl Suite {
+    /// The initial world of a case, with its rules in force.
+    pub fn world(&self, case: &Case) -> World {
+        self.scenes[&case.scene].with_prohibitions(case.rules.iter().cloned())
     }
 }
 

@@ -7,6 +7,7 @@ use longstep::goal::{self, Goal};
 use longstep_core::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json::Path;
+use longstep_core::model::Prohibition;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -56,6 +57,8 @@ struct CasesFile {
 struct CaseEntry {
     id: Spanned<String>,
     scene: Spanned<String>,
+    /// Rules that bind all plans of the case, joined by `&`.
+    rules: Option<Spanned<String>>,
     says: Option<String>,
     #[serde(default)]
     wordings: BTreeMap<Spanned<String>, String>,
@@ -245,6 +248,12 @@ impl Loader<'_> {
             };
             self.hinted(at(&entry.scene), format!("there is no scene `{scene}`"), hint);
         }
+        let rules = match (&entry.rules, world) {
+            (Some(rules), Some(world)) => self.rules(rules, world),
+            _ => Vec::new(),
+        };
+        let bound = world.map(|world| world.with_prohibitions(rules.iter().cloned()));
+        let world = bound.as_ref();
         let steps = match (&entry.says, &entry.steps) {
             (Some(says), None) => {
                 let wished = Wished {
@@ -295,9 +304,20 @@ impl Loader<'_> {
         (!steps.is_empty()).then(|| Case {
             id: entry.id.get_ref().clone(),
             scene: scene.clone(),
+            rules,
             steps,
             tags: entry.tags.clone(),
         })
+    }
+
+    fn rules(&mut self, written: &Spanned<String>, world: &World) -> Vec<Prohibition> {
+        match goal::rules(world, written.get_ref()) {
+            Ok(rules) => rules,
+            Err(error) => {
+                self.fault(written.span().start, format!("`{}`: {error}", written.get_ref()));
+                Vec::new()
+            }
+        }
     }
 
     fn step(&mut self, says: &str, wished: &Wished<'_>, world: Option<&World>) -> Option<Step> {

@@ -53,6 +53,7 @@ pub fn load(domain: &Domain, file: &str, text: &str) -> Result<Suite, Diagnostic
                 }
                 scenes.insert(scene.clone(), world);
                 cases.push(Case {
+                    rules: Vec::new(),
                     id: scenario.id.to_string(),
                     scene,
                     steps: vec![Step {

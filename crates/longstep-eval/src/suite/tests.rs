@@ -78,7 +78,7 @@ fn everything_that_is_wrong_is_told_with_its_place() {
     check(
         "[[case]]\nid = 'a'\nscene = 'desk'\nsaid = 'x'",
         &[
-            "mine/cases.toml:4:1: unknown field `said`, expected one of `id`, `scene`, `says`, `wordings`, `goal`, `expect`, `steps`, `tags`",
+            "mine/cases.toml:4:1: unknown field `said`, expected one of `id`, `scene`, `rules`, `says`, `wordings`, `goal`, `expect`, `steps`, `tags`",
         ],
     );
 }
@@ -118,7 +118,7 @@ fn every_expected_goal_can_be_reached() {
         let (_, suite) = load_shipped(name);
         assert_eq!(suite.unreached(&longstep::Limits::default()), []);
         for case in &suite.cases {
-            let mut world = suite.scenes[&case.scene].clone();
+            let mut world = suite.world(case);
             for step in &case.steps {
                 let mut next = None;
                 for goal in step.expected.goals() {
