@@ -3,7 +3,7 @@
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
                  :quantified-preconditions :conditional-effects :equality)
 
-  (:types spot item - thing)
+  (:types spot item - thing message)
 
   (:predicates
     (person ?spot - spot)
@@ -18,6 +18,7 @@
     ; what happened
     (dosed ?box - item ?person - spot)
     (informed ?person - spot)
+    (told ?person - spot ?message - message)
     (visited ?spot - spot))
 
   (:action go
@@ -62,6 +63,11 @@
     :parameters (?person - spot)
     :precondition (and (person ?person) (robot-at ?person) (not (asleep ?person)))
     :effect (informed ?person))
+
+  (:action tell
+    :parameters (?person - spot ?message - message)
+    :precondition (and (person ?person) (robot-at ?person) (not (asleep ?person)))
+    :effect (and (informed ?person) (told ?person ?message)))
 
   (:action light-on
     :parameters (?spot - spot)

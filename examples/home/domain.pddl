@@ -3,7 +3,7 @@
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
                  :quantified-preconditions :conditional-effects :equality)
 
-  (:types device item colour - thing)
+  (:types device item colour - thing temperature duration message)
 
   (:constants red green blue orange warm_white - colour)
 
@@ -24,12 +24,15 @@
     (colour-of ?device - device ?colour - colour)
     (at ?item - item ?device - device)
     (cup ?item - item)
+    (set-to ?device - device ?temperature - temperature)
     ; what happened
     (warmed ?device - device)
     (cooled ?device - device)
     (heated ?item - item ?device - device)
+    (heated-for ?item - item ?device - device ?duration - duration)
     (brewed ?item - item)
-    (notified ?device - device))
+    (notified ?device - device)
+    (sent ?device - device ?message - message))
 
   (:action switch-on
     :parameters (?device - device)
@@ -56,6 +59,11 @@
     :parameters (?device - device)
     :precondition (thermostat ?device)
     :effect (cooled ?device))
+
+  (:action set
+    :parameters (?device - device ?temperature - temperature)
+    :precondition (and (thermostat ?device) (not (set-to ?device ?temperature)))
+    :effect (and (forall (?other - temperature) (not (set-to ?device ?other))) (set-to ?device ?temperature)))
 
   (:action open
     :parameters (?device - device)
@@ -102,6 +110,11 @@
     :precondition (and (heater ?device) (at ?item ?device) (not (open ?device)))
     :effect (heated ?item ?device))
 
+  (:action heat-for
+    :parameters (?item - item ?device - device ?duration - duration)
+    :precondition (and (heater ?device) (at ?item ?device) (not (open ?device)))
+    :effect (and (heated ?item ?device) (heated-for ?item ?device ?duration)))
+
   (:action brew
     :parameters (?item - item ?device - device)
     :precondition (and (brewer ?device) (on ?device) (cup ?item) (at ?item ?device))
@@ -110,4 +123,9 @@
   (:action notify
     :parameters (?device - device)
     :precondition (phone ?device)
-    :effect (notified ?device)))
+    :effect (notified ?device))
+
+  (:action send
+    :parameters (?device - device ?message - message)
+    :precondition (phone ?device)
+    :effect (and (notified ?device) (sent ?device ?message))))

@@ -3,7 +3,7 @@
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
                  :quantified-preconditions :conditional-effects :equality)
 
-  (:types fixture vessel - thing)
+  (:types fixture vessel - thing speed duration)
 
   (:predicates
     ; fixtures never change their kind
@@ -16,9 +16,14 @@
     (capped ?vessel - vessel)
     (filled ?vessel - vessel)
     (lid-open ?fixture - fixture)
+    (speed-of ?fixture - fixture ?speed - speed)
+    (timer-of ?fixture - fixture ?duration - duration)
     ; what happened
     (spun ?vessel - vessel)
+    (spun-at ?vessel - vessel ?speed - speed)
+    (spun-for ?vessel - vessel ?duration - duration)
     (incubated ?vessel - vessel)
+    (incubated-for ?vessel - vessel ?duration - duration)
     (shaken ?vessel - vessel)
     (transferred ?from - vessel ?to - vessel))
 
@@ -72,15 +77,31 @@
                        (forall (?other - vessel) (not (holding ?other))))
     :effect (not (lid-open ?fixture)))
 
+  (:action set-speed
+    :parameters (?fixture - fixture ?speed - speed)
+    :precondition (and (centrifuge ?fixture) (not (speed-of ?fixture ?speed)))
+    :effect (and (forall (?other - speed) (not (speed-of ?fixture ?other))) (speed-of ?fixture ?speed)))
+
+  (:action set-timer
+    :parameters (?fixture - fixture ?duration - duration)
+    :precondition (and (or (centrifuge ?fixture) (incubator ?fixture)) (not (timer-of ?fixture ?duration)))
+    :effect (and (forall (?other - duration) (not (timer-of ?fixture ?other))) (timer-of ?fixture ?duration)))
+
   ; Spins everything that is in the centrifuge; an open tube would spill.
   (:action spin
     :parameters (?fixture - fixture)
     :precondition (and (centrifuge ?fixture) (not (lid-open ?fixture))
                        (exists (?vessel - vessel) (in ?vessel ?fixture))
                        (forall (?vessel - vessel) (imply (in ?vessel ?fixture) (capped ?vessel))))
-    :effect (forall (?vessel - vessel) (when (in ?vessel ?fixture) (spun ?vessel))))
+    :effect (and (forall (?vessel - vessel) (when (in ?vessel ?fixture) (spun ?vessel)))
+                 (forall (?vessel - vessel ?speed - speed)
+                   (when (and (in ?vessel ?fixture) (speed-of ?fixture ?speed)) (spun-at ?vessel ?speed)))
+                 (forall (?vessel - vessel ?duration - duration)
+                   (when (and (in ?vessel ?fixture) (timer-of ?fixture ?duration)) (spun-for ?vessel ?duration)))))
 
   (:action incubate
     :parameters (?fixture - fixture)
     :precondition (and (incubator ?fixture) (exists (?vessel - vessel) (in ?vessel ?fixture)))
-    :effect (forall (?vessel - vessel) (when (in ?vessel ?fixture) (incubated ?vessel)))))
+    :effect (and (forall (?vessel - vessel) (when (in ?vessel ?fixture) (incubated ?vessel)))
+                 (forall (?vessel - vessel ?duration - duration)
+                   (when (and (in ?vessel ?fixture) (timer-of ?fixture ?duration)) (incubated-for ?vessel ?duration))))))

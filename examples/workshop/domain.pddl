@@ -3,7 +3,7 @@
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
                  :quantified-preconditions :conditional-effects :equality)
 
-  (:types station item - thing)
+  (:types station item - thing depth)
 
   (:predicates
     (drill ?station - station)
@@ -20,6 +20,7 @@
     (guard-open ?station - station)
     (powered ?station - station)
     (drilled ?item - item ?bit - item)
+    (drilled-to ?item - item ?bit - item ?depth - depth)
     (painted ?item - item ?paint - item)
     (sanded ?item - item)
     (vacuumed ?station - station))
@@ -84,6 +85,11 @@
     :parameters (?item - item ?bit - item ?station - station)
     :precondition (and (powered ?station) (clamped ?item ?station) (mounted ?bit ?station))
     :effect (drilled ?item ?bit))
+
+  (:action bore-to
+    :parameters (?item - item ?bit - item ?depth - depth ?station - station)
+    :precondition (and (powered ?station) (clamped ?item ?station) (mounted ?bit ?station))
+    :effect (and (drilled ?item ?bit) (drilled-to ?item ?bit ?depth)))
 
   (:action sand
     :parameters (?item - item ?sander - item ?station - station)
