@@ -16,7 +16,7 @@ fn a_domain_shows_an_environment_with_the_origin_of_each_fact() {
     let show = |command: &str| {
         let mut program = longstep(home.path());
         program.args(["domain", command, "household", "--env", env.to_str().unwrap()]);
-        run(program.current_dir(root()))
+        run(program.current_dir(root()), "")
     };
     let shown = show("show");
     assert_eq!(shown.code, 0, "{}", shown.stderr);
@@ -55,7 +55,7 @@ fn a_suite_with_an_unreachable_goal_is_refused() {
     let check = |replies: &[&str]| {
         let mut program = longstep(home.path());
         program.arg("eval").arg(&folder).args(replies);
-        run(program.current_dir(root()))
+        run(program.current_dir(root()), "")
     };
     write("cases.toml", &case("put(Bic, trash bin)"));
     let reachable = check(&["--check"]);

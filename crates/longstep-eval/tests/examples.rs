@@ -10,7 +10,9 @@ use longstep_eval::suite::{self, Files, Suite};
 const DOMAINS: [&str; 5] = ["care", "home", "laboratory", "warehouse", "workshop"];
 
 fn folder(domain: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(domain)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples")
+        .join(domain)
 }
 
 /// The texts of the files with this ending, by name without the ending.
@@ -29,7 +31,10 @@ fn load(domain: &str) -> Suite {
     let files = Files {
         folder: format!("examples/{domain}/suite/"),
         suite: cases.remove("suite").unwrap(),
-        cases: cases.into_iter().map(|(name, text)| (format!("{name}.toml"), text)).collect(),
+        cases: cases
+            .into_iter()
+            .map(|(name, text)| (format!("{name}.toml"), text))
+            .collect(),
         scenes: texts(&home.join("suite/scenes"), ".json"),
     };
     let domain = longstep_llm::load_domain(home.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"));

@@ -107,8 +107,8 @@ pub fn head(name: &str) -> String {
     let end = words.iter().position(|word| word == "of").unwrap_or(words.len());
     let digit = |word: &String| word.starts_with(|c: char| c.is_ascii_digit());
     let is_noun = |(index, word): &(usize, &String)| !digit(word) && (*index == 0 || !is_label(word));
-    let nouns = words[..end].iter().enumerate().filter(is_noun).map(|(_, word)| word);
-    let head = nouns.last().or(words.last());
+    let mut nouns = words[..end].iter().enumerate().filter(is_noun).map(|(_, word)| word);
+    let head = nouns.next_back().or(words.last());
     head.map(|word| singular(word)).unwrap_or_default()
 }
 

@@ -105,7 +105,7 @@ pub(crate) fn applicability(effects: &[NumericEffect], parameters: usize) -> Vec
                     .forall
                     .iter()
                     .all(|(slot, _)| first.fluent.terms.contains(&Term::Variable(*slot)));
-            if !single && !(adds(first) && adds(second)) {
+            if !(single || adds(first) && adds(second)) {
                 conditions.extend(agreement(
                     first,
                     &second.moved(parameters, first.forall.len()),

@@ -225,10 +225,11 @@ fn depends(operators: &[Operator], variables: usize) -> Vec<FxHashSet<u32>> {
             let others: Vec<u32> = depends[variable].iter().copied().collect();
             for other in others {
                 let more: Vec<u32> = depends[other as usize].iter().copied().collect();
-                changed |= effort::spend(1)
-                    && more
-                        .into_iter()
-                        .fold(false, |new, own| depends[variable].insert(own) || new);
+                if effort::spend(1) {
+                    let before = depends[variable].len();
+                    depends[variable].extend(more);
+                    changed |= depends[variable].len() > before;
+                }
             }
         }
         if !changed {

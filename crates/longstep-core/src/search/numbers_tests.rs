@@ -521,8 +521,8 @@ fn check_steps(case: &Case, world: &World, draw: &mut Draw) {
         .map(|_| (draw.below(choices) as usize, draw.below(2) as usize))
         .collect();
     let report = check(world, Plan::sequence(steps_of(world, &steps)), &Purpose::default());
-    let inapplicable = report.violations.iter().find_map(|violation| match violation {
-        Violation::Precondition { step, .. } => Some(*step),
+    let inapplicable = report.violations.first().map(|violation| match violation {
+        Violation::Precondition { step, .. } => *step,
         other => panic!("{other:?}\n{}\n{}", case.domain(), case.problem()),
     });
     let mut at = case.start.clone();

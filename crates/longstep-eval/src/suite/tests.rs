@@ -153,6 +153,7 @@ fn an_unreachable_goal_is_found_with_its_instruction_and_the_reason() {
         proof: 1,
         shortest: 1,
         any: 1,
+        ..longstep::Limits::default()
     });
     assert!(
         !given_up.is_empty() && given_up.iter().all(|one| !one.proven),

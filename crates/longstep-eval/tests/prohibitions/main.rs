@@ -62,7 +62,9 @@ fn scenes() -> Vec<Scene> {
 
 impl Scene {
     fn new(case: Case) -> Self {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(&case.domain);
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../examples")
+            .join(&case.domain);
         let domain = longstep_llm::load_domain(folder.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"));
         let text = std::fs::read_to_string(folder.join(format!("suite/scenes/{}.json", case.scene))).unwrap();
         let free = longstep_core::environment::parse(&domain, &case.scene, &text).unwrap();
@@ -71,7 +73,12 @@ impl Scene {
         let breaking = solve(&free, &case.breaking).unwrap_or_else(|| panic!("no plan for {}", case.breaking));
         // Otherwise the test would show nothing.
         let seen = case.watch.broken_by(&free, &breaking);
-        assert!(seen.is_some(), "{}: the plan for `{}` does not break it", case.says, case.breaking);
+        assert!(
+            seen.is_some(),
+            "{}: the plan for `{}` does not break it",
+            case.says,
+            case.breaking
+        );
         Self {
             domain: Arc::new(domain),
             case,
@@ -106,7 +113,14 @@ impl Scene {
             kind: ConstraintKind::JsonSchema,
             context: None,
         };
-        Session::new(&self.case.domain, Arc::clone(&self.domain), self.free.clone(), settings, model, || 0.0)
+        Session::new(
+            &self.case.domain,
+            Arc::clone(&self.domain),
+            self.free.clone(),
+            settings,
+            model,
+            || 0.0,
+        )
     }
 
     fn answered(&self, session: &mut Session, text: &str) {
@@ -144,7 +158,9 @@ fn search_finds_no_plan_that_breaks_one() {
             plan.iter().for_each(|plan| scene.keeps(plan, way));
         }
         let forced = solve(&scene.bound, &case.breaking);
-        forced.iter().for_each(|plan| scene.keeps(plan, "a goal that asks for it"));
+        forced
+            .iter()
+            .for_each(|plan| scene.keeps(plan, "a goal that asks for it"));
     }
 }
 
@@ -159,7 +175,10 @@ fn the_goal_strategy_keeps_to_them() {
             true => session.add_rule(&case.rule).unwrap(),
             false => goals.push(&case.rule),
         }
-        scene.answered(&mut session, &serde_json::json!({"question": "", "goals": goals}).to_string());
+        scene.answered(
+            &mut session,
+            &serde_json::json!({"question": "", "goals": goals}).to_string(),
+        );
         if let Response::Plan(proposal) = session.response() {
             scene.keeps(&proposal.plan, "goal strategy");
             accepted += 1;
@@ -219,7 +238,12 @@ fn verification_refuses_and_repair_mends_or_refuses() {
             let verdict = assessment.verdict();
             assert_eq!(verdict.status, Status::Invalid, "{}", scene.case.says);
             let named = |violation: &report::ViolationAnswer| violation.kind == "prohibited";
-            assert!(verdict.violations.iter().any(named), "{}: {:?}", scene.case.says, verdict.violations);
+            assert!(
+                verdict.violations.iter().any(named),
+                "{}: {:?}",
+                scene.case.says,
+                verdict.violations
+            );
             assert!(assessment.verified().is_none(), "{}", scene.case.says);
             match assessment.repair() {
                 RepairOutcome::Repaired(repaired) => {
@@ -248,6 +272,10 @@ fn a_composition_does_not_smuggle_one_in() {
         }
         // It is the rule that it fails for.
         let inlined = inline(&scene.free, &written, &stored).unwrap_or_else(|misfits| panic!("{misfits:?}"));
-        assert!(Composed::new(&scene.free, inlined, "").verified().is_some(), "{}", scene.case.says);
+        assert!(
+            Composed::new(&scene.free, inlined, "").verified().is_some(),
+            "{}",
+            scene.case.says
+        );
     }
 }

@@ -28,7 +28,10 @@ impl Watch {
             let mut state: BTreeSet<String> = world.state.iter().map(|fact| words(world, fact)).collect();
             for (id, changes) in ending.trace.steps() {
                 let step = plan.plan().step(id);
-                let arguments = step.arguments.iter().map(|entity| world.entity(*entity).identifier.clone());
+                let arguments = step
+                    .arguments
+                    .iter()
+                    .map(|entity| world.entity(*entity).identifier.clone());
                 let arguments: Vec<String> = arguments.collect();
                 let call = format!("{} {}", domain.action(step.action).name, arguments.join(" "));
                 let mut changed = Vec::new();
@@ -46,7 +49,9 @@ impl Watch {
                     Self::Call(pattern) => fits(pattern, &call),
                     Self::Untouched(entity) => {
                         arguments.contains(entity)
-                            || changed.iter().any(|fact| fact.split(' ').nth(1) == Some(entity.as_str()))
+                            || changed
+                                .iter()
+                                .any(|fact| fact.split(' ').nth(1) == Some(entity.as_str()))
                     }
                 };
                 if broken {
@@ -61,7 +66,11 @@ impl Watch {
 fn words(world: &World, fact: Fact) -> String {
     let predicate = &world.domain().predicates[fact.predicate().index()];
     let arguments = (0..predicate.parameters.len()).map(|place| world.entity(fact.argument(place)).identifier.clone());
-    [predicate.name.clone()].into_iter().chain(arguments).collect::<Vec<_>>().join(" ")
+    [predicate.name.clone()]
+        .into_iter()
+        .chain(arguments)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 fn fits(pattern: &str, call: &str) -> bool {
