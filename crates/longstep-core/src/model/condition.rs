@@ -94,6 +94,26 @@ impl Condition {
         }
     }
 
+    /// Returns the condition that holds exactly where this one does not: unlike the [negation](Self::negated), it holds
+    /// where a comparison fails because a number is unknown.
+    #[must_use]
+    pub(crate) fn complement(self) -> Self {
+        self.negated().map(&|slot| slot, &|literal| match literal {
+            Self::Number {
+                test: NumberTest::Compare(left, comparison, right),
+                initially,
+            } => {
+                let unknown = [left.clone(), right.clone()].map(|side| Self::Number {
+                    test: NumberTest::Known(side, false),
+                    initially,
+                });
+                let test = NumberTest::Compare(left, comparison, right);
+                Self::Or([Self::Number { test, initially }].into_iter().chain(unknown).collect())
+            }
+            other => other,
+        })
+    }
+
     /// Returns the condition with renumbered slots.
     #[must_use]
     pub(crate) fn with_slots(self, slot: &impl Fn(Slot) -> Slot) -> Self {

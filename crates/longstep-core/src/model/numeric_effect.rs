@@ -130,7 +130,7 @@ fn computable(effect: &NumericEffect) -> Option<Condition> {
     };
     let guarded = match &effect.condition {
         Condition::And(parts) if parts.is_empty() => known,
-        condition => Condition::Or(vec![condition.clone().negated(), known]),
+        condition => Condition::Or(vec![condition.clone().complement(), known]),
     };
     Some(everywhere(guarded, &effect.forall))
 }
@@ -142,7 +142,7 @@ fn agreement(first: &NumericEffect, second: &NumericEffect, parameters: usize) -
     let own = parameters + first.forall.len();
     let inner = |slot: Slot| if slot < own { slot } else { slot + second.forall.len() };
     let condition = first.condition.clone().with_slots(&inner);
-    let mut alternatives = vec![condition.negated(), second.condition.clone().negated()];
+    let mut alternatives = vec![condition.complement(), second.condition.clone().complement()];
     for (left, right) in first.fluent.terms.iter().zip(&second.fluent.terms) {
         match (left, right) {
             (Term::Constant(left), Term::Constant(right)) if left != right => return None,

@@ -46,7 +46,7 @@ impl Grounder<'_> {
                 achieved.extend(begun.map(|begun| is(begun, true)));
                 if *anew {
                     let open = self.extra(false);
-                    let not = wanted.condition.clone().negated();
+                    let not = wanted.condition.clone().complement();
                     begins.push(set(open, self.formula(&not, &mut wanted.bindings.clone())));
                     achieved.push(is(open, true));
                 }
