@@ -46,10 +46,11 @@ class Group:
 
     def members(self, world: World) -> list[str]:
         """The entities that the group stands for, in the order of the environment."""
-        if self.kind in types(world):
+        if self.kind != "object" and self.kind in types(world):
             found = world.of_type(self.kind)
         elif self.kind in ANYTHING:
-            found = list(world.types)
+            constants = dict(world.words.pddl.constants)
+            found = [name for name in world.types if name not in constants]
         else:
             found = [name for name in world.types if self.kind in kinds_by_name(world, name)]
         found = [name for name in found if name not in self.exceptions]

@@ -274,8 +274,11 @@ fn type_of(domain: &Domain, kind: &str) -> Option<TypeId> {
 /// Returns the entities of a kind: those of a type, or those with this name. A name of several words belongs to the kind
 /// of its last ones: a wine glass is a glass.
 fn of_kind(world: &World, kind: &str) -> Vec<EntityId> {
-    if let Some(kind) = type_of(world.domain(), kind) {
-        return world.of_kind(kind).to_vec();
+    match type_of(world.domain(), kind) {
+        // The hands of a robot, which the domain declares, are not among "all things".
+        Some(TypeId::OBJECT) => return world.of_kind(TypeId::OBJECT)[world.domain().constants.len()..].to_vec(),
+        Some(kind) => return world.of_kind(kind).to_vec(),
+        None => {}
     }
     let words = |name: &str| -> Vec<String> { plain_words(name).iter().map(|word| singular(word)).collect() };
     let wanted = words(kind);

@@ -66,7 +66,9 @@ fn keep_allowed(task: &mut Task) -> bool {
         };
         for part in conjuncts {
             match part {
-                Formula::Literal(literal) => drop(kept.insert(*literal)),
+                Formula::Literal(literal) => {
+                    kept.insert(*literal);
+                }
                 Formula::Or(parts) => disjunctions.push(parts.clone()),
                 Formula::And(_) => {}
             }
