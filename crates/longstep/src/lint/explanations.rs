@@ -227,7 +227,9 @@ fn examples(domain: &Domain, places: &Places<'_>, findings: &mut Vec<Finding>) {
         return;
     }
     let shows = |word: &GoalWord| {
-        let in_scene = |names: Vec<&str>, known: &[&str]| names.iter().all(|name| known.contains(name));
+        let is_value = |name: &str| matches!(domain.value(name), Some(Ok(_)));
+        let in_scene =
+            |names: Vec<&str>, known: &[&str]| names.iter().all(|name| known.contains(name) || is_value(name));
         domain.prompts.examples.iter().any(|example| {
             let scene = example.objects.iter().chain(&example.places);
             let known: Vec<&str> = scene.map(|(name, _)| name.as_str()).collect();

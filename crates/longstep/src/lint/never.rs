@@ -237,7 +237,7 @@ impl Family<'_> {
     fn types_of_entities(&self) -> String {
         let name = |kind| self.domain.types.name(kind);
         format!(
-            "entities of an environment are each a `{}` or a `{}`: use one of these, a type above them, or a constant",
+            "entities of an environment are each a `{}` or a `{}`: use one of these, a type above them, a type of values or a constant",
             name(self.domain.environment.asset),
             name(self.domain.environment.object)
         )

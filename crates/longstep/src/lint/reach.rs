@@ -145,7 +145,9 @@ impl<'a> Reach<'a> {
     pub(super) fn overlap(&self, left: TypeId, right: TypeId) -> bool {
         let is_a = |kind: TypeId| self.domain.types.is_a(kind, left) && self.domain.types.is_a(kind, right);
         let environment = &self.domain.environment;
-        is_a(environment.asset) || is_a(environment.object) || self.domain.constants.iter().any(|(_, kind)| is_a(*kind))
+        let mut constants = self.domain.constants.iter().map(|(_, kind)| *kind);
+        let mut values = self.domain.values.iter().map(|own| own.kind);
+        is_a(environment.asset) || is_a(environment.object) || constants.any(is_a) || values.any(is_a)
     }
 
     /// Returns the reason why the condition can never hold, if any. `kinds` are the types of the enclosing variables.
