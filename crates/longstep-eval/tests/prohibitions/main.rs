@@ -34,6 +34,8 @@ struct Case {
     scene: String,
     standing: bool,
     says: String,
+    /// The instruction that a standing rule binds.
+    instruction: Option<String>,
     rule: String,
     goal: String,
     breaking: String,
@@ -124,7 +126,8 @@ impl Scene {
     }
 
     fn answered(&self, session: &mut Session, text: &str) {
-        session.instruct(&self.case.says).unwrap();
+        let instruction = self.case.instruction.as_ref().unwrap_or(&self.case.says);
+        session.instruct(instruction).unwrap();
         // Feedback of the program is answered with the same text: the model insists.
         while matches!(session.response(), Response::Waiting) {
             session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
@@ -184,7 +187,8 @@ fn the_goal_strategy_keeps_to_them() {
             accepted += 1;
         }
     }
-    assert!(accepted > 0);
+    // The others are impossible, or their wording leads to a question.
+    assert!(accepted >= 25, "{accepted}");
 }
 
 #[test]
@@ -255,7 +259,7 @@ fn verification_refuses_and_repair_mends_or_refuses() {
             }
         }
     }
-    assert!(mended > 0);
+    assert!(mended >= 40, "{mended}");
 }
 
 #[test]

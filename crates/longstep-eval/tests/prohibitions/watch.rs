@@ -9,7 +9,7 @@ use serde::Deserialize;
 /// What to look for in a plan. Facts and calls are words with blanks between them: `in <tube_a> <rack_a>`.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Watch {
+pub(crate) enum Watch {
     /// The fact holds in no state.
     Never(String),
     /// The fact holds in every state.
@@ -22,7 +22,7 @@ pub enum Watch {
 
 impl Watch {
     /// The first step at which a plan breaks the prohibition, on any of its ways.
-    pub fn broken_by(&self, world: &World, plan: &VerifiedPlan) -> Option<String> {
+    pub(crate) fn broken_by(&self, world: &World, plan: &VerifiedPlan) -> Option<String> {
         let domain = world.domain();
         for ending in plan.endings() {
             let mut state: BTreeSet<String> = world.state.iter().map(|fact| words(world, fact)).collect();
