@@ -172,6 +172,13 @@ impl Group {
         })
     }
 
+    /// Returns all entities in the group: its members, those in its conditions, and the exceptions.
+    pub fn about(&self) -> Vec<EntityId> {
+        let conditions = self.conditions.iter().flat_map(|own| own.arguments.iter());
+        let all = self.members.iter().chain(conditions).chain(&self.exceptions);
+        all.copied().collect()
+    }
+
     /// Returns true if the kind is a type of the domain, and no name of entities.
     pub fn is_of_type(&self, domain: &Domain) -> bool {
         type_of(domain, &self.kind).is_some()

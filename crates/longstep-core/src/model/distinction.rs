@@ -199,7 +199,7 @@ mod tests {
             r#"{"<cup_1>": ["on_something(<table>)", "next_to(<shelf>)"], "<cup_2>": "on_something(<table>)",
                 "<cup_3>": ["on_something(<shelf>)", "next_to(<table>)"]}"#,
             &[
-                "cup 1 (next to the shelf)",
+                "cup 1 (is next to the shelf)",
                 "cup 2 (on the table, is not next to the shelf)",
                 "cup 3 (on the shelf)",
             ],

@@ -24,11 +24,15 @@ pub(crate) fn name_entities(
 ) -> Vec<(String, Vec<String>)> {
     let given_to = |identifier: &str| given.and_then(|given| given.get(identifier));
     let given_names = given.into_iter().flat_map(IndexMap::values);
-    let reserved: FxHashSet<String> = given_names.map(|name| name.to_lowercase()).collect();
+    // By given name: the number of entities that have it.
+    let mut reserved: FxHashMap<String, usize> = FxHashMap::default();
+    for name in given_names {
+        *reserved.entry(name.to_lowercase()).or_default() += 1;
+    }
     let mut choices: Vec<Vec<String>> = Vec::with_capacity(identifiers.len());
     for identifier in identifiers {
         let mut names = domain.lexicon.names(identifier);
-        names.retain(|name| !reserved.contains(&name.to_lowercase()));
+        names.retain(|name| !reserved.contains_key(&name.to_lowercase()));
         names.splice(0..0, given_to(identifier).cloned());
         choices.push(names);
     }
@@ -56,8 +60,11 @@ pub(crate) fn name_entities(
     // The domain's constants, which are the first entities, have no numbers of the environment.
     let serial = are_serial(identifiers.get(domain.constants.len()..).unwrap_or_default());
     let labelled = |(identifier, name): (&&str, &String)| {
-        let is_own = given_to(identifier).is_some() || !reserved.contains(&name.to_lowercase());
-        if is_own && counts[name.as_str()] == 1 {
+        let is_alone = match given_to(identifier) {
+            Some(_) => reserved.get(&name.to_lowercase()) == Some(&1),
+            None => !reserved.contains_key(&name.to_lowercase()) && counts[name.as_str()] == 1,
+        };
+        if is_alone {
             return Some(name.clone());
         }
         let label = label(identifier);

@@ -19,7 +19,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::environment::{EntityId, World};
-use crate::goal::{Goal, GoalFact};
+use crate::goal::{Goal, GoalFact, Group};
 use crate::verify::VerifiedPlan;
 use names::Mentions;
 
@@ -358,6 +358,7 @@ fn entities(world: &World, goal: &Goal) -> Vec<EntityId> {
     let of_constraints = goal.constraints.iter();
     let mut all: Vec<EntityId> = of_goals
         .chain(of_constraints.flat_map(|constraint| constraint.about(domain)))
+        .chain(goal.groups.iter().flat_map(|part| &part.groups).flat_map(Group::about))
         .collect();
     all.sort_unstable();
     all.dedup();

@@ -35,7 +35,8 @@ impl Mentions {
             places.entry(word).or_default().push(place);
         }
         let mut found: FxHashMap<(usize, usize), Mention> = FxHashMap::default();
-        for (id, entity) in world.entities() {
+        // A value comes from the text that mentions it; `literal` decides whether a goal has it.
+        for (id, entity) in world.entities().filter(|(_, entity)| !entity.is_value) {
             for name in std::iter::once(&entity.name).chain(&entity.names) {
                 let (ranges, as_words) = match name.contains(|character| character >= WITHOUT_SPACES) {
                     true => (occurrences(instruction, name), false),

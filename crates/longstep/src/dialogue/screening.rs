@@ -94,7 +94,7 @@ impl Dialogue for ScreeningDialogue {
 
 /// Reads an answer. A quotation may contain the separator, so an answer is split only before a label.
 fn marks(instruction: &str, answer: &str) -> Result<Vec<Mark>, DialogueError> {
-    let answer = answer.trim();
+    let answer = answer.trim_start().trim_end_matches(['\n', '\r']);
     if answer == WISH {
         return Ok(Vec::new());
     }

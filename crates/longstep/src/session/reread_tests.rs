@@ -31,7 +31,11 @@ fn session(name: &str, environment: &str, kind: ConstraintKind) -> Session {
         kind,
         context: None,
     };
-    Session::new(name, domain, world, Settings::default(), model, || 0.0)
+    let settings = Settings {
+        screening: false,
+        ..Settings::default()
+    };
+    Session::new(name, domain, world, settings, model, || 0.0)
 }
 
 /// Has a model answer the request that the session has for it.

@@ -82,6 +82,7 @@ fn groups_of_a_model_are_expanded_and_shown() {
         answer.groups[0].says,
         "each item (it is on the desk) except the ruler: the pen"
     );
+    session.cancel().unwrap();
     let text = "put(any item, shelf)";
     answered(&mut session, "put any item on the shelf", &goals(&[text]));
     let Response::Plan(proposal) = session.response() else {
