@@ -354,7 +354,7 @@ fn a_file_that_is_no_model_is_refused() {
 }
 
 /// The fields of an answer, in their order.
-const FIELDS: [&str; 11] = [
+const FIELDS: [&str; 13] = [
     "status",
     "plan",
     "steps",
@@ -362,7 +362,9 @@ const FIELDS: [&str; 11] = [
     "edits",
     "violations",
     "claims",
+    "not_represented",
     "assumptions",
+    "search",
     "usage",
     "timings_ms",
     "notes",

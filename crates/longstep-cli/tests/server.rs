@@ -42,7 +42,9 @@ fn without_key(output: &Output) -> (String, String) {
 
 #[test]
 fn a_server_s_goals_become_a_plan() {
-    let server = Server::giving(vec![says(r#"{"question": "", "goals": ["put(cereal, counter)"]}"#)]);
+    let server = Server::giving(vec![says(
+        r#"{"question": "", "goals": ["put(cereal, counter)"], "never": [], "not_represented": []}"#,
+    )]);
     let output = plan(&server, "Put the cereal on the counter");
     let (stdout, stderr) = without_key(&output);
     assert_eq!(output.status.code(), Some(0), "{stderr}");
@@ -60,7 +62,9 @@ fn a_server_s_goals_become_a_plan() {
 
 #[test]
 fn a_server_s_question_is_passed_on() {
-    let server = Server::giving(vec![says(r#"{"question": "Which thing?", "goals": []}"#)]);
+    let server = Server::giving(vec![says(
+        r#"{"question": "Which thing?", "goals": [], "never": [], "not_represented": []}"#,
+    )]);
     let output = plan(&server, "do the thing");
     let (stdout, _) = without_key(&output);
     assert_eq!(output.status.code(), Some(13));
@@ -75,8 +79,14 @@ fn a_server_that_answers_nonsense_is_told_of() {
             "Sure! I will put the cereal on the counter.",
             "warning: the server ignored the schema: its answer has another form\n",
         ),
-        (r#"{"question": "", "goals": ["put(unicorn, counter)"]}"#, ""),
-        (r#"{"question": "", "goals": ["fly(cereal)"]}"#, ""),
+        (
+            r#"{"question": "", "goals": ["put(unicorn, counter)"], "never": [], "not_represented": []}"#,
+            "",
+        ),
+        (
+            r#"{"question": "", "goals": ["fly(cereal)"], "never": [], "not_represented": []}"#,
+            "",
+        ),
     ];
     for (content, warning) in wrong {
         let server = Server::giving(vec![says(content)]);

@@ -30,12 +30,12 @@ pub enum Answer {
 
 /// A model that wants only this.
 pub fn goals(goals: &[&str]) -> Answer {
-    Answer::Says(json!({"question": "", "goals": goals}).to_string())
+    Answer::Says(json!({"question": "", "goals": goals, "never": [], "not_represented": []}).to_string())
 }
 
 /// A model that asks back.
 pub fn question(question: &str) -> Answer {
-    Answer::Says(json!({"question": question, "goals": []}).to_string())
+    Answer::Says(json!({"question": question, "goals": [], "never": [], "not_represented": []}).to_string())
 }
 
 /// A model that changes the steps.

@@ -89,7 +89,6 @@ pub struct Answer {
     /// Assumptions behind the verdict, and goals that were left out.
     pub assumptions: Vec<String>,
     /// The state of knowledge at the end of the search; none if the plan does not come from one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub search: Option<SearchAnswer>,
     /// Token counts.
     pub usage: UsageAnswer,

@@ -33,6 +33,12 @@ impl Asking {
     pub(super) fn new(what: What) -> Self {
         Self { what, logged: false }
     }
+
+    /// Returns true for the first request of an instruction, as long as no model has it.
+    pub(super) fn is_first_of(&self, turn: &Turn) -> bool {
+        let begins = matches!(self.what, What::Screening(_) | What::Goal(None) | What::Plan);
+        begins && !self.logged && turn.rounds.is_empty() && turn.proposal.is_none() && turn.rereading.is_none()
+    }
 }
 
 impl Session {

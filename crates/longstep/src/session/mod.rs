@@ -286,6 +286,12 @@ impl Session {
             context: model.context,
         });
         self.model = model;
+        // Without a request so far, the new model begins as it would have begun.
+        if let Stage::Asking(turn, asking) = &self.stage
+            && asking.is_first_of(turn)
+        {
+            self.stage = Stage::Asking(turn.clone(), self.first_request(&turn.instruction));
+        }
     }
 
     /// Sets the settings for the following inputs.
