@@ -5,7 +5,7 @@ mod common;
 
 use common::{longstep, root, run};
 
-const ENVIRONMENT: &str = r#"{"assets": ["<desk>", "<Trash_Bin>"], "objects": ["<pen>", "<spong>", "<fridge_handle>"],
+const ENVIRONMENT: &str = r#"{"assets": ["<desk>", "<Trash_Bin>"], "objects": ["<pen>", "<buket>", "<fridge_handle>"],
     "object_states": {"<pen>": "on_something(<desk>)"}, "names": {"<pen>": "Bic"}}"#;
 
 #[test]
@@ -32,7 +32,7 @@ fn a_domain_shows_an_environment_with_the_origin_of_each_fact() {
     let checked = show("check");
     assert_eq!(checked.code, 0, "{}", checked.stderr);
     for line in [
-        "env.json:1:49: [near-miss] `<spong>` almost matches the name `sponge` of a derivation",
+        "env.json:1:60: [near-miss] `<buket>` almost matches the name `bucket` of a derivation",
         "[idle-derivation] no entity has a name of this derivation: basket, box, crate, bag, bucket",
     ] {
         assert!(
