@@ -8,7 +8,7 @@ use longstep::domain::{self, Condition, Domain, Files};
 use longstep_core::effort;
 use longstep_core::json::Path;
 use longstep_core::pddl::{self, Problem};
-use longstep_core::search::{self, Limits, Outcome, Wanted};
+use longstep_core::search::{self, Effort, Limits, Outcome, Wanted};
 use longstep_core::verify::{apply, unmet};
 use longstep_core::environment::{self, Environment, Moment, State, World, holds};
 
@@ -47,6 +47,7 @@ const SMALL: Limits = Limits {
     proof: 50,
     shortest: 100,
     any: 200,
+    effort: Effort::NORMAL,
 };
 
 fuzz_target!(|condition: &str| {

@@ -6,7 +6,7 @@
 //!
 //! Gaps have two sources. A model marks parts ([`Mark`]): in the answer of a server, or in a request of its own
 //! ([`ScreeningDialogue`](crate::dialogue::ScreeningDialogue)). The others are facts about the text that need no
-//! language ([`literal`], [`names`]): numbers and quotations that no goal contains, and entities that the text names in
+//! language (`literal`, `names`): numbers and quotations that no goal contains, and entities that the text names in
 //! full and that no goal concerns.
 
 mod literal;
