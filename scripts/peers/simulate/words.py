@@ -83,6 +83,7 @@ class Words:
     rules: list[Rule]
     goals: dict[str, Goal]
     assumed: set[str]
+    complete: set[str]
     events: set[str]
     lexicon: dict[str, list[str]]
     changing: set[str] = field(default_factory=set)
@@ -169,6 +170,7 @@ def read(domain_text: str, words_text: str) -> Words:
         rules=[read_rule(entry) for entry in toml.get("rule", [])],
         goals=goals,
         assumed={entry["name"] for entry in predicates if entry.get("unknown") == "assume"},
+        complete={entry["name"] for entry in predicates if entry.get("complete")},
         events={entry["name"] for entry in predicates if entry.get("event")},
         lexicon=toml.get("lexicon", {}),
     )

@@ -144,7 +144,8 @@ class World:
     def first_state(self) -> frozenset:
         """What holds at first: what is said, what follows, what is usual, and what is assumed."""
         yes, no = set(self.said(self.environment)), set()
-        # An environment that says a property of anything says it of all that have it: then nothing is derived or assumed.
+        # An environment that gives a property to one entity gives it to all that have it: then nothing is assumed, and
+        # nothing is derived of a predicate that the domain calls complete.
         complete = set()
         for key in ("asset_properties", "object_properties"):
             for entity, entry in self.environment.get(key, {}).items():
@@ -153,7 +154,7 @@ class World:
                         fact = (predicate, *(entity.strip("<>") if term == "?self" else term for term in terms))
                         (yes if sign else no).add(fact)
                         complete |= {predicate} if sign else set()
-        self.derive(yes, no, complete)
+        self.derive(yes, no, complete & self.words.complete)
         for (_, predicate, terms), when in self.words.defaults:
             for entity in self.types:
                 binding = {"?self": entity}
