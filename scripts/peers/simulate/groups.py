@@ -52,7 +52,8 @@ class Group:
             constants = dict(world.words.pddl.constants)
             found = [name for name in world.types if name not in constants]
         else:
-            found = [name for name in world.types if self.kind in kinds_by_name(world, name)]
+            kind = singular(self.kind)
+            found = [name for name in world.types if kind in map(singular, kinds_by_name(world, name))]
         found = [name for name in found if name not in self.exceptions]
         found = [name for name in found if all(meets(world, name, condition) for condition in self.where)]
         if not found:
@@ -113,6 +114,11 @@ def kinds_by_name(world: World, name: str) -> list[str]:
     for words in (own.split() for own in names_of(world, name)):
         kinds += [" ".join(words[start:]) for start in range(len(words))]
     return kinds
+
+
+def singular(kind: str) -> str:
+    """A kind without the plural ending of its last word; enough for the names in the scenes."""
+    return kind[:-1] if kind.endswith("s") and not kind.endswith(("ss", "us")) else kind
 
 
 def condition_text(world: World, sign: bool, word: str, arguments: tuple) -> str:
