@@ -1,7 +1,7 @@
 ; A care robot: it visits people, brings them things, gives pills out of boxes, wakes and informs people.
 (define (domain care)
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
-                 :quantified-preconditions :conditional-effects :equality)
+                 :quantified-preconditions :conditional-effects :equality :numeric-fluents)
 
   (:types spot item - thing message)
 
@@ -20,6 +20,10 @@
     (informed ?person - spot)
     (told ?person - spot ?message - message)
     (visited ?spot - spot))
+
+  (:functions
+    (pills ?box - item)
+    (given ?box - item))                    ; pills given from the box
 
   (:action go
     :parameters (?to - spot)
@@ -50,9 +54,9 @@
 
   (:action dose
     :parameters (?box - item ?person - spot)
-    :precondition (and (holding ?box) (box ?box) (open ?box)
+    :precondition (and (holding ?box) (box ?box) (open ?box) (>= (pills ?box) 1)
                        (person ?person) (robot-at ?person) (not (asleep ?person)))
-    :effect (dosed ?box ?person))
+    :effect (and (dosed ?box ?person) (decrease (pills ?box) 1) (increase (given ?box) 1)))
 
   (:action wake
     :parameters (?person - spot)

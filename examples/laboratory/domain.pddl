@@ -1,7 +1,7 @@
 ; A bench robot with one gripper and a pipette: tubes, racks, a centrifuge with a lid, an incubator.
 (define (domain laboratory)
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
-                 :quantified-preconditions :conditional-effects :equality)
+                 :quantified-preconditions :conditional-effects :equality :numeric-fluents)
 
   (:types fixture vessel - thing speed duration)
 
@@ -26,6 +26,9 @@
     (incubated-for ?vessel - vessel ?duration - duration)
     (shaken ?vessel - vessel)
     (transferred ?from - vessel ?to - vessel))
+
+  (:functions
+    (volume ?vessel - vessel))                   ; in microlitres
 
   (:action pick
     :parameters (?vessel - vessel ?from - fixture)
@@ -57,13 +60,15 @@
     :precondition (and (holding ?vessel) (capped ?vessel))
     :effect (shaken ?vessel))
 
+  ; One stroke of the pipette is 50 ul.
   (:action pipette
     :parameters (?from - vessel ?to - vessel)
-    :precondition (and (filled ?from) (not (= ?from ?to)) (not (capped ?from)) (not (capped ?to))
+    :precondition (and (filled ?from) (not (= ?from ?to)) (>= (volume ?from) 50) (not (capped ?from)) (not (capped ?to))
                        (forall (?other - vessel) (not (holding ?other)))
                        (exists (?rack - fixture) (and (rack ?rack) (in ?from ?rack)))
                        (exists (?rack - fixture) (and (rack ?rack) (in ?to ?rack))))
-    :effect (and (transferred ?from ?to) (filled ?to)))
+    :effect (and (transferred ?from ?to) (filled ?to)
+                 (decrease (volume ?from) 50) (increase (volume ?to) 50)))
 
   (:action open-lid
     :parameters (?fixture - fixture)

@@ -1,7 +1,7 @@
 ; A warehouse robot that carries pallets and boxes between bays, docks, conveyors and a wrapping table.
 (define (domain warehouse)
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
-                 :quantified-preconditions :conditional-effects :equality)
+                 :quantified-preconditions :conditional-effects :equality :numeric-fluents)
 
   (:types place load - thing)
 
@@ -23,10 +23,13 @@
     (scanned ?load - load)
     (charged))
 
+  (:functions (battery))                       ; percent
+
+  ; A drive takes 2 percent of the battery, a charge adds 20.
   (:action drive
     :parameters (?to - place)
-    :precondition (and (not (robot-at ?to)) (not (blocked ?to)))
-    :effect (and (forall (?from - place) (not (robot-at ?from))) (robot-at ?to)))
+    :precondition (and (not (robot-at ?to)) (not (blocked ?to)) (>= (battery) 2))
+    :effect (and (decrease (battery) 2) (forall (?from - place) (not (robot-at ?from))) (robot-at ?to)))
 
   (:action lift
     :parameters (?load - load ?from - place)
@@ -69,5 +72,5 @@
 
   (:action charge
     :parameters (?place - place)
-    :precondition (and (charger ?place) (robot-at ?place))
-    :effect (charged)))
+    :precondition (and (charger ?place) (robot-at ?place) (<= (battery) 80))
+    :effect (and (charged) (increase (battery) 20))))

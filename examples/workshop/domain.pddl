@@ -1,7 +1,7 @@
 ; A workshop robot that clamps, drills, sands and paints workpieces, with machines that have guards.
 (define (domain workshop)
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions
-                 :quantified-preconditions :conditional-effects :equality)
+                 :quantified-preconditions :conditional-effects :equality :numeric-fluents)
 
   (:types station item - thing depth)
 
@@ -24,6 +24,8 @@
     (painted ?item - item ?paint - item)
     (sanded ?item - item)
     (vacuumed ?station - station))
+
+  (:functions (holes ?item - item))
 
   (:action take
     :parameters (?item - item ?from - station)
@@ -84,12 +86,12 @@
   (:action bore
     :parameters (?item - item ?bit - item ?station - station)
     :precondition (and (powered ?station) (clamped ?item ?station) (mounted ?bit ?station))
-    :effect (drilled ?item ?bit))
+    :effect (and (drilled ?item ?bit) (increase (holes ?item) 1)))
 
   (:action bore-to
     :parameters (?item - item ?bit - item ?depth - depth ?station - station)
     :precondition (and (powered ?station) (clamped ?item ?station) (mounted ?bit ?station))
-    :effect (and (drilled ?item ?bit) (drilled-to ?item ?bit ?depth)))
+    :effect (and (drilled ?item ?bit) (increase (holes ?item) 1) (drilled-to ?item ?bit ?depth)))
 
   (:action sand
     :parameters (?item - item ?sander - item ?station - station)

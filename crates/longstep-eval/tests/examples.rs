@@ -73,5 +73,5 @@ fn every_expected_goal_is_solved_and_verified() {
         }
     }
     assert!(missing.is_empty(), "{solved} solved, not: {missing:#?}");
-    assert_eq!(solved, 45);
+    assert_eq!(solved, 60);
 }
