@@ -40,6 +40,8 @@ MILLION = 10**6
 MOST = 2**63 - 1
 # States of one search of the simulator.
 LIMIT = 3_000
+# Seconds for a task of ENHSP, which does not stop where a number grows without bound.
+ENHSP_SECONDS = 10
 COMPARISONS = {
     "<": lambda left, right: left < right,
     "<=": lambda left, right: left <= right,
@@ -70,6 +72,7 @@ class Task:
     numbers: dict
     goal: tuple
     costs: bool
+    numeric: bool = True
     calls: list = field(default_factory=list)
 
     def __post_init__(self):
@@ -204,11 +207,14 @@ class Task:
 
     def domain(self):
         """The domain as PDDL."""
+        # Fast Downward refuses the requirement of numbers.
+        requirements = ":adl :numeric-fluents :action-costs" if self.numeric else ":adl :action-costs"
+        functions = ["(level ?o) (rate ?o) (charge)"] * self.numeric + ["(total-cost)"] * self.costs
         lines = [
-            "(define (domain numbers) (:requirements :adl :numeric-fluents :action-costs)",
+            f"(define (domain numbers) (:requirements {requirements})",
             f"(:constants {' '.join(OBJECTS)})",
             "(:predicates (p ?o) (q ?o))",
-            f"(:functions (level ?o) (rate ?o) (charge){' (total-cost)' if self.costs else ''})",
+            *([f"(:functions {' '.join(functions)})"] if functions else []),
         ]
         for action in self.actions:
             effects = [text(effect) for effect in action["effects"]]
@@ -236,10 +242,11 @@ def text(part) -> str:
             return f"({' '.join(words)})"
         case ("fact", name, argument):
             return f"({name} {argument})"
+        # ENHSP reads no variable without a type in an effect.
         case ("each", inner):
-            return f"(forall (?y) {text(inner)})"
+            return f"(forall (?y - object) {text(inner)})"
         case ("some", inner):
-            return f"(exists (?y) {text(inner)})"
+            return f"(exists (?y - object) {text(inner)})"
         case ("compare", sign, left, right):
             return f"({sign} {text(left)} {text(right)})"
         case ("set", name, argument, holds):
@@ -349,7 +356,7 @@ class Drawer:
                 if self.plain or not self.chance(10):
                     numbers[key] = abs(self.number()) if key[0] == "rate" else self.number()
         facts = frozenset((name, own) for name in "pq" for own in OBJECTS if self.chance(2))
-        return Task(actions, facts, numbers, self.condition(2, ["a", "b", "c"]), costs)
+        return Task(actions, facts, numbers, self.condition(2, ["a", "b", "c"]), costs, self.numeric)
 
 
 def build() -> Path:
@@ -410,7 +417,7 @@ def enhsp(domain: Path, problem: Path) -> tuple[str, list]:
     jar = wheels.fetch(ENHSP) / "enhsp.jar"
     command = ["java", "-jar", str(jar), "-o", str(domain), "-f", str(problem), "-planner", "sat-hadd"]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=30)
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=ENHSP_SECONDS)
     except subprocess.TimeoutExpired:
         return "gave_up", []
     shown = done.stdout + done.stderr
@@ -432,8 +439,10 @@ def against_planner(task: Task, answer: dict, outcome: str, plan: list, best_cos
         wrong, cost = task.replay(plan)
         if wrong is not None:
             return f"the other's plan fails at step {wrong}: {plan}"
-        if ours == "solved" and best_cost and answer["best"] and not is_cost(answer["cost"], cost):
-            return f"ours costs {answer['cost']}, the other {cost}"
+        # Without costs, both planners count steps.
+        own = answer.get("cost") if task.costs else len(steps_of(answer.get("plan", "")))
+        if ours == "solved" and best_cost and answer["best"] and not is_cost(own, cost):
+            return f"ours costs {own}, the other {cost}"
     return None
 
 

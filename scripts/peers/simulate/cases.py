@@ -71,14 +71,15 @@ class Case:
 
     def goal_text(self, form: str, arguments: tuple[str, ...]) -> str:
         """A goal in the words of `longstep solve --goal`."""
-        text = form
+        text, ambiguous = form, groups.is_overloaded(self.world(), form)
         for (name, _), value in zip(words.load(self.domain).goals[form].parameters, arguments):
-            text = text.replace("{" + name[1:] + "}", self.argument_text(value))
+            text = text.replace("{" + name[1:] + "}", self.argument_text(value, ambiguous))
         return text
 
-    def argument_text(self, value) -> str:
+    def argument_text(self, value, ambiguous: bool = False) -> str:
         """An entity, or a group, in the words of `longstep solve --goal`."""
-        return value.text(self.world()) if isinstance(value, groups.Group) else render.written(self.world(), value)
+        is_group = isinstance(value, groups.Group)
+        return value.text(self.world(), ambiguous) if is_group else render.written(self.world(), value)
 
     def changed(self, **parts) -> "Case":
         """The case with some of its parts replaced."""

@@ -35,7 +35,15 @@ class Comparison:
 
 
 def compare(case: Case, answer: dict, faults: frozenset = frozenset()) -> Comparison:
-    """Compares what the program answered with what the simulator says."""
+    """Compares what the program answered with what the simulator says; a crash of either is a difference."""
+    try:
+        return compared(case, answer, faults)
+    except Exception as error:
+        return Comparison(f"crash here: {error!r}")
+
+
+def compared(case: Case, answer: dict, faults: frozenset) -> Comparison:
+    """The comparison, unless the simulator stops."""
     if "crash" in answer:
         return Comparison(f"crash: {answer['crash']}")
     if "can hold in no state" in answer.get("error", ""):
@@ -57,9 +65,11 @@ def compare(case: Case, answer: dict, faults: frozenset = frozenset()) -> Compar
 
 def compare_search(case: Case, world: World, answer: dict) -> Comparison:
     """Compares the length of a shortest plan, and simulates the one that was found."""
-    status = answer["status"]
+    status, flags = answer["status"], answer.get("stages", [])
+    if (flags or case.stages) and len(flags) != len(case.goals):
+        return Comparison(f"goals: {len(flags)} there, {len(case.goals)} here")
     if case.kind in ("order", "groups"):
-        own = order.shortest(world, case, answer.get("stages", []))
+        own = order.shortest(world, case, flags)
     else:
         own = search.shortest(world, case.goals)
     if own == search.OVER or status == "gave_up":
@@ -296,20 +306,26 @@ def shrink(case: Case, judge: Judge, faults: frozenset, sort: str, rounds: int =
     """The smallest case found that still differs in the same way, and how."""
     difference = sort
     for _ in range(rounds):
-        candidates = [made for made in smaller(case) if not starts_broken(made) and (made.goals or has_steps(made))]
+        candidates = [made for made in smaller(case) if is_usable(made)]
         if not candidates:
             break
         for made, answer in zip(candidates, judge.ask([candidate.request() for candidate in candidates])):
-            try:
-                again = compare(made, answer, faults).difference
-            except Exception:
-                continue
+            again = compare(made, answer, faults).difference
             if again is not None and kind_of(again) == kind_of(sort):
                 case, difference = made, again
                 break
         else:
             break
     return case, difference
+
+
+def is_usable(case: Case) -> bool:
+    """False for a case that cannot be written, that starts in a broken state, or in which nothing is left."""
+    try:
+        case.request()
+        return not starts_broken(case) and bool(case.goals or has_steps(case))
+    except (LookupError, ValueError):
+        return False
 
 
 def has_steps(case: Case) -> bool:

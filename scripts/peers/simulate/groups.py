@@ -29,16 +29,16 @@ class Group:
     exceptions: tuple = ()
     parentheses: bool = True
 
-    def text(self, world: World) -> str:
-        """The group as `longstep solve --goal` reads it."""
+    def text(self, world: World, ambiguous: bool = False) -> str:
+        """The group as `longstep solve --goal` reads it; exceptions are in parentheses where their end is `ambiguous`."""
         word = {"some": f"{self.number} of", "exactly": f"exactly {self.number} of"}.get(self.quantifier, self.quantifier)
         text = f"{word} {self.kind}"
         if self.where:
             text += " where " + " & ".join(condition_text(world, *condition) for condition in self.where)
         names = ", ".join(written(world, name) for name in self.exceptions)
-        if len(self.exceptions) > 1 and self.parentheses:
+        if ambiguous or (len(self.exceptions) > 1 and self.parentheses):
             names = f"({names})"
-        return f"{text} except {names}" if names else text
+        return f"{text} except {names}" if self.exceptions else text
 
     def is_type(self, world: World) -> bool:
         """True if the kind is a type, and no name of entities."""
@@ -95,6 +95,15 @@ def counted(group: Group, parts: list):
             way += [negate(parts[number]) for number in range(len(parts)) if number not in chosen]
         ways.append(join("and", way))
     return join("or", ways)
+
+
+def is_overloaded(world: World, form: str) -> bool:
+    """True if the name of a goal takes different numbers of arguments, so that a comma may end a group or continue it."""
+    words, name = world.words, form.split("(")[0]
+    counts = {len(goal.parameters) for other, goal in words.goals.items() if other.split("(")[0] == name}
+    counts |= {len(state.parameters) + 1 for state in words.states.values() if state.name == name}
+    counts |= {len(parameters) for predicate, parameters in words.pddl.predicates.items() if predicate == name}
+    return len(counts) > 1
 
 
 def types(world: World) -> set[str]:

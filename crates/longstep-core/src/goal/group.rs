@@ -104,9 +104,10 @@ impl Group {
         Quantifier::read(text).is_some()
     }
 
-    /// Returns true if the list of exceptions may continue after the end of this text.
+    /// Returns true if the list of exceptions may continue after the end of this text. A list in parentheses is complete.
     pub(super) fn may_continue(text: &str) -> bool {
-        text.contains(EXCEPT)
+        text.split_once(EXCEPT)
+            .is_some_and(|(_, exceptions)| !exceptions.trim_start().starts_with('('))
     }
 
     /// Reads a group and finds its members.

@@ -129,6 +129,8 @@ fn a_group_that_stands_for_nothing_is_an_error() {
         ("put(4 of plate, sink)", "requires 4 members, and the group has 3"),
         ("put(0 of plate, sink)", "requires 0 members"),
         ("put(all table, sink)", "is no item"),
+        // A list in parentheses is complete, so the goal has three arguments.
+        ("put(all plate except (plate 2), plate 3, sink)", "`plate 3, sink` in"),
         ("put(all plate, spoon)", "`spoon` in"),
         ("untouched(2 of glass)", "write `all` or `any`"),
         ("putt(all plate, sink)", "is not a goal of this domain"),
