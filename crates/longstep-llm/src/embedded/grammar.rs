@@ -32,7 +32,7 @@ impl TokenizerEnv for Vocabulary {
 
 /// Builds grammar matchers. Made once for a model, because it reads the whole vocabulary.
 pub(super) struct Grammars {
-    factory: ParserFactory,
+    pub(super) factory: ParserFactory,
 }
 
 impl Grammars {

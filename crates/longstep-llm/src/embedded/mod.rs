@@ -7,6 +7,8 @@ mod blocks;
 mod engine;
 mod file;
 mod grammar;
+#[cfg(test)]
+mod grammar_tests;
 mod prompt;
 mod sample;
 mod state;

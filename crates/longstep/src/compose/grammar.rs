@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::menu::{Menu, Offered};
 use super::sensing::Check;
-use crate::dialogue::answer_grammar::{Grammar, any_text, closed, either, quoted};
+use crate::dialogue::answer_grammar::{Form, any_text, closed, quoted};
 use crate::dialogue::{TreeForms, tree_schema};
 
 /// Maximum parts of a block. It stops a model that repeats itself.
@@ -19,132 +19,116 @@ const LISTED: usize = 4;
 /// Returns a grammar in llguidance's Lark dialect for the script of a composition, or for a question.
 ///
 /// Every line is spelled out with its indentation, so only stored plans, checks and lanes that exist can be written. A
-/// check and the branch on its outcome form one rule, and no check repeats inside its own branch.
+/// check and the branch on its outcome form one part, and no check repeats inside its own branch.
 pub(super) fn grammar(menu: &Menu) -> String {
-    let mut grammar = Grammar::default();
-    grammar.question();
     if menu.plans.is_empty() {
-        return grammar.text();
+        return Form::question().grammar();
     }
-    grammar.start("whole");
-    let mut forks = Vec::new();
-    if !menu.checks.is_empty() {
-        forks.push("branch0");
-        branches(menu, &mut grammar);
-    }
-    if !menu.lanes.is_empty() {
-        forks.push("sides");
-        grammar.rule("sides", sides(menu));
-    }
-    grammar.rule("plan0", calls(menu, 0));
-    let forks = forks.join(" | ");
-    if forks.is_empty() {
-        grammar.rule("whole", [block("plan0")]);
-        return grammar.text();
-    }
-    // Where the instruction asks for a branch or lanes, the grammar requires one.
-    grammar.rule(
-        "whole",
-        [match menu.fork_wanted {
-            true => format!(
-                "(plan0 \"\\n\"){{0,{n}}} ({forks}) (\"\\n\" part){{0,{n}}}",
-                n = MOST - 2
-            ),
-            false => block("part"),
-        }],
-    );
-    grammar.rule("part", [format!("plan0 | {forks}")]);
-    grammar.text()
+    Form::Either(vec![Form::question(), whole(menu)]).grammar()
 }
 
-/// Returns the rule for lines of one kind.
-fn block(line: &str) -> String {
-    format!("{line} (\"\\n\" {line}){{0,{}}}", MOST - 1)
+fn whole(menu: &Menu) -> Form {
+    let mut forks = Vec::new();
+    if !menu.checks.is_empty() {
+        forks.extend((0..menu.checks.len()).map(|index| branch(menu, index, &[])));
+    }
+    if !menu.lanes.is_empty() {
+        forks.push(sides(menu));
+    }
+    let plan = calls(menu, 0);
+    if forks.is_empty() {
+        return block(plan);
+    }
+    let mut parts = vec![plan.clone()];
+    parts.extend(forks.iter().cloned());
+    let part = Form::Either(parts);
+    match menu.fork_wanted {
+        // Where the instruction asks for a branch or lanes, the grammar requires one.
+        true => Form::Row(vec![
+            Form::Row(vec![plan, Form::text("\n")]).times(0, MOST - 2),
+            Form::Either(forks),
+            Form::Row(vec![Form::text("\n"), part]).times(0, MOST - 2),
+        ]),
+        false => block(part),
+    }
+}
+
+/// Returns the form of lines of one kind.
+fn block(line: Form) -> Form {
+    line.separated(Form::text("\n"), MOST)
 }
 
 /// Returns the calls of the stored plans, indented for this depth.
-fn calls(menu: &Menu, depth: usize) -> impl Iterator<Item = String> {
+fn calls(menu: &Menu, depth: usize) -> Form {
     let margin = "    ".repeat(depth);
     let plans = menu.plans.iter();
-    plans.map(move |plan| quoted(&format!("{margin}{}()", plan.name)))
+    Form::texts(plans.map(|plan| format!("{margin}{}()", plan.name)))
 }
 
-/// Adds the rules for a branch on each check, with branches on the other checks nested inside.
-fn branches(menu: &Menu, grammar: &mut Grammar) {
-    let all = 0..menu.checks.len();
-    let nested = menu.checks.len() > 1;
-    grammar.rule("branch0", all.clone().map(|index| format!("branch0_{index}")));
-    for index in all.clone() {
-        branch(menu, index, 0, &format!("block1_{index}"), grammar);
-        let part = format!("part1_{index}");
-        grammar.rule(&format!("block1_{index}"), [block(&part)]);
-        let others = all.clone().filter(|other| *other != index);
-        let inner = std::iter::once("plan1".to_owned()).chain(others.map(|other| format!("branch1_{other}")));
-        grammar.rule(&part, inner);
-        if nested {
-            branch(menu, index, 1, "block2", grammar);
-        }
+/// Returns the contents of a branch inside branches on the checks of `outer`: plans, and branches on the other checks.
+fn body(menu: &Menu, outer: &[usize]) -> Form {
+    let plan = calls(menu, outer.len());
+    if outer.len() == DEPTH {
+        return block(plan).shared();
     }
-    for depth in 1..=if nested { DEPTH } else { 1 } {
-        grammar.rule(&format!("plan{depth}"), calls(menu, depth));
-    }
-    if nested {
-        grammar.rule("block2", [block("plan2")]);
-    }
+    let others = (0..menu.checks.len()).filter(|other| !outer.contains(other));
+    let branches = others.map(|other| branch(menu, other, outer));
+    block(Form::Either(std::iter::once(plan).chain(branches).collect())).shared()
 }
 
-/// Adds the rule for a check in one line and the branch on its outcome in the next lines.
-fn branch(menu: &Menu, index: usize, depth: usize, body: &str, grammar: &mut Grammar) {
+/// Returns the form of a check in one line and the branch on its outcome in the next lines, inside branches on the checks
+/// of `outer`.
+fn branch(menu: &Menu, index: usize, outer: &[usize]) -> Form {
     let check = &menu.checks[index];
-    let margin = "    ".repeat(depth);
-    let sensed = match check.outcomes.is_empty() {
-        true => String::new(),
-        false => quoted(&format!("{margin}{}\n", check.script())),
-    };
+    let margin = "    ".repeat(outer.len());
+    let body = body(menu, &[outer, &[index]].concat());
+    let mut parts = Vec::new();
+    if !check.outcomes.is_empty() {
+        parts.push(Form::text(format!("{margin}{}\n", check.script())));
+    }
     let conditions = check.conditions();
+    parts.extend([heads(&margin, "if", &conditions), body.clone()]);
     // With two outcomes, `else` covers the second.
-    let elif = match conditions.len() {
-        0..=2 => String::new(),
-        _ => format!(" (\"\\n\" {} {body})?", heads(&margin, "elif", &conditions)),
-    };
-    let heads = heads(&margin, "if", &conditions);
-    let otherwise = quoted(&format!("\n{margin}else:\n"));
-    grammar.rule(
-        &format!("branch{depth}_{index}"),
-        [format!("{sensed} {heads} {body}{elif} ({otherwise} {body})?")],
-    );
+    if conditions.len() > 2 {
+        let elif = vec![Form::text("\n"), heads(&margin, "elif", &conditions), body.clone()];
+        parts.push(Form::Row(elif).optional());
+    }
+    let otherwise = vec![Form::text(format!("\n{margin}else:\n")), body];
+    parts.push(Form::Row(otherwise).optional());
+    Form::Row(parts)
 }
 
 /// Returns the lines that begin a branch, one for each condition.
-fn heads(margin: &str, word: &str, conditions: &[String]) -> String {
+fn heads(margin: &str, word: &str, conditions: &[String]) -> Form {
     let lines = conditions.iter();
-    let lines = lines.map(|condition| quoted(&format!("{margin}{word} {condition}:\n")));
-    format!("({})", either(lines))
+    Form::texts(lines.map(|condition| format!("{margin}{word} {condition}:\n")))
 }
 
-/// Returns the alternatives for parallel lanes: each ordered pair of two lanes that have plans.
-fn sides(menu: &Menu) -> Vec<String> {
-    let lanes: Vec<String> = menu.lanes.iter().map(|lane| lane_rule(menu, lane)).collect();
+/// Returns the form of parallel lanes: each ordered pair of two lanes that have plans.
+fn sides(menu: &Menu) -> Form {
+    let lanes: Vec<Form> = menu.lanes.iter().map(|lane| lane_form(menu, lane)).collect();
     let all = 0..lanes.len();
     let pairs = all.clone().flat_map(|one| all.clone().map(move |other| (one, other)));
     let pairs = pairs.filter(|(one, other)| one != other);
-    let pairs = pairs.map(|(one, other)| format!("\"with parallel():\" {} {}", lanes[one], lanes[other]));
-    pairs.collect()
+    let row = |(one, other): (usize, usize)| {
+        let head = Form::text("with parallel():");
+        Form::Row(vec![head, lanes[one].clone(), lanes[other].clone()])
+    };
+    Form::Either(pairs.map(row).collect())
 }
 
-/// Returns the rule for a lane with its plans.
-fn lane_rule(menu: &Menu, lane: &String) -> String {
-    let head = quoted(&format!("\n    with lane({}):\n", quoted(lane)));
+/// Returns the form of a lane with its plans.
+fn lane_form(menu: &Menu, lane: &String) -> Form {
+    let head = Form::text(format!("\n    with lane({}):\n", quoted(lane)));
     let fitting = menu.plans.iter().filter(|plan| plan.lane.as_ref() == Some(lane));
-    format!("{head} ({})", either(orders(&fitting.collect::<Vec<_>>())))
+    Form::Row(vec![head, orders(&fitting.collect::<Vec<_>>())])
 }
 
 /// Returns the possible contents of a lane: a non-empty subset of its plans, in any order.
-fn orders<'a>(plans: &[&'a Offered]) -> Vec<String> {
+fn orders<'a>(plans: &[&'a Offered]) -> Form {
     let line = |plan: &Offered| format!("        {}()", plan.name);
     if plans.len() > LISTED {
-        let lines = plans.iter().map(|plan| quoted(&line(plan)));
-        return vec![block(&format!("({})", either(lines)))];
+        return block(Form::texts(plans.iter().map(|plan| line(plan))));
     }
     let mut all = Vec::new();
     let mut longest: Vec<Vec<&'a Offered>> = vec![Vec::new()];
@@ -156,10 +140,10 @@ fn orders<'a>(plans: &[&'a Offered]) -> Vec<String> {
         longest = longest.iter().flat_map(longer).collect();
         all.extend(longest.iter().map(|row| {
             let lines: Vec<String> = row.iter().map(|plan| line(plan)).collect();
-            quoted(&lines.join("\n"))
+            Form::text(lines.join("\n"))
         }));
     }
-    all
+    Form::Either(all)
 }
 
 /// Returns a JSON schema for the answer of a server: the tree of a composition, or a question.

@@ -1,61 +1,119 @@
 //! The forms of answers: a grammar for an engine that masks tokens, and a JSON schema for a server.
 
+use std::rc::Rc;
+
 use serde_json::{Value, json};
 
 use crate::goal::QUESTION;
 
-/// A grammar in llguidance's Lark dialect, made rule by rule.
-#[derive(Debug, Default)]
-pub(crate) struct Grammar {
-    starts: Vec<String>,
-    rules: String,
+/// A set of texts: the form of an answer, or of a part of it.
+///
+/// Every form is regular, so a whole answer becomes one regular expression and the grammar of a request one lexeme. With
+/// several lexemes, llguidance commits to the longest one that the text can begin: beside `put(X, top of Y)`, no model
+/// could write `put(book, tv stand)`, because `, t` was taken for the beginning of `, top of `.
+#[derive(Debug, Clone)]
+pub(crate) enum Form {
+    /// This text.
+    Text(String),
+    /// A regular expression without lookaround and anchors.
+    Pattern(String),
+    /// One of the forms.
+    Either(Vec<Form>),
+    /// The forms one after another.
+    Row(Vec<Form>),
+    /// The form again and again, between `least` and `most` times.
+    Times { form: Box<Form>, least: usize, most: usize },
+    /// A form that occurs at several places. The grammar has it once.
+    Shared(Rc<Form>),
 }
 
-impl Grammar {
-    /// Adds an alternative for the whole answer.
-    pub(crate) fn start(&mut self, alternative: impl Into<String>) {
-        self.starts.push(alternative.into());
+impl Form {
+    /// The form, for use at several places.
+    pub(crate) fn shared(self) -> Self {
+        Self::Shared(Rc::new(self))
     }
 
-    /// Returns whether the grammar has no answer yet.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.starts.is_empty()
+    /// This text.
+    pub(crate) fn text(text: impl Into<String>) -> Self {
+        Self::Text(text.into())
     }
 
-    /// Adds a question to the person as an alternative for the whole answer.
-    pub(crate) fn question(&mut self) {
-        self.start("question");
-        self.rule(
-            "question",
-            [format!("{} /[A-Za-z][A-Za-z0-9 ,'-]{{8,120}}\\?/", quoted(QUESTION))],
-        );
+    /// One of the texts.
+    pub(crate) fn texts(texts: impl IntoIterator<Item = String>) -> Self {
+        Self::Either(texts.into_iter().map(Self::Text).collect())
     }
 
-    /// Adds a rule.
-    pub(crate) fn rule(&mut self, name: &str, alternatives: impl IntoIterator<Item = String>) {
-        self.rules.push_str(&format!("{name}: {}\n", either(alternatives)));
+    /// The form, or nothing.
+    pub(crate) fn optional(self) -> Self {
+        self.times(0, 1)
     }
 
-    /// Returns the text of the grammar.
-    pub(crate) fn text(self) -> String {
-        format!("start: {}\n{}", self.starts.join(" | "), self.rules)
+    /// The form again and again.
+    pub(crate) fn times(self, least: usize, most: usize) -> Self {
+        Self::Times {
+            form: Box::new(self),
+            least,
+            most,
+        }
+    }
+
+    /// A form between one and `most` times, with a separator.
+    pub(crate) fn separated(self, separator: Self, most: usize) -> Self {
+        let more = Self::Row(vec![separator, self.clone()]).times(0, most.saturating_sub(1));
+        Self::Row(vec![self, more])
+    }
+
+    /// A question to the person.
+    pub(crate) fn question() -> Self {
+        Self::Row(vec![
+            Self::text(QUESTION),
+            Self::Pattern("[A-Za-z][A-Za-z0-9 ,'-]{8,120}\\?".to_owned()),
+        ])
+    }
+
+    /// Returns the grammar in llguidance's Lark dialect: the answer is a terminal, so it is one lexeme.
+    pub(crate) fn grammar(&self) -> String {
+        let mut terminals = Vec::new();
+        let answer = self.written(&mut terminals);
+        let mut text = format!("start: ANSWER\nANSWER: {answer}\n");
+        for (index, (_, written)) in terminals.iter().enumerate() {
+            text.push_str(&format!("PART{index}: {written}\n"));
+        }
+        text
+    }
+
+    /// Returns the form in the notation of terminals. Shared forms become terminals of their own.
+    fn written(&self, terminals: &mut Vec<(*const Form, String)>) -> String {
+        match self {
+            Self::Text(text) => quoted(text),
+            Self::Pattern(pattern) => format!("/{pattern}/"),
+            Self::Either(forms) => {
+                let all: Vec<String> = forms.iter().map(|form| form.written(terminals)).collect();
+                match &all[..] {
+                    [only] => only.clone(),
+                    _ => format!("({})", all.join("\n  | ")),
+                }
+            }
+            Self::Row(forms) => {
+                let all: Vec<String> = forms.iter().map(|form| form.written(terminals)).collect();
+                format!("({})", all.join(" "))
+            }
+            Self::Times { form, least, most } => format!("({}){{{least},{most}}}", form.written(terminals)),
+            Self::Shared(form) => {
+                let key = Rc::as_ptr(form);
+                let known = terminals.iter().position(|(other, _)| *other == key);
+                let index = known.unwrap_or_else(|| {
+                    let written = form.written(terminals);
+                    terminals.push((key, written));
+                    terminals.len() - 1
+                });
+                format!("PART{index}")
+            }
+        }
     }
 }
 
-/// Alternatives, each on a line of its own.
-pub(crate) fn either(alternatives: impl IntoIterator<Item = String>) -> String {
-    alternatives.into_iter().collect::<Vec<_>>().join("\n  | ")
-}
-
-/// Alternatives on one line, in parentheses where there are several.
-pub(crate) fn group(alternatives: &[String]) -> String {
-    match alternatives {
-        [only] => only.clone(),
-        _ => format!("({})", alternatives.join(" | ")),
-    }
-}
-
-/// A string of the grammar. The dialect has the escapes of JSON.
+/// A string in double quotes, with the escapes of JSON.
 pub(crate) fn quoted(text: &str) -> String {
     Value::String(text.to_owned()).to_string()
 }

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use longstep_core::model::written_fact;
 use serde_json::Value;
 
-use super::answer_grammar::{Grammar, any_text, closed, group, list, listed, one_of, quoted};
+use super::answer_grammar::{Form, any_text, closed, list, listed, one_of};
 use crate::coverage::Gap;
 use crate::environment::{EntityId, World};
 use crate::goal::{Dependence, GoalFact, IF, NOT, Offer, THEN};
@@ -37,75 +37,56 @@ pub(super) struct Ways<'a> {
 
 /// Returns a grammar in llguidance's Lark dialect for the next goal of an answer. Without offers it admits only a question.
 pub(super) fn goal_grammar(world: &World, ways: &Ways<'_>, place: Place) -> String {
-    let mut grammar = Grammar::default();
     if ways.offers.is_empty() {
-        grammar.question();
-        return grammar.text();
+        return Form::question().grammar();
     }
-    let goal = match ways.conditions.is_empty() {
-        true => "goal more",
-        false => "goal more | condition",
+    let joints = Form::texts(ways.joints.iter().map(|joint| (*joint).to_owned()));
+    let more = match (ways.joints.is_empty(), ways.may_end) {
+        (true, _) => Form::text(""),
+        (false, true) => joints.optional(),
+        (false, false) => joints,
     };
-    match place {
-        Place::First { question } => {
-            if question {
-                grammar.question();
-            }
-            grammar.start(goal);
-        }
-        Place::Next if ways.conditions.is_empty() => grammar.start(format!("\" \" {goal}")),
-        Place::Next => grammar.start(format!("\" \" ({goal})")),
-    }
-    let joints: Vec<String> = ways.joints.iter().map(|joint| quoted(joint)).collect();
-    grammar.rule(
-        "more",
-        [match (joints.is_empty(), ways.may_end) {
-            (true, _) => quoted(""),
-            (false, true) => group(&joints) + "?",
-            (false, false) => group(&joints),
-        }],
-    );
+    let goals = ways.offers.iter();
+    let goals = goals.map(|offer| word_form(world.domain().goal_word(offer.word), world, &offer.arguments));
+    let mut parts = vec![Form::Row(vec![Form::Either(goals.collect()), more])];
     if !ways.conditions.is_empty() {
         let conditions = ways.conditions.iter();
-        grammar.rule("condition", conditions.map(|depends| condition(world, depends)));
+        parts.push(Form::texts(conditions.map(|depends| condition(world, depends))));
     }
-    let goals = ways.offers.iter();
-    let goals = goals.map(|offer| word_rule(world.domain().goal_word(offer.word), world, &offer.arguments));
-    grammar.rule("goal", goals);
-    grammar.text()
+    match place {
+        Place::First { question: true } => parts.insert(0, Form::question()),
+        Place::First { question: false } => {}
+        Place::Next => return Form::Row(vec![Form::text(" "), Form::Either(parts)]).grammar(),
+    }
+    Form::Either(parts).grammar()
 }
 
 /// Returns the condition of a goal, up to "then".
 fn condition(world: &World, depends: &Dependence) -> String {
     let name = |entity: EntityId| world.entity(entity).name.clone();
     let not = if depends.negated { NOT } else { "" };
-    quoted(&format!(
-        "{IF}{not}{}{THEN}",
-        written_fact(world.domain(), depends.fact, &name)
-    ))
+    format!("{IF}{not}{}{THEN}", written_fact(world.domain(), depends.fact, &name))
 }
 
-fn word_rule(word: &GoalWord, world: &World, arguments: &[Vec<EntityId>]) -> String {
+fn word_form(word: &GoalWord, world: &World, arguments: &[Vec<EntityId>]) -> Form {
     let mut parts = Vec::new();
-    rule_from(&word.form, world, arguments, &mut parts);
-    parts.join(" ")
+    form_from(&word.form, world, arguments, &mut parts);
+    Form::Row(parts)
 }
 
-/// Appends the rule for the rest of a form, given the remaining argument lists.
-fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], parts: &mut Vec<String>) {
+/// Appends the rest of a form, given the remaining argument lists.
+fn form_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], parts: &mut Vec<Form>) {
     let Some((piece, rest)) = form.split_first() else {
         return;
     };
     let index = match piece {
         FormPiece::Text(text) => {
-            if !text.is_empty() {
-                parts.push(quoted(text));
-            }
-            return rule_from(rest, world, arguments, parts);
+            parts.push(Form::text(text));
+            return form_from(rest, world, arguments, parts);
         }
         FormPiece::Parameter(index) => *index,
     };
-    // Entities with equal continuations share one rule.
+    // Entities with equal continuations share one form.
     let mut continuations: IndexMap<EntityId, Vec<Vec<EntityId>>> = IndexMap::new();
     for bindings in arguments {
         let mut others = bindings.clone();
@@ -116,19 +97,13 @@ fn rule_from(form: &[FormPiece], world: &World, arguments: &[Vec<EntityId>], par
     for (entity, others) in continuations {
         groups.entry(others).or_default().push(entity);
     }
-    let alternatives: Vec<String> = groups
-        .into_iter()
-        .map(|(others, entities)| {
-            let names: Vec<String> = entities
-                .iter()
-                .map(|entity| quoted(&world.entity(*entity).name))
-                .collect();
-            let mut parts = vec![format!("({})", names.join(" | "))];
-            rule_from(rest, world, &others, &mut parts);
-            parts.join(" ")
-        })
-        .collect();
-    parts.push(format!("({})", alternatives.join(" | ")));
+    let alternatives = groups.into_iter().map(|(others, entities)| {
+        let names = entities.iter().map(|entity| world.entity(*entity).name.clone());
+        let mut parts = vec![Form::texts(names)];
+        form_from(rest, world, &others, &mut parts);
+        Form::Row(parts)
+    });
+    parts.push(Form::Either(alternatives.collect()));
 }
 
 /// Returns a JSON schema for a whole answer: `{"question": "", "goals": ["put(pie, oven)"], "never": [],

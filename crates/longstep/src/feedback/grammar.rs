@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::language::{JOINT, everyday};
 use super::offer::{Called, Offers};
-use crate::dialogue::answer_grammar::{Grammar, any_text, closed, group, list, listed, one_of, quoted};
+use crate::dialogue::answer_grammar::{Form, any_text, closed, list, listed, one_of};
 use crate::environment::World;
 
 /// Answer for feedback that concerns the goal.
@@ -16,67 +16,65 @@ pub(super) const MOST: usize = 4;
 
 /// Returns a grammar in llguidance's Lark dialect for a whole answer about a plan of `length` steps.
 pub(super) fn grammar(world: &World, offers: &Offers, length: usize) -> String {
-    let mut grammar = Grammar::default();
+    let mut answers = Vec::new();
     if offers.goal {
-        grammar.start(quoted(GOAL));
+        answers.push(Form::text(GOAL));
     }
     let wishes = wishes(world, offers, length);
     if !wishes.is_empty() {
-        let mut more = String::new();
-        for _ in 1..if offers.several { MOST } else { 1 } {
-            more = format!(" ({} wish{more})?", quoted(JOINT));
-        }
-        grammar.start(format!("wish{more}"));
-        grammar.rule("wish", wishes);
+        let most = if offers.several { MOST } else { 1 };
+        answers.push(Form::Either(wishes).separated(Form::text(JOINT), most));
     }
-    if offers.question || grammar.is_empty() {
-        grammar.question();
+    if offers.question || answers.is_empty() {
+        answers.push(Form::question());
     }
-    grammar.text()
+    Form::Either(answers).grammar()
 }
 
-fn wishes(world: &World, offers: &Offers, length: usize) -> Vec<String> {
-    let mut rules = Vec::new();
+fn wishes(world: &World, offers: &Offers, length: usize) -> Vec<Form> {
+    let mut forms = Vec::new();
     let mut by_place: IndexMap<&[usize], Vec<&Called>> = IndexMap::new();
     for (call, places) in &offers.inserts {
         by_place.entry(places).or_default().push(call);
     }
-    for (places, inserted) in by_place {
-        let calls = calls_rule(world, inserted);
-        rules.push(format!("\"insert \" {calls} \" \" {}", places_rule(places, length)));
+    for (at, inserted) in by_place {
+        let (calls, at) = (calls(world, inserted), places(at, length));
+        forms.push(Form::Row(vec![Form::text("insert "), calls, Form::text(" "), at]));
     }
     if !offers.drops.is_empty() {
-        rules.push(format!("\"drop \" {}", steps_rule(&offers.drops)));
+        forms.push(Form::Row(vec![Form::text("drop "), steps(&offers.drops)]));
     }
     let mut by_calls: IndexMap<&[Called], Vec<usize>> = IndexMap::new();
     for (step, others) in &offers.replaces {
         by_calls.entry(others).or_default().push(*step);
     }
-    for (others, steps) in by_calls {
-        let calls = calls_rule(world, others);
-        rules.push(format!("\"replace \" {} \" with \" {calls}", steps_rule(&steps)));
+    for (others, replaced) in by_calls {
+        let (calls, replaced) = (calls(world, others), steps(&replaced));
+        forms.push(Form::Row(vec![
+            Form::text("replace "),
+            replaced,
+            Form::text(" with "),
+            calls,
+        ]));
     }
-    for (step, places) in &offers.moves {
-        let step = steps_rule(&[*step]);
-        rules.push(format!("\"move \" {step} \" \" {}", places_rule(places, length)));
+    for (step, at) in &offers.moves {
+        let (step, at) = (steps(&[*step]), places(at, length));
+        forms.push(Form::Row(vec![Form::text("move "), step, Form::text(" "), at]));
     }
-    rules
+    forms
 }
 
-fn calls_rule<'a>(world: &World, calls: impl IntoIterator<Item = &'a Called>) -> String {
+fn calls<'a>(world: &World, calls: impl IntoIterator<Item = &'a Called>) -> Form {
     let calls = calls.into_iter();
-    let texts = calls.map(|(action, arguments)| quoted(&everyday(world, *action, arguments)));
-    group(&texts.collect::<Vec<_>>())
+    Form::texts(calls.map(|(action, arguments)| everyday(world, *action, arguments)))
 }
 
-fn steps_rule(steps: &[usize]) -> String {
-    let numbers = steps.iter().map(|step| quoted(&(step + 1).to_string()));
-    group(&numbers.collect::<Vec<_>>())
+fn steps(steps: &[usize]) -> Form {
+    Form::texts(steps.iter().map(|step| (step + 1).to_string()))
 }
 
-fn places_rule(places: &[usize], length: usize) -> String {
-    let texts = places.iter().flat_map(|at| place_texts(*at, length));
-    group(&texts.map(|text| quoted(&text)).collect::<Vec<_>>())
+fn places(places: &[usize], length: usize) -> Form {
+    Form::texts(places.iter().flat_map(|at| place_texts(*at, length)))
 }
 
 /// Returns the notations of a position between steps.
