@@ -59,8 +59,9 @@ impl Form {
 
     /// A form between one and `most` times, with a separator.
     pub(crate) fn separated(self, separator: Self, most: usize) -> Self {
-        let more = Self::Row(vec![separator, self.clone()]).times(0, most.saturating_sub(1));
-        Self::Row(vec![self, more])
+        let form = self.shared();
+        let more = Self::Row(vec![separator, form.clone()]).times(0, most.saturating_sub(1));
+        Self::Row(vec![form, more])
     }
 
     /// A question to the person.
