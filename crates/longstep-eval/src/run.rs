@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use longstep::domain::Domain;
+use longstep::goal::Goal;
 use longstep::session::{Event, Proposal, Session, Settings, Strategy};
 use longstep_core::environment::{Voice, World};
 use longstep_core::verify::VerifiedPlan;
@@ -79,8 +80,14 @@ pub fn run(
         };
         let total_ms = started.elapsed().as_secs_f64() * 1000.0;
         let (_, model_ms) = session.cost();
-        let world = session.world().clone();
-        let standard = Standard::new(&world, step.expected.goals());
+        let judged = suite.judged_world(unit.case);
+        let mut world = session.world().clone();
+        world.share_values(&judged);
+        let goals = step.expected.goals().iter();
+        let goals: Option<Vec<Goal>> = goals.map(|goal| goal.carried(domain, &judged, &world)).collect();
+        // Both worlds have the entities of the scene and these values.
+        let goals = goals.unwrap_or_else(|| step.expected.goals().to_vec());
+        let standard = Standard::new(&world, &goals);
         let events = session.take_events();
         let attempt = Observed {
             domain,
@@ -88,6 +95,7 @@ pub fn run(
             session: &session,
             events: &events,
             standard: &standard,
+            goals: &goals,
             fits,
         }
         .attempt(key.clone(), unit.case, step, says);
@@ -131,6 +139,8 @@ struct Observed<'a> {
     session: &'a Session,
     events: &'a [Event],
     standard: &'a Standard<'a>,
+    /// The expected goals.
+    goals: &'a [Goal],
     /// True if the prompt fitted into the model's context.
     fits: bool,
 }
@@ -192,7 +202,7 @@ impl Observed<'_> {
                 _ => {}
             }
         }
-        attempt.failures = self.failures(&attempt, step, &amiss);
+        attempt.failures = self.failures(&attempt, &amiss);
         attempt
     }
 
@@ -249,9 +259,12 @@ impl Observed<'_> {
 
     fn wanted(&self, expected: &Expected) -> Wanted {
         match expected {
-            Expected::Plan(goals) => {
-                Wanted::Plan(goals.iter().map(|goal| goal.everyday(self.world).join(" & ")).collect())
-            }
+            Expected::Plan(_) => Wanted::Plan(
+                self.goals
+                    .iter()
+                    .map(|goal| goal.everyday(self.world).join(" & "))
+                    .collect(),
+            ),
             Expected::Question => Wanted::Question,
             Expected::Refusal => Wanted::Refusal,
             Expected::Either => Wanted::Either,
@@ -279,7 +292,7 @@ impl Observed<'_> {
         outline.into_iter().map(line).collect()
     }
 
-    fn failures(&self, attempt: &Attempt, step: &Step, amiss: &Amiss) -> Vec<Failure> {
+    fn failures(&self, attempt: &Attempt, amiss: &Amiss) -> Vec<Failure> {
         let mut found = Vec::new();
         let wants_plan = attempt.wants_plan();
         match attempt.outcome {
@@ -301,7 +314,7 @@ impl Observed<'_> {
         }
         let goal = self.proposal().and_then(|proposal| proposal.goal.as_ref());
         if let Some(goal) = goal.filter(|_| wants_plan && !attempt.correct) {
-            found.extend(failure::of_goal(self.domain, goal, step.expected.goals()));
+            found.extend(failure::of_goal(self.domain, goal, self.goals));
         }
         found.sort_unstable();
         found.dedup();

@@ -192,6 +192,7 @@ impl ChatModel for Script {
                 calls: 1,
                 ..Usage::default()
             },
+            likelihood: None,
         })
     }
 

@@ -31,6 +31,9 @@ pub struct Suite {
     pub domain: String,
     /// The initial worlds of its cases.
     pub scenes: BTreeMap<String, World>,
+    /// The same worlds with the values (numbers, quotations) of the expected goals, in which these goals are read. A model
+    /// never sees them: it has the values of its instruction.
+    pub judged: BTreeMap<String, World>,
     /// The cases, in the order of the files and of their content.
     pub cases: Vec<Case>,
 }
@@ -88,6 +91,11 @@ impl Suite {
     /// The initial world of a case, with its rules in force.
     pub fn world(&self, case: &Case) -> World {
         self.scenes[&case.scene].with_prohibitions(case.rules.iter().cloned())
+    }
+
+    /// The initial world of a case with the values of the expected goals.
+    pub fn judged_world(&self, case: &Case) -> World {
+        self.judged[&case.scene].with_prohibitions(case.rules.iter().cloned())
     }
 }
 

@@ -40,6 +40,7 @@ fn supply(session: &mut Session, text: String) {
         text,
         finish: Finish::Stop,
         usage: Usage::default(),
+        likelihood: None,
     };
     session.supply(&reply, 0.0).unwrap();
 }

@@ -146,14 +146,15 @@ pub fn load(files: &Files, domain: &Domain) -> Result<Suite, Diagnostics> {
         let read = parse(&format!("{}{name}", files.folder), text);
         case_files.extend(keep(read, &mut faults).map(|entries| (name, text, entries)));
     }
+    let mut judged = scenes.clone();
     for entry in case_files.iter().flat_map(|(_, _, entries)| &entries.case) {
-        if let Some(world) = scenes.get_mut(entry.get_ref().scene.get_ref()) {
+        if let Some(world) = judged.get_mut(entry.get_ref().scene.get_ref()) {
             entry.get_ref().goals().for_each(|goal| world.add_values(goal));
         }
     }
     let mut loader = Loader {
         files,
-        scenes: &scenes,
+        scenes: &judged,
         faults,
         file: String::new(),
         text: "",
@@ -178,6 +179,7 @@ pub fn load(files: &Files, domain: &Domain) -> Result<Suite, Diagnostics> {
             about: suite.about,
             domain: suite.domain,
             scenes,
+            judged,
             cases,
         }),
         _ => Err(Diagnostics::sorted(faults)),

@@ -74,6 +74,7 @@ pub fn load(domain: &Domain, file: &str, text: &str) -> Result<Suite, Diagnostic
         name: "paper".to_owned(),
         about: "The fourteen scenarios of the paper, each in its own environment.".to_owned(),
         domain: "virtualhome".to_owned(),
+        judged: scenes.clone(),
         scenes,
         cases,
     })

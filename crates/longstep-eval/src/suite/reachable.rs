@@ -50,7 +50,7 @@ impl Suite {
 
     fn unreached_in(&self, case: &Case, limits: &Limits) -> Vec<Unreached> {
         let mut found = Vec::new();
-        let Some(mut world) = self.scenes.get(&case.scene).cloned() else {
+        let Some(mut world) = self.judged.get(&case.scene).cloned() else {
             return found;
         };
         for (index, Step { says, expected, .. }) in case.steps.iter().enumerate() {

@@ -118,7 +118,7 @@ fn every_expected_goal_can_be_reached() {
         let (_, suite) = load_shipped(name);
         assert_eq!(suite.unreached(&longstep::Limits::default()), []);
         for case in &suite.cases {
-            let mut world = suite.world(case);
+            let mut world = suite.judged_world(case);
             for step in &case.steps {
                 let mut next = None;
                 for goal in step.expected.goals() {

@@ -146,6 +146,7 @@ fn reply(text: &str) -> Reply {
         text: text.to_owned(),
         finish: Finish::Stop,
         usage: Usage::default(),
+        likelihood: None,
     }
 }
 

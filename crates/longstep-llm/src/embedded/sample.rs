@@ -1,5 +1,7 @@
 //! Sampling of the next token.
 
+use longstep::dialogue::Likelihood;
+
 use crate::Sampling;
 
 /// Samples among the allowed tokens. Every answer starts from the seed, so that it does not depend on earlier requests.
@@ -138,4 +140,40 @@ mod tests {
         assert_eq!(draw(None), draw(Some(0)));
         assert_eq!(Sampler::new(&Sampling::default()).choose(&LOGITS, |_| {}), None);
     }
+}
+
+/// The log-probability of the sampled tokens over the whole vocabulary, which a grammar does not change.
+#[derive(Default)]
+pub(super) struct Score {
+    text: f64,
+    ended: Option<f64>,
+}
+
+impl Score {
+    /// Counts a sampled token. `end` is the token that would have ended the text here, if one may.
+    pub(super) fn count(&mut self, logits: &[f32], chosen: Option<usize>, end: Option<usize>) {
+        let all = log_sum(logits);
+        let probability = |index: usize| logits.get(index).map(|logit| f64::from(*logit) - all);
+        if let Some(end) = end.filter(|_| chosen != end) {
+            self.ended = probability(end).map(|end| self.text + end);
+        }
+        self.text += chosen.and_then(probability).unwrap_or_default();
+    }
+
+    /// Returns the likelihood, rounded so that it is the same on most machines.
+    pub(super) fn likelihood(&self) -> Likelihood {
+        #[expect(clippy::cast_possible_truncation, reason = "far from the bounds")]
+        let rounded = |score: f64| (score * 1000.0).round() as i64;
+        Likelihood {
+            text: rounded(self.text),
+            ended: self.ended.map(rounded),
+        }
+    }
+}
+
+/// Returns the logarithm of the sum of the exponentials.
+fn log_sum(logits: &[f32]) -> f64 {
+    let most = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let sum: f32 = logits.iter().map(|logit| (logit - most).exp()).sum();
+    f64::from(most) + f64::from(sum).ln()
 }

@@ -14,7 +14,7 @@ use super::engine::{Engine, backend};
 use super::file::not_loaded;
 use super::grammar::Grammars;
 use super::prompt::{PromptTokens, Template};
-use super::sample::Sampler;
+use super::sample::{Sampler, Score};
 use super::state::States;
 use super::{Count, Event, Job};
 use crate::{ModelError, Progress, Sampling};
@@ -156,6 +156,7 @@ impl<'model> Worker<'model> {
         };
         self.sampler.begin();
         let mut written = Written::default();
+        let is_scored = matches!(request.constraint, Constraint::Lark(_));
         let finish = self.write(matcher, request.max_tokens as usize, &mut written, tell)?;
         let text = String::from_utf8_lossy(&written.bytes).into_owned();
         let usage = Usage {
@@ -172,7 +173,12 @@ impl<'model> Worker<'model> {
                 fixed: prompt.fixed,
             },
         });
-        Ok(Reply { text, finish, usage })
+        Ok(Reply {
+            text,
+            finish,
+            usage,
+            likelihood: is_scored.then(|| written.score.likelihood()),
+        })
     }
 
     /// Returns the tokens of a request and whether it continues the last answer. Such a request keeps the tokens of
@@ -244,7 +250,7 @@ impl<'model> Worker<'model> {
             if written.tokens.len() >= most {
                 return Ok(Finish::Length);
             }
-            let next = self.next(matcher.as_mut())?;
+            let next = self.next(matcher.as_mut(), &mut written.score)?;
             if self.model.vocab().is_eog(next) {
                 return Ok(Finish::Stop);
             }
@@ -277,7 +283,8 @@ impl<'model> Worker<'model> {
         }
     }
 
-    fn next(&mut self, matcher: Option<&mut Matcher>) -> Result<LlamaToken, ModelError> {
+    /// Samples the next token, and counts it in the score if there is a grammar.
+    fn next(&mut self, matcher: Option<&mut Matcher>, score: &mut Score) -> Result<LlamaToken, ModelError> {
         let logits = self.engine.logits();
         let chosen = match matcher {
             None => self
@@ -286,8 +293,19 @@ impl<'model> Worker<'model> {
             Some(matcher) => {
                 let allowed = matcher.compute_mask_or_eos();
                 let allowed = allowed.map_err(|error| failed(self.name, error.to_string()))?;
-                self.sampler
-                    .choose(logits, |consider| allowed.iter_set_entries(consider))
+                let chosen = self
+                    .sampler
+                    .choose(logits, |consider| allowed.iter_set_entries(consider));
+                let vocabulary = self.model.vocab();
+                let mut end: Option<usize> = None;
+                allowed.iter_set_entries(|index| {
+                    let is_end = i32::try_from(index).is_ok_and(|token| vocabulary.is_eog(LlamaToken(token)));
+                    if is_end && end.is_none_or(|end| logits.get(index) > logits.get(end)) {
+                        end = Some(index);
+                    }
+                });
+                score.count(logits, chosen, end);
+                chosen
             }
         };
         chosen
@@ -335,6 +353,7 @@ fn follow(matcher: &mut Matcher, token: LlamaToken) -> Result<Vec<LlamaToken>, S
 struct Written {
     tokens: Vec<LlamaToken>,
     bytes: Vec<u8>,
+    score: Score,
 }
 
 impl Written {

@@ -1,4 +1,4 @@
-use longstep::dialogue::{Constraint, EstimatedTokens, Finish, Role, Usage};
+use longstep::dialogue::{Constraint, EstimatedTokens, Finish, Likelihood, Role, Usage};
 use serde_json::json;
 
 use super::*;
@@ -28,6 +28,10 @@ impl ChatModel for Numbering {
             text: format!("answer {}", self.0),
             finish: Finish::Length,
             usage,
+            likelihood: Some(Likelihood {
+                text: -700,
+                ended: Some(-900),
+            }),
         })
     }
 

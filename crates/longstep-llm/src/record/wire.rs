@@ -1,6 +1,8 @@
 //! The lines of a recording.
 
-use longstep::dialogue::{ChatRequest, Constraint, ConstraintKind, Counting, Finish, Message, Reply, Role, Usage};
+use longstep::dialogue::{
+    ChatRequest, Constraint, ConstraintKind, Counting, Finish, Likelihood, Message, Reply, Role, Usage,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -93,6 +95,8 @@ pub(super) struct WireReply {
     prompt_tokens: u64,
     cached_tokens: u64,
     completion_tokens: u64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    likelihood: Option<Likelihood>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -186,6 +190,7 @@ impl From<&Reply> for WireReply {
             prompt_tokens: reply.usage.prompt_tokens,
             cached_tokens: reply.usage.cached_tokens,
             completion_tokens: reply.usage.completion_tokens,
+            likelihood: reply.likelihood,
         }
     }
 }
@@ -205,6 +210,7 @@ impl From<&WireReply> for Reply {
                 cached_tokens: reply.cached_tokens,
                 completion_tokens: reply.completion_tokens,
             },
+            likelihood: reply.likelihood,
         }
     }
 }

@@ -103,7 +103,12 @@ impl Answer {
             return Err("its message has no content");
         }
         let usage = self.usage;
-        Ok(Reply { text, finish, usage })
+        Ok(Reply {
+            text,
+            finish,
+            usage,
+            likelihood: None,
+        })
     }
 
     fn written(&self) -> usize {

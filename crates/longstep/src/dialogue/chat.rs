@@ -2,8 +2,10 @@
 //!
 //! The library builds requests and parses replies; it never calls a model.
 
-use crate::usage::Usage;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+use crate::usage::Usage;
 
 /// The role of a [`Message`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -83,6 +85,19 @@ pub struct Reply {
     pub finish: Finish,
     /// Token counts.
     pub usage: Usage,
+    /// The likelihood of the text; none from a server or an old recording.
+    pub likelihood: Option<Likelihood>,
+}
+
+/// How likely a model finds a reply under a grammar: logarithms of probabilities over its whole vocabulary, in thousandths
+/// of a nat. Tokens that the grammar forces are not counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Likelihood {
+    /// The text, with its end if the model ended it.
+    pub text: i64,
+    /// The text up to the last place before its end where it could have ended, with that end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ended: Option<i64>,
 }
 
 /// The kind of [`Constraint`] that a model supports. It decides the form of requests.

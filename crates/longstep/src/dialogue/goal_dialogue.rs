@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::answer_grammar::question_in;
+use super::ending::Endings;
 use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
 use super::query::plain_line;
@@ -14,8 +15,8 @@ use crate::coverage::{Gap, Mark};
 use crate::effort;
 use crate::environment::{EntityId, World};
 use crate::goal::{
-    self, Begun, Correction, Goal, GoalFact, Next, Offer, Request, Spoken, Understanding, ended, offers, offers_on,
-    understand_spoken,
+    self, Begun, Correction, Goal, GoalFact, Next, Offer, Request, Spoken, Understanding, ended, guess, offers,
+    offers_on, understand_spoken,
 };
 use crate::model::{Domain, plain_words};
 use crate::search;
@@ -33,7 +34,7 @@ pub struct GoalDialogue {
     world: World,
     /// Mentions of the instruction and all later utterances.
     correction: Correction,
-    /// These mentions, or none if they include an unknown object: no reference is certain then.
+    /// These mentions; none if they include an unknown object, or are not in English: no reference is certain then.
     mentioned: Spoken,
     transcript: Transcript,
     facts: Vec<GoalFact>,
@@ -43,6 +44,10 @@ pub struct GoalDialogue {
     other_side: Vec<GoalFact>,
     next: Next,
     has_condition: bool,
+    /// Where the answer may end.
+    endings: Endings,
+    /// True if the answer is the first one to the instruction: an unlikely one is a question then.
+    is_first: bool,
     /// True if the instruction has a condition that no sensing action can decide.
     undecidable: bool,
     /// True if the model denied that an existing object is here; it may not ask again.
@@ -111,8 +116,8 @@ impl GoalDialogue {
             correction.hear(world, &round.reply, &round.message);
         }
         let mentioned = match &correction.unknown {
-            Some(_) => Spoken::default(),
-            None => correction.spoken.clone(),
+            None if correction.spoken.is_english() => correction.spoken.clone(),
+            _ => Spoken::default(),
         };
         let shown = effort::within(effort::OPERATION, || {
             scene(world, &offers(world, &[], &Spoken::default()))
@@ -134,6 +139,8 @@ impl GoalDialogue {
             other_side: Vec::new(),
             next: Next::Goal,
             has_condition: false,
+            endings: Endings::default(),
+            is_first: rounds.is_empty(),
             mistaken: false,
             open: Vec::new(),
             further: None,
@@ -298,15 +305,24 @@ impl GoalDialogue {
         offers
     }
 
-    fn supply_part(&mut self) -> Result<Option<Understanding>, DialogueError> {
+    fn supply_part(&mut self, reply: &Reply) -> Result<Option<Understanding>, DialogueError> {
         if let Some(question) = question_in(&self.transcript.answer) {
             let question = question.to_owned();
             if !self.mistaken && self.denies_what_is_here(&question) && !self.open.is_empty() {
                 self.mistaken = true;
                 self.transcript.answer.clear();
+                self.endings = Endings::default();
                 return Ok(None);
             }
             return Ok(Some(self.answer_to_question(question)));
+        }
+        let before = self.transcript.answer.len() - reply.text.len();
+        let likelihood = reply.likelihood;
+        let end = likelihood.and_then(|likelihood| self.endings.count(before, &reply.text, likelihood));
+        if let Some(end) = end {
+            self.transcript.answer.truncate(end);
+            self.facts = ended(&self.world, &self.transcript.answer)?.facts;
+            return Ok(Some(self.done()));
         }
         let begun = Begun::read(&self.world, &self.transcript.answer)?;
         (self.preceding, self.next, self.has_condition) = (begun.preceding(), begun.next, begun.has_condition());
@@ -399,8 +415,12 @@ impl GoalDialogue {
             let question = "I cannot find out whether that is so. What should I do in any case?";
             return Understanding::Question(question.to_owned());
         }
+        let is_guess = self.is_first && self.endings.is_guess() && !goal.facts.iter().any(depends);
         let unknown = self.correction.unknown.clone();
-        understand_spoken(&self.world, &self.correction.spoken, unknown, goal)
+        match understand_spoken(&self.world, &self.correction.spoken, unknown, goal) {
+            Understanding::Goal(goal, _) if is_guess => Understanding::Question(guess(&self.world, &goal)),
+            understanding => understanding,
+        }
     }
 }
 
@@ -427,7 +447,7 @@ impl Dialogue for GoalDialogue {
         self.transcript.receive(reply)?;
         let understood = match self.transcript.kind {
             _ if self.exhausted => return Err(DialogueError::TooMuchWork),
-            ConstraintKind::Grammar => self.supply_part(),
+            ConstraintKind::Grammar => self.supply_part(reply),
             ConstraintKind::JsonSchema => self.supply_whole(&reply.text),
         }?;
         match self.exhausted {

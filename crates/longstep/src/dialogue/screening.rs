@@ -34,7 +34,7 @@ const LABELS: [(&str, Gap); 4] = [
 /// let mut dialogue = ScreeningDialogue::new("Water the roses, but not the ferns");
 /// assert!(dialogue.request().messages.last().unwrap().text.contains("roses"));
 /// let text = "wish & forbids: but not the ferns".to_owned();
-/// let marks = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default() })?;
+/// let marks = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood: None })?;
 /// assert_eq!(marks.unwrap()[0].range, 17..34);
 /// # Ok::<(), longstep::dialogue::DialogueError>(())
 /// ```

@@ -97,6 +97,7 @@ impl Scene {
             text: answer.to_owned(),
             finish: Finish::Stop,
             usage: Usage::default(),
+            likelihood: None,
         };
         let wish = dialogue.supply(&reply).map_err(|error| error.to_string())?;
         Ok(wish.expect("one reply is enough"))

@@ -35,9 +35,10 @@ fn among(list: &str, word: &str) -> bool {
 impl Correction {
     /// Starts with an instruction.
     pub(crate) fn of(world: &World, instruction: &str) -> Self {
+        let spoken = Spoken::of(world, instruction);
         Self {
-            spoken: Spoken::of(world, instruction),
-            unknown: unknown_thing(world, instruction),
+            unknown: unknown_in(world, &spoken, instruction),
+            spoken,
             ..Self::default()
         }
     }
@@ -82,7 +83,7 @@ impl Correction {
         let mut named = exactly(world, heard.entities.clone(), &meant);
         named.retain(|entity| !not_meant.contains(entity));
         let stands_for_it = |entity: &EntityId| named.iter().any(|other| head_of(other) == head_of(entity));
-        self.unknown = unknown_thing(world, &meant);
+        self.unknown = unknown_in(world, &heard, &meant);
         self.spoken.add(heard);
         self.spoken
             .entities
@@ -108,6 +109,11 @@ impl Correction {
         }
         self.excluded.extend(not_meant);
     }
+}
+
+/// Returns an object in an English text that does not exist.
+fn unknown_in(world: &World, spoken: &Spoken, text: &str) -> Option<String> {
+    spoken.is_english().then(|| unknown_thing(world, text)).flatten()
 }
 
 /// Filters entities that share a last word by an explicit number: "mug 3" excludes the other mugs.

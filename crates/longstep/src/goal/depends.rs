@@ -179,7 +179,7 @@ pub(crate) fn has_other_case(spoken: &Spoken) -> bool {
 /// Returns true if the instruction has a condition that no sensing action can decide.
 pub(crate) fn cannot_be_told(world: &World, spoken: &Spoken) -> bool {
     let senses = world.domain().actions.iter().any(|action| !action.senses.is_empty());
-    senses && spoken.clauses().strict && conditions(world, spoken).is_empty()
+    senses && spoken.is_english() && spoken.clauses().strict && conditions(world, spoken).is_empty()
 }
 
 /// Returns true if a word belongs to a cue for a sensing outcome: "the best-by date" is no object.

@@ -62,6 +62,10 @@ pub(super) const NOT_THINGS: &str = "a about above after again all an and anothe
 
 pub(super) const DETERMINERS: &str = "the a an that this my your some those these our";
 
+/// Frequent English words that are rare in other languages.
+const ENGLISH: &str = "the and with please it its this that these them there from into onto of to for is are not you your my \
+    put take get bring don't can could would should all";
+
 /// Words that mark several objects.
 const SEVERAL: &str = "all both each every everything two three four five six several many";
 
@@ -88,6 +92,8 @@ pub struct Spoken {
     clauses: Clauses,
     /// True if a later utterance was added, as an answer or as feedback on a plan.
     later: bool,
+    /// True if the words are English. What a rule about English words does not find says nothing about other languages.
+    english: bool,
 }
 
 impl Spoken {
@@ -139,6 +145,7 @@ impl Spoken {
             words,
             clauses: Clauses::of(instruction),
             later: false,
+            english: plain_words(instruction).iter().any(|word| among(ENGLISH, word)),
         }
     }
 
@@ -152,6 +159,12 @@ impl Spoken {
         self.singulars.extend(later.singulars);
         self.clauses.add(later.clauses);
         self.later = true;
+        self.english |= later.english;
+    }
+
+    /// Returns true if the words are English.
+    pub(crate) fn is_english(&self) -> bool {
+        self.english
     }
 
     pub(super) fn words(&self) -> &[String] {
@@ -358,7 +371,7 @@ fn begins_with_any(words: &[String], stems: &[String]) -> bool {
 /// Compares a goal with the instruction.
 pub fn understand(world: &World, instruction: &str, goal: Goal) -> Understanding {
     let spoken = Spoken::of(world, instruction);
-    let unknown = unknown_thing(world, instruction);
+    let unknown = spoken.is_english().then(|| unknown_thing(world, instruction)).flatten();
     understand_spoken(world, &spoken, unknown, goal)
 }
 
@@ -380,6 +393,12 @@ fn sorted_out(fact: GoalFact, about: &impl Fn(&GoalFact) -> bool) -> Vec<GoalFac
     rest
 }
 
+/// Returns the question whether a goal is what the person wants.
+pub(crate) fn guess(world: &World, goal: &Goal) -> String {
+    let guess = goal.sentences(world).join("; ");
+    format!("I am not sure what you want. Do you mean: {guess}?")
+}
+
 /// Compares a goal with parsed mentions. `unknown` is an object of the instruction that does not exist.
 pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<String>, goal: Goal) -> Understanding {
     let domain = world.domain();
@@ -388,7 +407,10 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
         GoalFact::Word { word, arguments } => domain.goal_word(*word).subject.map(|parameter| arguments[parameter]),
         GoalFact::Plain(_) | GoalFact::Number(_) | GoalFact::If(_) | GoalFact::Choice(_) => None,
     };
-    let is_meant = |fact: &GoalFact| subject(fact).is_none_or(|entity| meant.contains(&entity));
+    let is_meant = |fact: &GoalFact| {
+        let is_mentioned = |entity| meant.contains(&entity);
+        !spoken.is_english() || subject(fact).is_none_or(is_mentioned)
+    };
     // A type of the domain is no word of the instruction.
     let of_type = |groups: &[Group]| groups.iter().any(|group| group.is_of_type(domain));
     let about_it = |fact: &GoalFact| match fact {
@@ -409,8 +431,7 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
             let unclear = (!spoken.later).then(|| which(world, spoken, &goal)).flatten();
             return unclear.map_or_else(|| Understanding::Goal(goal, Vec::new()), Understanding::Question);
         }
-        let guess = goal.sentences(world).join("; ");
-        return Understanding::Question(format!("I am not sure what you want. Do you mean: {guess}?"));
+        return Understanding::Question(guess(world, &goal));
     }
     // The goal is about something else because the instruction mentions an unknown object.
     if !goal.facts.iter().all(about)

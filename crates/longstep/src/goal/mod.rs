@@ -21,8 +21,8 @@ pub use longstep_core::goal::*;
 
 pub(crate) use correction::{Correction, parts};
 pub(crate) use depends::{Dependence, cannot_be_told, conditions, governs_all, has_other_case};
-pub(crate) use mention::understand_spoken;
 pub use mention::{LeftOut, Spoken, Understanding, understand, unknown_thing};
+pub(crate) use mention::{guess, understand_spoken};
 pub use offer::{Offer, offers};
 pub(crate) use offer::{already, is_plain, offers_on};
 pub use pronoun::{SpelledOut, spelled_out};

@@ -222,6 +222,7 @@ impl Event {
             text: reply.text.clone(),
             finish: finish.to_owned(),
             usage: reply.usage.into(),
+            likelihood: reply.likelihood,
             milliseconds,
         }
     }
@@ -232,6 +233,7 @@ impl Event {
             text,
             finish,
             usage,
+            likelihood,
             milliseconds,
         } = self
         else {
@@ -246,6 +248,7 @@ impl Event {
             text: text.clone(),
             finish,
             usage: (*usage).into(),
+            likelihood: *likelihood,
         };
         Some((reply, *milliseconds))
     }

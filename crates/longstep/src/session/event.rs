@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::Settings;
-use crate::dialogue::{Message, Role, Usage};
+use crate::dialogue::{Likelihood, Message, Role, Usage};
 use crate::environment::Environment;
 use crate::plan::PlanFile;
 
@@ -94,6 +94,9 @@ pub enum Event {
         finish: String,
         /// Token counts.
         usage: UsageRecord,
+        /// The likelihood of the text, if the model gives it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        likelihood: Option<Likelihood>,
         /// Duration in milliseconds.
         milliseconds: f64,
     },

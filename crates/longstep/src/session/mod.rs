@@ -24,7 +24,7 @@
 //! assert!(prepared.request.messages.last().unwrap().text.contains("The pen belongs on the shelf"));
 //! // The owner of the model sends the request; this is its reply.
 //! let text = r#"{"question": "", "goals": ["put(pen, shelf)"]}"#.to_owned();
-//! session.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default() }, 740.0)?;
+//! session.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood: None }, 740.0)?;
 //!
 //! let proposal = session.proposal().unwrap();
 //! assert_eq!(proposal.plan.steps().len(), 6);

@@ -53,6 +53,7 @@ pub(super) fn reply(text: &str) -> Reply {
         text: text.to_owned(),
         finish: Finish::Stop,
         usage,
+        likelihood: None,
     }
 }
 

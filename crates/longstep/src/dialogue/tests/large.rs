@@ -76,6 +76,7 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
         text: json!({"question": "", "goals": [answer]}).to_string(),
         finish: Finish::Stop,
         usage: Usage::default(),
+        likelihood: None,
     };
     let Some(understood) = fitted.dialogue.supply(&reply).unwrap() else {
         panic!("the answer is whole");

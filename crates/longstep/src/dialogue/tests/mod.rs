@@ -1,5 +1,6 @@
 mod injected;
 mod large;
+mod likelihood;
 mod parts;
 mod requests;
 mod trees;

@@ -1,0 +1,88 @@
+//! The end of an answer that is written goal by goal.
+//!
+//! Token by token, a model goes on after a goal where that is a little more likely than to stop, and must then write some
+//! goal, however unlikely. Whole answers are compared here instead: an answer ends where all of its text, with its end, is
+//! most likely.
+
+use super::Likelihood;
+use crate::goal::{AND, ELSE, JOINT};
+
+/// Likelihood below which an answer is a guess, in thousandths of a nat (docs/evaluation.md has the measurement).
+const GUESS: i64 = -3700;
+
+/// The likelihoods of an answer that ends after one of its goals.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Endings {
+    /// Likelihood of the answer so far, without an end.
+    sum: i64,
+    /// The likeliest answer with an end: its likelihood and length in bytes.
+    best: Option<(i64, usize)>,
+}
+
+impl Endings {
+    /// Returns true if a model finds the answer so unlikely that it is a guess.
+    pub(super) fn is_guess(&self) -> bool {
+        let best = self.best.map_or(self.sum, |(best, _)| best.max(self.sum));
+        best < GUESS
+    }
+
+    /// Counts the next reply of an answer, which has the given length without it. Returns the length of the answer that
+    /// is likelier than this one and any that begins with it, if there is one.
+    pub(super) fn count(&mut self, length: usize, reply: &str, likelihood: Likelihood) -> Option<usize> {
+        let goal = [JOINT, AND, ELSE].iter().find_map(|joint| reply.strip_suffix(joint));
+        if let (Some(goal), Some(ended)) = (goal, likelihood.ended) {
+            let ended = self.sum + ended;
+            if self.best.is_none_or(|(best, _)| ended > best) {
+                self.best = Some((ended, length + goal.len()));
+            }
+        }
+        self.sum += likelihood.text;
+        self.best.filter(|(best, _)| *best > self.sum).map(|(_, length)| length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_ends_where_its_whole_text_is_likeliest() {
+        // Each reply with the likelihoods of its text and of an end before its joint.
+        type Answer<'a> = (&'a [(&'a str, i64, Option<i64>)], Option<&'a str>);
+        let answers: [Answer<'_>; 5] = [
+            // Going on is likelier than the end, and the goal that follows is not.
+            (
+                &[("on(lamp) &", -500, Some(-1000)), (" on(radio)", -2000, None)],
+                Some("on(lamp)"),
+            ),
+            (&[("on(lamp) &", -100, Some(-4000)), (" on(radio)", -2000, None)], None),
+            (&[("on(lamp)", -900, None)], None),
+            // Two goals, and not three.
+            (
+                &[
+                    ("on(lamp) &", -100, Some(-4000)),
+                    (" on(radio) &", -700, Some(-1200)),
+                    (" on(fan)", -3000, None),
+                ],
+                Some("on(lamp) & on(radio)"),
+            ),
+            // No end was possible.
+            (
+                &[("if dirty(cup) then", -100, None), (" clean(cup)", -5000, None)],
+                None,
+            ),
+        ];
+        for (replies, expected) in answers {
+            let (mut endings, mut answer, mut found) = (Endings::default(), String::new(), None);
+            for (text, likelihood, ended) in replies {
+                let likelihood = Likelihood {
+                    text: *likelihood,
+                    ended: *ended,
+                };
+                found = endings.count(answer.len(), text, likelihood);
+                answer.push_str(text);
+            }
+            assert_eq!(found.map(|length| &answer[..length]), expected, "{replies:?}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Answers that a model finds likely, and those that are a guess.
+
+use crate::dialogue::{ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Likelihood, Reply, Round, Usage};
+use crate::domain::shipped;
+use crate::environment::{self, Environment};
+use crate::goal::Understanding;
+use crate::json::Path;
+
+/// Replies with the likelihoods of their text and of an end before their joint.
+type Replies<'a> = &'a [(&'a str, i64, Option<i64>)];
+
+/// Checks what is understood from replies under a grammar: the goals, or the question.
+#[track_caller]
+fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &str) {
+    let domain = shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<ruler>"],
+        "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "on_something(<desk>)"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
+    let mut dialogue = GoalDialogue::new(GoalInput {
+        rounds,
+        ..GoalInput::new(&domain, &world, instruction, ConstraintKind::Grammar)
+    });
+    let mut understood = None;
+    for (text, likelihood, ended) in replies {
+        assert_eq!(understood, None, "{instruction}: the answer ended before `{text}`");
+        let reply = Reply {
+            text: (*text).to_owned(),
+            finish: Finish::Stop,
+            usage: Usage::default(),
+            likelihood: Some(Likelihood {
+                text: *likelihood,
+                ended: *ended,
+            }),
+        };
+        understood = dialogue.supply(&reply).unwrap();
+    }
+    let found = match understood {
+        Some(Understanding::Goal(goal, _)) => goal.everyday(&world).join(" & "),
+        Some(Understanding::Question(question)) => question,
+        None => "the answer goes on".to_owned(),
+    };
+    assert_eq!(found, expected, "{instruction}");
+}
+
+#[test]
+fn an_unlikely_answer_is_a_question() {
+    let put = "put(pen, shelf)";
+    check("Put the pen on the shelf", &[], &[(put, -700, None)], put);
+    check(
+        "Put the pen on the shelf",
+        &[],
+        &[(put, -9000, None)],
+        "I am not sure what you want. Do you mean: the pen is on the shelf?",
+    );
+    // After an answer to a question, the model's next answer is taken.
+    let round = Round {
+        reply: "question: I am not sure what you want. Do you mean: the pen is on the shelf?".to_owned(),
+        message: "yes".to_owned(),
+    };
+    check("Put the pen on the shelf", &[round], &[(put, -9000, None)], put);
+}
+
+#[test]
+fn an_answer_ends_before_an_unlikely_goal() {
+    let first = ("put(pen, shelf) &", -400, Some(-900));
+    check(
+        "Put the pen and the ruler on the shelf",
+        &[],
+        &[first, (" put(ruler, shelf)", -3000, None)],
+        "put(pen, shelf)",
+    );
+    check(
+        "Put the pen and the ruler on the shelf",
+        &[],
+        &[first, (" put(ruler, shelf)", -300, None)],
+        "put(pen, shelf) & put(ruler, shelf)",
+    );
+}
+
+/// Names are English here, so nothing in these texts names an entity.
+#[test]
+fn rules_about_english_words_do_not_judge_other_languages() {
+    let put = "put(pen, shelf)";
+    for instruction in [
+        "Leg den Stift ins Regal",
+        "Mets le stylo à la place de la règle",
+        "Pon el bolígrafo en la estantería",
+        "ペンを棚に置いて",
+    ] {
+        check(instruction, &[], &[(put, -900, None)], put);
+    }
+}
