@@ -51,11 +51,11 @@ fn an_unlikely_answer_is_a_question() {
         "Put the pen on the shelf",
         &[],
         &[(put, -9000, None)],
-        "I am not sure what you want. Do you mean: the pen is on the shelf?",
+        "I am not sure what you want. Do you mean: the pen is at the shelf?",
     );
     // After an answer to a question, the model's next answer is taken.
     let round = Round {
-        reply: "question: I am not sure what you want. Do you mean: the pen is on the shelf?".to_owned(),
+        reply: "question: I am not sure what you want. Do you mean: the pen is at the shelf?".to_owned(),
         message: "yes".to_owned(),
     };
     check("Put the pen on the shelf", &[round], &[(put, -9000, None)], put);
