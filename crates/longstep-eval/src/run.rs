@@ -57,6 +57,7 @@ pub fn run(
         )
     };
     let mut session = begin(suite.world(unit.case));
+    let judged = &suite.judged[&unit.case.scene];
     let mut lines = Lines::new();
     for (number, step) in unit.case.steps.iter().enumerate() {
         let says = step.in_words(unit.wording).unwrap_or(&step.says);
@@ -80,11 +81,10 @@ pub fn run(
         };
         let total_ms = started.elapsed().as_secs_f64() * 1000.0;
         let (_, model_ms) = session.cost();
-        let judged = suite.judged_world(unit.case);
         let mut world = session.world().clone();
-        world.share_values(&judged);
+        world.share_values(judged);
         let goals = step.expected.goals().iter();
-        let goals: Option<Vec<Goal>> = goals.map(|goal| goal.carried(domain, &judged, &world)).collect();
+        let goals: Option<Vec<Goal>> = goals.map(|goal| goal.carried(domain, judged, &world)).collect();
         // Both worlds have the entities of the scene and these values.
         let goals = goals.unwrap_or_else(|| step.expected.goals().to_vec());
         let standard = Standard::new(&world, &goals);

@@ -31,8 +31,8 @@ pub struct Suite {
     pub domain: String,
     /// The initial worlds of its cases.
     pub scenes: BTreeMap<String, World>,
-    /// The same worlds with the values (numbers, quotations) of the expected goals, in which these goals are read. A model
-    /// never sees them: it has the values of its instruction.
+    /// These worlds with the values (numbers, quotations) of the expected goals, in which these goals are read. A model never
+    /// sees them: it has the values of its instruction.
     pub judged: BTreeMap<String, World>,
     /// The cases, in the order of the files and of their content.
     pub cases: Vec<Case>,

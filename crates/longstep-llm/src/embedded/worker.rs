@@ -90,6 +90,8 @@ struct Worker<'model> {
     grammars: Grammars,
     states: States,
     sampler: Sampler,
+    /// The tokens that end an answer, as indices of the vocabulary.
+    ends: Vec<usize>,
     limit: usize,
     last: Option<Turn>,
 }
@@ -108,6 +110,7 @@ impl<'model> Worker<'model> {
             grammars: Grammars::new(model)?,
             states: States::new(setting.states.clone(), setting.identity.clone(), size),
             sampler: Sampler::new(&setting.sampling),
+            ends: ends(model),
             limit: size as usize,
             last: None,
         })
@@ -296,14 +299,9 @@ impl<'model> Worker<'model> {
                 let chosen = self
                     .sampler
                     .choose(logits, |consider| allowed.iter_set_entries(consider));
-                let vocabulary = self.model.vocab();
-                let mut end: Option<usize> = None;
-                allowed.iter_set_entries(|index| {
-                    let is_end = i32::try_from(index).is_ok_and(|token| vocabulary.is_eog(LlamaToken(token)));
-                    if is_end && end.is_none_or(|end| logits.get(index) > logits.get(end)) {
-                        end = Some(index);
-                    }
-                });
+                let ends = self.ends.iter().copied();
+                let ends = ends.filter(|end| u32::try_from(*end).is_ok_and(|end| allowed.is_allowed(end)));
+                let end = ends.max_by(|one, other| logits[*one].total_cmp(&logits[*other]));
                 score.count(logits, chosen, end);
                 chosen
             }
@@ -346,6 +344,13 @@ fn follow(matcher: &mut Matcher, token: LlamaToken) -> Result<Vec<LlamaToken>, S
         .into_iter()
         .map(|token| LlamaToken(token.cast_signed()))
         .collect())
+}
+
+/// Returns the tokens that end an answer.
+fn ends(model: &LlamaModel) -> Vec<usize> {
+    let vocabulary = model.vocab();
+    let tokens = (0..model.n_vocab()).filter(|token| vocabulary.is_eog(LlamaToken(*token)));
+    tokens.filter_map(|token| usize::try_from(token).ok()).collect()
 }
 
 /// The generated part of an answer.

@@ -1,6 +1,7 @@
 //! Instructions with later utterances about the answers to them.
 
-use super::{GoalFact, QUESTION, Spoken, parse, unknown_thing};
+use super::mention::unknown_in;
+use super::{GoalFact, QUESTION, Spoken, parse};
 use crate::environment::{EntityId, World};
 use crate::model::{head, plain_words, singular};
 
@@ -109,11 +110,6 @@ impl Correction {
         }
         self.excluded.extend(not_meant);
     }
-}
-
-/// Returns an object in an English text that does not exist.
-fn unknown_in(world: &World, spoken: &Spoken, text: &str) -> Option<String> {
-    spoken.is_english().then(|| unknown_thing(world, text)).flatten()
 }
 
 /// Filters entities that share a last word by an explicit number: "mug 3" excludes the other mugs.

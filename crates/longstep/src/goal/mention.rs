@@ -64,7 +64,7 @@ pub(super) const DETERMINERS: &str = "the a an that this my your some those thes
 
 /// Frequent English words that are rare in other languages.
 const ENGLISH: &str = "the and with please it its this that these them there from into onto of to for is are not you your my \
-    put take get bring don't can could would should all";
+    put take get bring can could would should all";
 
 /// Words that mark several objects.
 const SEVERAL: &str = "all both each every everything two three four five six several many";
@@ -371,7 +371,7 @@ fn begins_with_any(words: &[String], stems: &[String]) -> bool {
 /// Compares a goal with the instruction.
 pub fn understand(world: &World, instruction: &str, goal: Goal) -> Understanding {
     let spoken = Spoken::of(world, instruction);
-    let unknown = spoken.is_english().then(|| unknown_thing(world, instruction)).flatten();
+    let unknown = unknown_in(world, &spoken, instruction);
     understand_spoken(world, &spoken, unknown, goal)
 }
 
@@ -477,6 +477,11 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
     let why = "the instruction does not speak of it".to_owned();
     let left_out = facts.map(|fact| LeftOut { fact, why: why.clone() }).collect();
     Understanding::Goal(Goal::from(first), left_out)
+}
+
+/// Returns an object in a text that does not exist, if the text is English. `spoken` are its mentions.
+pub(super) fn unknown_in(world: &World, spoken: &Spoken, text: &str) -> Option<String> {
+    spoken.is_english().then(|| unknown_thing(world, text)).flatten()
 }
 
 /// Finds a noun phrase after a determiner that matches no entity of the world.
