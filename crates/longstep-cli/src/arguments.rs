@@ -141,6 +141,9 @@ pub(crate) struct StrategyArguments {
     /// Do not ask an embedded model what an instruction forbids, measures or orders before it writes the goal
     #[arg(long)]
     pub(crate) no_screening: bool,
+    /// Do not let an embedded model retell in plain English what it could only ask about
+    #[arg(long)]
+    pub(crate) no_retelling: bool,
     /// Folder with your own prompt parts (role.md, actions.md, ...), which replace the domain's
     #[arg(long, value_name = "FOLDER")]
     pub(crate) prompt: Option<PathBuf>,
@@ -171,6 +174,7 @@ impl StrategyArguments {
             effort: self.effort,
             partial: self.accept_partial,
             screening: !self.no_screening,
+            retelling: !self.no_retelling,
             ..Settings::default()
         }
     }

@@ -79,7 +79,7 @@ fn check_instructions(environment: &str, rows: &[(&str, &str, &str)]) {
     for (instruction, goal, expected) in rows {
         let goal = parse(&world, goal).unwrap();
         let found = match understand(&world, instruction, goal) {
-            Understanding::Question(question) => question,
+            Understanding::Question(question) | Understanding::Which(question) => question,
             Understanding::Goal(goal, _) => goal.everyday(&world).join(" & "),
         };
         assert_eq!(found, *expected, "{instruction}");

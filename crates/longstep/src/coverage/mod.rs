@@ -233,9 +233,14 @@ pub(crate) fn without_prohibitions(instruction: &str, marks: &[Mark]) -> (String
     (forbidden.join(" "), rest.trim().to_owned())
 }
 
+/// Returns the entities that a text names in full.
+pub(crate) fn named(world: &World, text: &str) -> Vec<EntityId> {
+    Mentions::of(world, text).within(&(0..text.len())).collect()
+}
+
 /// Returns true if a text names an entity in full.
 pub(crate) fn names_entity(world: &World, text: &str) -> bool {
-    Mentions::of(world, text).within(&(0..text.len())).next().is_some()
+    !named(world, text).is_empty()
 }
 
 /// Returns the marked parts that the goal does not represent.

@@ -20,10 +20,14 @@ pub(super) struct Endings {
 }
 
 impl Endings {
+    /// Returns the likelihood of the answer where it ends best.
+    pub(super) fn likelihood(&self) -> i64 {
+        self.best.map_or(self.sum, |(best, _)| best.max(self.sum))
+    }
+
     /// Returns true if a model finds the answer so unlikely that it is a guess.
     pub(super) fn is_guess(&self) -> bool {
-        let best = self.best.map_or(self.sum, |(best, _)| best.max(self.sum));
-        best < GUESS
+        self.likelihood() < GUESS
     }
 
     /// Counts the next reply of an answer, which has the given length without it. Returns the length of the answer that

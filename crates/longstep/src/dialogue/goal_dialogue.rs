@@ -7,6 +7,7 @@ use super::ending::Endings;
 use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
 use super::query::plain_line;
+use super::tries::Tries;
 use super::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, PartCost, Reply, Role, Round, TokenCounter, Transcript,
     object, scene,
@@ -46,6 +47,8 @@ pub struct GoalDialogue {
     has_condition: bool,
     /// Where the answer may end.
     endings: Endings,
+    /// The answers before this one, which were guesses.
+    tries: Tries,
     /// True if the answer is the first one to the instruction: an unlikely one is a question then.
     is_first: bool,
     /// True if the instruction has a condition that no sensing action can decide.
@@ -140,6 +143,7 @@ impl GoalDialogue {
             next: Next::Goal,
             has_condition: false,
             endings: Endings::default(),
+            tries: Tries::default(),
             is_first: rounds.is_empty(),
             mistaken: false,
             open: Vec::new(),
@@ -218,7 +222,9 @@ impl GoalDialogue {
         // After "if" in the instruction, some goal must have a condition.
         let must_depend = more && !conditions.is_empty() && !self.has_condition;
         let place = if self.transcript.answer.is_empty() {
-            let question = !self.mistaken && !goal::is_plain(self.world.domain(), offers, &self.mentioned);
+            let question = !self.mistaken
+                && !self.tries.has_begun()
+                && !goal::is_plain(self.world.domain(), offers, &self.mentioned);
             Place::First { question }
         } else {
             Place::Next
@@ -302,6 +308,9 @@ impl GoalDialogue {
             offer.arguments.retain(|arguments| !rejected(arguments));
         }
         offers.retain(|offer| !offer.arguments.is_empty());
+        if !further {
+            self.tries.remove(&mut offers);
+        }
         offers
     }
 
@@ -322,7 +331,7 @@ impl GoalDialogue {
         if let Some(end) = end {
             self.transcript.answer.truncate(end);
             self.facts = ended(&self.world, &self.transcript.answer)?.facts;
-            return Ok(Some(self.done()));
+            return Ok(self.done());
         }
         let begun = Begun::read(&self.world, &self.transcript.answer)?;
         (self.preceding, self.next, self.has_condition) = (begun.preceding(), begun.next, begun.has_condition());
@@ -334,7 +343,7 @@ impl GoalDialogue {
             }
         }
         self.facts = ended(&self.world, &self.transcript.answer)?.facts;
-        Ok(Some(self.done()))
+        Ok(self.done())
     }
 
     fn supply_whole(&mut self, text: &str) -> Result<Option<Understanding>, DialogueError> {
@@ -404,9 +413,26 @@ impl GoalDialogue {
         }
     }
 
-    fn done(&mut self) -> Understanding {
+    /// Ends an answer. A guess is followed by another try.
+    fn done(&mut self) -> Option<Understanding> {
         let goal = Goal::from(std::mem::take(&mut self.facts));
-        self.understood(goal)
+        let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_));
+        let is_guess = self.is_first && self.endings.is_guess() && !goal.facts.iter().any(depends);
+        if is_guess && self.tries.again(&self.endings, &goal) {
+            self.transcript.answer.clear();
+            self.preceding.clear();
+            self.other_side.clear();
+            self.next = Next::Goal;
+            self.has_condition = false;
+            self.look();
+            if !self.open.is_empty() {
+                self.endings = Endings::default();
+                return None;
+            }
+        }
+        let (endings, goal) = self.tries.likeliest(std::mem::take(&mut self.endings), goal);
+        self.endings = endings;
+        Some(self.understood(goal))
     }
 
     fn understood(&self, goal: Goal) -> Understanding {

@@ -21,14 +21,17 @@ mod goal_grammar;
 mod parts;
 mod query;
 mod reply;
+mod retelling;
 mod scene;
 mod screening;
+mod splitting;
 mod template;
 mod template_context;
 #[cfg(test)]
 mod tests;
 mod transcript;
 mod tree_schema;
+mod tries;
 mod worked;
 
 pub use crate::model::{Example, PartTexts, Prompts};
@@ -49,8 +52,10 @@ pub(crate) use query::plain_line;
 pub use query::query;
 pub(crate) use reply::answered;
 pub use reply::direct_schema;
+pub use retelling::RetellingDialogue;
 pub use scene::scene;
 pub use screening::ScreeningDialogue;
+pub use splitting::{Split, SplittingDialogue};
 pub use transcript::{Dialogue, DialogueError, Transcript};
 pub(crate) use transcript::{object, one_line, whole};
 pub(crate) use tree_schema::{TreeForms, in_schema, tree_schema};

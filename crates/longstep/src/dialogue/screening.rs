@@ -47,7 +47,7 @@ pub struct ScreeningDialogue {
 impl ScreeningDialogue {
     /// Starts a dialogue about an instruction of one line.
     pub fn new(instruction: &str) -> Self {
-        let mut transcript = Transcript::new(ConstraintKind::Grammar, fixed_turns());
+        let mut transcript = Transcript::new(ConstraintKind::Grammar, fixed_turns(PROMPT));
         transcript.push(Role::User, instruction);
         Self {
             instruction: instruction.to_owned(),
@@ -111,8 +111,7 @@ fn marks(instruction: &str, answer: &str) -> Result<Vec<Mark>, DialogueError> {
         let quotation = &text[..end.unwrap_or(text.len())];
         // A quotation of spaces marks nothing.
         if !quotation.trim().is_empty() {
-            let mark = Mark::of(instruction, quotation, gap).ok_or_else(unreadable)?;
-            marks.push(mark);
+            marks.push(quoted_mark(instruction, quotation, gap).ok_or_else(unreadable)?);
         }
         match end {
             Some(end) => rest = &text[end + JOINT.len()..],
@@ -121,16 +120,39 @@ fn marks(instruction: &str, answer: &str) -> Result<Vec<Mark>, DialogueError> {
     }
 }
 
+/// Returns the mark of a quotation. Tokens can end inside a character, which is then no part of the text; of such a
+/// quotation, whatever is readable is looked for, and without that it marks the whole instruction.
+fn quoted_mark(instruction: &str, quotation: &str, gap: Gap) -> Option<Mark> {
+    let broken = quotation.contains(char::REPLACEMENT_CHARACTER);
+    let readable = quotation.trim_matches(char::REPLACEMENT_CHARACTER).trim();
+    Mark::of(instruction, readable, gap).or_else(|| {
+        broken.then_some(Mark {
+            range: 0..instruction.len(),
+            gap,
+        })
+    })
+}
+
 fn labelled(text: &str) -> Option<(&'static str, Gap)> {
     LABELS.into_iter().find(|(label, _)| text.starts_with(label))
 }
 
-/// Returns the task and two messages for each example.
-fn fixed_turns() -> Vec<Message> {
-    let mut paragraphs = PROMPT.trim().split("\n\n");
-    let mut turns = vec![Message::new(Role::System, paragraphs.next().unwrap_or_default())];
-    for (instruction, answer) in paragraphs.filter_map(|paragraph| paragraph.trim().rsplit_once('\n')) {
-        turns.push(Message::new(Role::User, instruction));
+/// Returns the task of a prompt, its first paragraph, and two messages for each example: a further paragraph, whose last
+/// line is the answer.
+pub(super) fn fixed_turns(prompt: &str) -> Vec<Message> {
+    let mut paragraphs = prompt.trim().split("\n\n");
+    let task = paragraphs.next().unwrap_or_default();
+    turns_of(
+        task,
+        paragraphs.filter_map(|paragraph| paragraph.trim().rsplit_once('\n')),
+    )
+}
+
+/// Returns a task and two messages for each example: what is said, and the answer.
+pub(super) fn turns_of<'a>(task: &str, examples: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Message> {
+    let mut turns = vec![Message::new(Role::System, task)];
+    for (said, answer) in examples {
+        turns.push(Message::new(Role::User, said));
         turns.push(Message::new(Role::Assistant, answer));
     }
     turns
@@ -142,7 +164,7 @@ mod tests {
 
     #[test]
     fn every_example_has_a_readable_answer() {
-        let turns = fixed_turns();
+        let turns = fixed_turns(PROMPT);
         assert_eq!(turns.len(), 1 + 2 * PROMPT.trim().split("\n\n").skip(1).count());
         for pair in turns[1..].chunks(2) {
             let read = marks(&pair[0].text, &pair[1].text);
@@ -175,6 +197,8 @@ mod tests {
             &[("First", Gap::Order), ("but not the lock", Gap::Prohibition)],
         );
         check("Oil", "if:   ", &[]);
+        check("鍵をかけて", "wish & order: \u{fffd}", &[("鍵をかけて", Gap::Order)]);
+        check("鍵をかけて", "wish & order: かけ\u{fffd}", &[("かけ", Gap::Order)]);
         for answer in [
             "",
             "wish & ",

@@ -169,7 +169,7 @@ fn check_understood(instruction: &str, replies: &[&str], kind: ConstraintKind, e
                     let texts: Vec<String> = all.map(|fact| fact.everyday(&world)).collect();
                     format!("{} ({} left out)", texts.join(" & "), left_out.len())
                 }
-                Understanding::Question(question) => question,
+                Understanding::Question(question) | Understanding::Which(question) => question,
             };
         }
     }
@@ -222,7 +222,7 @@ fn a_model_that_does_not_see_what_is_there_is_asked_again() {
                 Constraint::Lark(grammar) if !grammar.contains("question") => "a goal".to_owned(),
                 other => format!("{other:?}"),
             },
-            Some(Understanding::Question(question)) => question,
+            Some(Understanding::Question(question) | Understanding::Which(question)) => question,
             Some(other) => format!("{other:?}"),
         }
     };

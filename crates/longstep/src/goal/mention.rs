@@ -22,6 +22,8 @@ pub enum Understanding {
     Goal(Goal, Vec<LeftOut>),
     /// A question to the person.
     Question(String),
+    /// A question to the person which of several things is meant that fit the same words.
+    Which(String),
 }
 
 /// A goal of the model's answer that the instruction does not support.
@@ -39,6 +41,7 @@ impl Understanding {
     pub fn carried(&self, domain: &Domain, from: &World, to: &World) -> Option<Self> {
         Some(match self {
             Self::Question(question) => Self::Question(question.clone()),
+            Self::Which(question) => Self::Which(question.clone()),
             Self::Goal(goal, left_out) => {
                 let left_out = left_out.iter().map(|left| {
                     Some(LeftOut {
@@ -429,7 +432,7 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
         };
         if goal.facts.iter().all(about) {
             let unclear = (!spoken.later).then(|| which(world, spoken, &goal)).flatten();
-            return unclear.map_or_else(|| Understanding::Goal(goal, Vec::new()), Understanding::Question);
+            return unclear.map_or_else(|| Understanding::Goal(goal, Vec::new()), Understanding::Which);
         }
         return Understanding::Question(guess(world, &goal));
     }
@@ -460,7 +463,7 @@ pub(crate) fn understand_spoken(world: &World, spoken: &Spoken, unknown: Option<
         // This question is asked once; the model interprets the answer.
         let unclear = (!spoken.later).then(|| which(world, spoken, &goal)).flatten();
         return match unclear {
-            Some(question) => Understanding::Question(question),
+            Some(question) => Understanding::Which(question),
             None => Understanding::Goal(goal, left_out),
         };
     }

@@ -126,7 +126,7 @@ fn check_understood(instruction: &str, goal: &str, expected: &str) {
     let (_, world) = flat();
     let goal = parse(&world, goal).unwrap();
     let understood = match understand(&world, instruction, goal) {
-        Understanding::Question(question) => question,
+        Understanding::Question(question) | Understanding::Which(question) => question,
         Understanding::Goal(goal, left_out) => {
             let kept: Vec<_> = goal.facts.iter().map(|fact| fact.everyday(&world)).collect();
             format!("{} (left out {})", kept.join(" & "), left_out.len())
@@ -290,7 +290,7 @@ fn check_which(instruction: &str, goal: &str, expected: &str) {
     let (_, world) = flat();
     let goal = parse(&world, goal).unwrap();
     let came = match understand(&world, instruction, goal) {
-        Understanding::Question(question) => question,
+        Understanding::Question(question) | Understanding::Which(question) => question,
         Understanding::Goal(goal, _) => {
             let facts = goal.facts.iter().map(|fact| fact.everyday(&world));
             facts.collect::<Vec<_>>().join(" & ")

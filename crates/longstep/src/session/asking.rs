@@ -2,12 +2,13 @@
 
 use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct};
 use crate::dialogue::{
-    ConstraintKind, Dialogue, DialogueError, Finish, FittedDialogue, Prepared, PromptError, Reply, ScreeningDialogue,
-    TokenCounter, plain_line,
+    ConstraintKind, Dialogue, DialogueError, Finish, FittedDialogue, Prepared, PromptError, Reply, RetellingDialogue,
+    ScreeningDialogue, SplittingDialogue, TokenCounter, plain_line,
 };
 use crate::feedback::{FeedbackDialogue, FeedbackInput, Wish};
 
 use super::Strategy;
+use super::retold::Open;
 
 /// A pending model request.
 #[derive(Debug, Clone)]
@@ -21,6 +22,10 @@ pub(super) struct Asking {
 pub(super) enum What {
     /// The marks of the instruction, before the goal.
     Screening(Box<ScreeningDialogue>),
+    /// The instruction in plain English, after its own words led to a question.
+    Retelling(Box<RetellingDialogue>),
+    /// The parts of an instruction that forbids something.
+    Splitting(Box<SplittingDialogue>),
     /// A goal. The dialogue starts when the token budget is known.
     Goal(Option<Box<FittedDialogue>>),
     /// A whole plan.
@@ -37,7 +42,7 @@ impl Asking {
     /// Returns true for the first request of an instruction, as long as no model has it.
     pub(super) fn is_first_of(&self, turn: &Turn) -> bool {
         let begins = matches!(self.what, What::Screening(_) | What::Goal(None) | What::Plan);
-        begins && !self.logged && turn.rounds.is_empty() && turn.proposal.is_none() && turn.rereading.is_none()
+        begins && !self.logged && turn.is_unanswered() && turn.retold.is_none() && turn.parted.is_none()
     }
 }
 
@@ -96,15 +101,17 @@ impl Session {
         }
     }
 
-    /// Returns the request to the model, and records it once.
+    /// Returns the request to the model, and records it once; none if the person is asked instead.
     pub(super) fn request(
         &mut self,
         turn: Turn,
         mut asking: Asking,
         counter: &mut dyn TokenCounter,
-    ) -> Result<Box<Prepared>, PromptError> {
+    ) -> Result<Option<Box<Prepared>>, PromptError> {
         let prepared = match &mut asking.what {
-            What::Screening(dialogue) => self.screening_request(dialogue, counter),
+            What::Screening(dialogue) => self.short_request(dialogue.request(), counter),
+            What::Splitting(dialogue) => self.short_request(dialogue.request(), counter),
+            What::Retelling(dialogue) => self.short_request(dialogue.request(), counter),
             What::Goal(goal) => self.goal_request(&turn, goal, counter),
             What::Plan => self.plan_request(&turn, counter),
             What::Wish(dialogue, _) => Ok(Prepared {
@@ -121,7 +128,12 @@ impl Session {
                     asking.logged = true;
                 }
                 self.stage = Stage::Asking(turn, asking);
-                Ok(Box::new(prepared))
+                Ok(Some(Box::new(prepared)))
+            }
+            // A question is never lost because its retelling cannot be asked for.
+            Err(_) if turn.is_retold_now() => {
+                self.take_back(turn);
+                Ok(None)
             }
             Err(error) => {
                 self.give_up(turn, Failure::Prompt(error.clone()));
@@ -166,15 +178,21 @@ impl Session {
         };
         turn.usage += reply.usage;
         turn.model_milliseconds += milliseconds;
+        turn.is_weighed |= reply.likelihood.is_some();
         self.events.push(Event::reply(reply, milliseconds));
         match asking.what {
             What::Screening(mut dialogue) => match dialogue.supply(reply) {
-                Ok(marks) => {
-                    turn.marks = marks.unwrap_or_default();
-                    self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
-                }
-                Err(error) => self.give_up(turn, Failure::Reply(error)),
+                Ok(marks) => self.screened(turn, marks.unwrap_or_default()),
+                Err(error) => self.leave_open(turn, Open::Failure(Failure::Reply(error))),
             },
+            What::Splitting(mut dialogue) => {
+                let split = dialogue.supply(reply).ok().flatten().flatten();
+                self.split(turn, split);
+            }
+            What::Retelling(mut dialogue) => {
+                let text = dialogue.supply(reply).ok().flatten().flatten();
+                self.retold(turn, text);
+            }
             What::Goal(goal) => self.goal_reply(turn, goal, reply),
             What::Plan => self.plan_reply(turn, reply),
             What::Wish(mut dialogue, words) => match dialogue.supply(reply) {
@@ -206,7 +224,10 @@ impl Session {
         self.events.push(Event::Failed {
             error: error.to_owned(),
         });
-        self.give_up(turn, Failure::Model(error.to_owned()));
+        match turn.is_retold_now() {
+            true => self.take_back(turn),
+            false => self.give_up(turn, Failure::Model(error.to_owned())),
+        }
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ const SCENE: &str = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects"
     "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "on_something(<desk>)",
         "<cupboard_handle>": "closed()"}}"#;
 
-fn session(kind: ConstraintKind, settings: Settings) -> Session {
+pub(super) fn session(kind: ConstraintKind, settings: Settings) -> Session {
     let household = household();
     let environment = Environment::from_json(SCENE).unwrap();
     let world = environment::read(&household, &environment, "", "", &Path::default()).unwrap();
@@ -23,7 +23,7 @@ fn session(kind: ConstraintKind, settings: Settings) -> Session {
 }
 
 /// Gives an instruction and the replies to it; returns the last user message of each request.
-fn play(session: &mut Session, instruction: &str, replies: &[&str]) -> Vec<String> {
+pub(super) fn play(session: &mut Session, instruction: &str, replies: &[&str]) -> Vec<String> {
     session.instruct(instruction).unwrap();
     let mut requests = Vec::new();
     for text in replies {
@@ -39,7 +39,7 @@ fn play(session: &mut Session, instruction: &str, replies: &[&str]) -> Vec<Strin
     requests
 }
 
-fn question(session: &Session) -> String {
+pub(super) fn question(session: &Session) -> String {
     match session.response() {
         Response::Consent(proposal) => proposal.question.clone().unwrap(),
         other => panic!("{other:?}"),
@@ -47,7 +47,7 @@ fn question(session: &Session) -> String {
 }
 
 /// Checks that the log of a session restores its state and replays without a difference.
-fn check_log(session: &mut Session, events: &[Event]) {
+pub(super) fn check_log(session: &mut Session, events: &[Event]) {
     let log = Log::read(text_of(events.to_vec()).as_bytes()).unwrap();
     let resumed = Session::resume(household(), &log, || 0.0).unwrap();
     assert_eq!(resumed.dropped, None);
@@ -214,8 +214,9 @@ fn a_server_names_what_it_leaves_out() {
 }
 
 #[test]
-fn settings_of_older_logs_have_no_screening() {
+fn settings_of_older_logs_have_no_further_requests() {
     let settings: Settings = serde_json::from_str(r#"{"strategy": "goal", "rounds": 3}"#).unwrap();
-    assert!(!settings.screening && !settings.partial);
-    assert!(Settings::default().screening);
+    assert!(!settings.screening && !settings.partial && !settings.forbidding && !settings.retelling);
+    let new = Settings::default();
+    assert!(new.screening && new.forbidding && new.retelling);
 }

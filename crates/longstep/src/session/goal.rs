@@ -1,15 +1,17 @@
 //! The goal strategy: the model writes goals, and search finds the steps.
 
 use super::asking::{Asking, What};
+use super::forbidden::Parted;
+use super::retold::Open;
 use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
 use crate::coverage::{self, Coverage, Gap};
 use crate::dialogue::{
-    ConstraintKind, Dialogue, DialogueError, FittedDialogue, GoalDialogue, GoalInput, OverBudget, Prepared,
-    PromptError, Reply, Round, ScreeningDialogue, TokenCounter, plain_line,
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, FittedDialogue, GoalDialogue, GoalInput, OverBudget,
+    Prepared, PromptError, Reply, Round, TokenCounter, plain_line,
 };
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
-use crate::goal::{self, Goal, GoalFact, LeftOut, NEVER, SpelledOut, Understanding};
+use crate::goal::{self, Goal, GoalFact, LeftOut, SpelledOut, Understanding};
 use crate::report;
 use crate::report::Answer;
 use crate::search::Limits;
@@ -51,13 +53,12 @@ impl Session {
         })
     }
 
-    /// Returns the request for the marks of the instruction.
-    pub(super) fn screening_request(
+    /// Returns a request of its own, whose prompt has no part that may be left out.
+    pub(super) fn short_request(
         &self,
-        dialogue: &ScreeningDialogue,
+        request: ChatRequest,
         counter: &mut dyn TokenCounter,
     ) -> Result<Prepared, PromptError> {
-        let request = dialogue.request();
         if let Some(context) = self.model.context {
             let messages = request.messages.iter().map(|message| counter.message_tokens(message));
             let needed = messages.sum::<u64>() + counter.frame_tokens();
@@ -79,14 +80,19 @@ impl Session {
             domain: &self.domain,
             world,
             instruction,
-            rounds: &turn.rounds,
+            // What was said about the wish is not said about a forbidden act.
+            rounds: if turn.is_forbidding() { &[] } else { &turn.rounds },
             kind: self.model.kind,
         }
     }
 
-    /// Returns the text that asks for goals, with an open pronoun replaced by the entities of the last plan.
+    /// Returns the text that asks for goals, with an open pronoun replaced by the entities of the last plan; or the
+    /// forbidden act that is being read.
     fn spelled_out(&self, turn: &Turn) -> String {
-        let wish = self.wish(turn).unwrap_or_else(|| turn.instruction.clone());
+        if let Some(act) = turn.parted.as_ref().and_then(Parted::act) {
+            return act.to_owned();
+        }
+        let wish = self.wish(turn).unwrap_or_else(|| turn.words().to_owned());
         let spelled = self.pronoun(&wish);
         spelled.map_or(wish, |spelled| spelled.text)
     }
@@ -144,31 +150,36 @@ impl Session {
                     false => Some(understood),
                 };
                 match carried {
+                    understood if turn.is_forbidding() => self.forbid(turn, understood),
                     // A server writes what is forbidden as a constraint.
                     Some(understood) if !of_server && self.wish(&turn).is_none() => {
                         self.offer_rule(turn, &understood);
                     }
                     Some(Understanding::Goal(goal, left_out)) if turn.accepts_as_goal(&goal) => {
-                        self.pursue(turn, goal, &left_out);
+                        self.pursue_within(turn, goal, left_out);
                     }
                     Some(Understanding::Goal(..)) => self.end_rereading(turn, Refusal::NoFurtherGoal),
-                    Some(Understanding::Question(question)) if turn.rereading.is_some() => {
+                    Some(Understanding::Question(question) | Understanding::Which(question))
+                        if turn.rereading.is_some() =>
+                    {
                         self.end_rereading(turn, Refusal::OpenQuestion(question));
                     }
                     Some(Understanding::Question(question)) => {
-                        self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
+                        self.leave_open(turn, Open::Question(question));
                     }
+                    Some(Understanding::Which(question)) => self.leave_open(turn, Open::Which(question)),
                     // Each entity of the part exists in the whole world, but a group may have members there for which the
                     // goal makes no sense.
                     None => self.give_up(turn, Failure::Reply(DialogueError::Refused)),
                 }
             }
-            Err(error) => self.give_up(turn, Failure::Reply(error)),
+            Err(_) if turn.is_forbidding() => self.forbid(turn, None),
+            Err(error) => self.leave_open(turn, Open::Failure(Failure::Reply(error))),
         }
     }
 
     /// Plans for a goal.
-    fn pursue(&mut self, turn: Turn, mut goal: Goal, left_out: &[LeftOut]) {
+    pub(super) fn pursue(&mut self, turn: Turn, mut goal: Goal, left_out: &[LeftOut]) {
         let world = &self.world;
         let limits = self.settings.effort.map_or(self.limits, Limits::from);
         let instruction = &turn.instruction;
@@ -181,12 +192,14 @@ impl Session {
         }
         let mut answer = solution.answer;
         answer.tell_left_out(world, left_out);
-        if let Some(spelled) = self.pronoun(instruction) {
+        answer.assumptions.extend(turn.retelling_note());
+        if let Some(spelled) = self.pronoun(turn.words()) {
             let names = spelled.meant.iter().map(|id| world.with_article(*id));
             let names: Vec<String> = names.collect();
             let note = format!("\"{}\" was taken for {}", spelled.pronoun, names.join(" and "));
             answer.assumptions.push(note);
         }
+        let forgets = turn.forgets_prohibition(&goal);
         let coverage = turn.coverage(world, &goal, solution.plan.as_ref());
         answer.set_coverage(&goal, &coverage);
         turn.price(&mut answer);
@@ -204,9 +217,14 @@ impl Session {
                     refused: Vec::new(),
                     question: question.filter(|_| !self.settings.partial),
                 };
-                self.propose(turn, proposal);
+                let is_rule_as_said = turn.parted.is_some() && proposal.offers_rule();
+                if forgets || proposal.question.is_some() && !is_rule_as_said {
+                    self.leave_open(turn, Open::Consent(Box::new(proposal)));
+                } else {
+                    self.propose(turn, proposal);
+                }
             }
-            None => self.give_up(turn, Failure::NoPlan(Box::new(answer))),
+            None => self.leave_open(turn, Open::Failure(Failure::NoPlan(Box::new(answer)))),
         }
     }
 
@@ -253,7 +271,7 @@ impl Session {
         let text = turn.text();
         let (forbidden, rest) = coverage::without_prohibitions(&text, &turn.marks);
         if forbidden.is_empty() {
-            return Some(turn.instruction.clone());
+            return Some(turn.words().to_owned());
         }
         let letters = |text: &str| text.chars().filter(|character| character.is_alphanumeric()).count();
         let is_wish = match coverage::names_entity(&self.world, &rest) {
@@ -266,24 +284,27 @@ impl Session {
     /// Handles an instruction that only forbids something. What the model understood as a goal is what must not be
     /// achieved: it is offered as a rule, with an empty plan.
     fn offer_rule(&mut self, turn: Turn, understood: &Understanding) {
-        let facts = match understood {
-            Understanding::Goal(goal, _) => &goal.facts[..],
-            Understanding::Question(_) => &[],
+        let rules = match understood {
+            Understanding::Goal(goal, _) => self.prohibition(goal),
+            Understanding::Question(_) | Understanding::Which(_) => None,
         };
-        let parts = facts.iter().flat_map(GoalFact::parts);
-        let parts: Vec<String> = parts
-            .map(|fact| format!("{NEVER}{}", fact.exact(&self.world)))
-            .collect();
-        match goal::parse(&self.world, &parts.join(" & ")) {
-            Ok(rules) => self.pursue(turn, rules, &[]),
-            Err(_) => {
-                let question = format!(
-                    "You forbid something that I cannot say as a rule: \"{}\". What may I not do?",
-                    turn.text()
-                );
-                self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
+        match rules {
+            Some(constraints) => {
+                let mut rules = Goal::default();
+                rules.constraints = constraints;
+                self.pursue(turn, rules, &[]);
             }
+            None => self.leave_unsaid(turn),
         }
+    }
+
+    /// Asks about an instruction that forbids something which is no rule.
+    pub(super) fn leave_unsaid(&mut self, turn: Turn) {
+        let question = format!(
+            "You forbid something that I cannot say as a rule: \"{}\". What may I not do?",
+            turn.text()
+        );
+        self.leave_open(turn, Open::Question(question));
     }
 }
 
@@ -297,9 +318,9 @@ fn rule_question(world: &World, goal: &Goal) -> String {
 }
 
 impl Turn {
-    /// Returns the instruction as one line, which its marks refer to.
+    /// Returns the words to be understood as one line, which the marks refer to.
     pub(super) fn text(&self) -> String {
-        plain_line(&self.instruction)
+        plain_line(self.words())
     }
 
     /// Returns the goal with its parts in the order in which they are written, if the instruction gives an order and the

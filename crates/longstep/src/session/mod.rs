@@ -42,6 +42,7 @@ mod coverage_tests;
 mod direct;
 mod ended;
 mod event;
+mod forbidden;
 mod goal;
 #[cfg(test)]
 mod injected;
@@ -51,6 +52,9 @@ mod reread;
 #[cfg(test)]
 mod reread_tests;
 mod resume;
+mod retold;
+#[cfg(test)]
+mod retold_tests;
 mod rules;
 #[cfg(test)]
 mod rules_tests;
@@ -159,7 +163,7 @@ impl Session {
                     Some(_) => counter,
                     None => &mut Uncounted,
                 };
-                self.request(turn, asking, counter).map(Some)
+                self.request(turn, asking, counter)
             }
             other => {
                 self.stage = other;
@@ -191,7 +195,9 @@ impl Session {
     /// As for [`Session::next_request`].
     pub fn explain(&mut self, counter: &mut dyn TokenCounter) -> Result<Option<Prepared>, PromptError> {
         match std::mem::replace(&mut self.stage, Stage::Idle) {
-            Stage::Asking(turn, asking) => self.request(turn, asking, counter).map(|prepared| Some(*prepared)),
+            Stage::Asking(turn, asking) => self
+                .request(turn, asking, counter)
+                .map(|prepared| prepared.map(|prepared| *prepared)),
             other => {
                 self.stage = other;
                 Ok(None)
@@ -321,6 +327,9 @@ impl Session {
             model_milliseconds: 0.0,
             proposal: None,
             rereading: None,
+            retold: None,
+            parted: None,
+            is_weighed: false,
         };
         self.stage = Stage::Asking(turn, self.first_request(text));
         Ok(())

@@ -51,6 +51,13 @@ pub struct Settings {
     /// ([`ScreeningDialogue`](crate::dialogue::ScreeningDialogue)). Logs of older programs have no such requests.
     #[serde(default)]
     pub screening: bool,
+    /// True if what an instruction forbids beside its wish is understood, too: as a constraint of the goal.
+    #[serde(default)]
+    pub forbidding: bool,
+    /// True if a model under a grammar retells in plain English ([`RetellingDialogue`](crate::dialogue::RetellingDialogue))
+    /// an instruction that it could only ask about. The question is asked if that does not lead to a plan either.
+    #[serde(default)]
+    pub retelling: bool,
     /// True if a plan that leaves out a part of the instruction is proposed like any other; otherwise it is a question
     /// ([`Response::Consent`](super::Response::Consent)).
     #[serde(default)]
@@ -70,6 +77,8 @@ impl Default for Settings {
             history: 2,
             effort: None,
             screening: true,
+            forbidding: true,
+            retelling: true,
             partial: false,
         }
     }

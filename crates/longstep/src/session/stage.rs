@@ -4,6 +4,8 @@ use std::fmt;
 
 use super::asking::Asking;
 use super::ended::Left;
+use super::forbidden::Parted;
+use super::retold::Retold;
 use super::{Ended, Failure, Refusal};
 use crate::coverage::Mark;
 use crate::dialogue::{Round, Usage};
@@ -87,6 +89,12 @@ pub(super) struct Turn {
     pub(super) proposal: Option<Box<Proposal>>,
     /// While feedback is read as a further goal: what stands in the way of it as a change of the steps.
     pub(super) rereading: Option<Vec<Refusal>>,
+    /// The instruction as a model retells it, if it led to a question.
+    pub(super) retold: Option<Retold>,
+    /// The parts of an instruction that forbids something.
+    pub(super) parted: Option<Parted>,
+    /// True if the model says how likely its replies are.
+    pub(super) is_weighed: bool,
 }
 
 /// The state of a session.

@@ -13,8 +13,9 @@ type Replies<'a> = &'a [(&'a str, i64, Option<i64>)];
 #[track_caller]
 fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &str) {
     let domain = shipped("household").unwrap().unwrap();
-    let text = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<ruler>"],
-        "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "on_something(<desk>)"}}"#;
+    let text = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>", "<ruler>", "<cupboard_handle>"],
+        "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "on_something(<desk>)",
+            "<cupboard_handle>": "closed()"}}"#;
     let environment = Environment::from_json(text).unwrap();
     let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
     let mut dialogue = GoalDialogue::new(GoalInput {
@@ -37,7 +38,7 @@ fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &s
     }
     let found = match understood {
         Some(Understanding::Goal(goal, _)) => goal.everyday(&world).join(" & "),
-        Some(Understanding::Question(question)) => question,
+        Some(Understanding::Question(question) | Understanding::Which(question)) => question,
         None => "the answer goes on".to_owned(),
     };
     assert_eq!(found, expected, "{instruction}");
@@ -50,7 +51,11 @@ fn an_unlikely_answer_is_a_question() {
     check(
         "Put the pen on the shelf",
         &[],
-        &[(put, -9000, None)],
+        &[
+            (put, -5000, None),
+            ("opened(cupboard)", -9000, None),
+            ("put(ruler, shelf)", -8000, None),
+        ],
         "I am not sure what you want. Do you mean: the pen is at the shelf?",
     );
     // After an answer to a question, the model's next answer is taken.
@@ -59,6 +64,26 @@ fn an_unlikely_answer_is_a_question() {
         message: "yes".to_owned(),
     };
     check("Put the pen on the shelf", &[round], &[(put, -9000, None)], put);
+}
+
+#[test]
+fn a_guess_gives_way_to_a_likelier_answer() {
+    let (guess, opened) = (("put(pen, shelf)", -5000, None), "opened(cupboard)");
+    let ruler = "put(ruler, shelf)";
+    check("Leg das weg", &[], &[guess, (opened, -1500, None)], opened);
+    // The third answer may begin with the goal word of the first one again.
+    check(
+        "Leg das weg",
+        &[],
+        &[guess, (opened, -4000, None), (ruler, -1500, None)],
+        ruler,
+    );
+    check(
+        "Leg das weg",
+        &[],
+        &[guess, (opened, -4000, None), (ruler, -4500, None)],
+        "I am not sure what you want. Do you mean: the cupboard is open?",
+    );
 }
 
 #[test]

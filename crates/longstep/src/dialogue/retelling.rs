@@ -1,0 +1,133 @@
+//! Retelling: what a person said, in plain English with the names of the environment.
+//!
+//! The prompts and names of a domain are mostly English, and people speak other languages, dialects and half sentences.
+//! A small model translates better than it understands goals in a strange language, and the likelihood of its translation
+//! tells whether it knew what it was doing.
+
+use super::screening::fixed_turns;
+use super::{ChatRequest, ConstraintKind, Dialogue, DialogueError, Reply, Role, Transcript, plain_line};
+use crate::environment::World;
+
+/// The task in the first paragraph; then examples, each with its answer in the last line.
+const PROMPT: &str = include_str!("retelling.txt");
+/// Likelihood below which a retelling is not used, in thousandths of a nat (docs/evaluation.md has the measurement).
+const SURE: i64 = -4500;
+/// Token budget of an answer.
+const TOKENS: u32 = 128;
+/// Maximum number of characters of an answer.
+const LENGTH: usize = 300;
+
+/// Lets a model retell an instruction. One request, one reply.
+///
+/// ```
+/// use longstep::dialogue::{Dialogue, Finish, Likelihood, Reply, RetellingDialogue, Usage};
+/// let planner = longstep::Planner::shipped("household")?;
+/// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
+///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
+/// let mut dialogue = RetellingDialogue::new(&world, "Der Stift gehört ins Regal.");
+/// let likelihood = Some(Likelihood { text: -2100, ended: None });
+/// let text = "Put the pen on the shelf.".to_owned();
+/// let retold = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood })?;
+/// assert_eq!(retold.flatten().as_deref(), Some("Put the pen on the shelf."));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct RetellingDialogue {
+    instruction: String,
+    transcript: Transcript,
+}
+
+impl RetellingDialogue {
+    /// Starts a dialogue about an instruction in a world.
+    pub fn new(world: &World, instruction: &str) -> Self {
+        let instruction = plain_line(instruction);
+        let mut transcript = Transcript::new(ConstraintKind::Grammar, fixed_turns(PROMPT));
+        transcript.push(Role::User, question_of(world, &instruction));
+        Self {
+            instruction,
+            transcript,
+        }
+    }
+}
+
+impl Dialogue for RetellingDialogue {
+    /// The retold instruction; none if the model is not sure of it, or if it is what the person said.
+    type Output = Option<String>;
+
+    fn request(&self) -> ChatRequest {
+        let grammar = format!("start: LINE\nLINE: /[^\\n]{{1,{LENGTH}}}/\n");
+        self.transcript.under_grammar(grammar, TOKENS)
+    }
+
+    /// Reads the retold instruction.
+    ///
+    /// # Errors
+    ///
+    /// The reply is cut off or refused.
+    fn supply(&mut self, reply: &Reply) -> Result<Option<Option<String>>, DialogueError> {
+        self.transcript.receive(reply)?;
+        let text = plain_line(&reply.text);
+        let is_sure = reply.likelihood.is_some_and(|likelihood| likelihood.text >= SURE);
+        let is_new = !letters(&text).is_empty() && letters(&text) != letters(&self.instruction);
+        Ok(Some((is_sure && is_new).then_some(text)))
+    }
+
+    fn transcript(&self) -> &Transcript {
+        &self.transcript
+    }
+}
+
+/// Returns the names of a world and an instruction of one line, as a message.
+pub(super) fn question_of(world: &World, instruction: &str) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for (_, entity) in world.entities() {
+        if !names.contains(&entity.name.as_str()) {
+            names.push(&entity.name);
+        }
+    }
+    format!("Things: {}\n{instruction}", names.join(", "))
+}
+
+/// Returns the letters and digits of a text in lower case.
+fn letters(text: &str) -> String {
+    let letters = text.chars().filter(|character| character.is_alphanumeric());
+    letters.flat_map(char::to_lowercase).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dialogue::{Finish, Likelihood, Usage};
+
+    #[test]
+    fn a_retelling_counts_if_it_is_likely_and_new() {
+        let world = crate::Planner::shipped("household").unwrap();
+        let world = world
+            .world(r#"{"assets": ["<desk>"], "objects": ["<pen>", "<pen_2>"]}"#)
+            .unwrap();
+        let said = "take the PEN";
+        let replies = [
+            ("Take the pen from the desk.", Some(-4400), true),
+            ("Take the pen from the desk.", Some(-4600), false),
+            ("Take the pen from the desk.", None, false),
+            ("Take the pen.", Some(-10), false),
+            (" .", Some(-10), false),
+        ];
+        for (text, likelihood, counts) in replies {
+            let mut dialogue = RetellingDialogue::new(&world, said);
+            let asked = dialogue.request().messages.last().unwrap().text.clone();
+            assert!(
+                asked.starts_with("Things: desk, pen") && asked.ends_with("\ntake the PEN"),
+                "{asked}"
+            );
+            let reply = Reply {
+                text: text.to_owned(),
+                finish: Finish::Stop,
+                usage: Usage::default(),
+                likelihood: likelihood.map(|text| Likelihood { text, ended: None }),
+            };
+            let retold = dialogue.supply(&reply).unwrap().unwrap();
+            assert_eq!(retold.is_some(), counts, "{text}: {retold:?}");
+        }
+    }
+}

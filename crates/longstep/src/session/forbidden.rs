@@ -1,0 +1,172 @@
+//! What an instruction forbids, understood as constraints.
+//!
+//! If the screening marks a part as forbidden, a model splits the instruction into what is to be done and what is not
+//! ([`SplittingDialogue`]). Each forbidden act is read as if it were wished for, and what it would achieve may never hold.
+//! Beside a wish, nothing touches what the act names either, unless the wish is about it. If the model is not sure of the parts, or one
+//! of them cannot be read at all, the person is asked about the marked words.
+
+use super::asking::{Asking, What};
+use super::{Session, Stage, Turn};
+use crate::coverage::{self, Gap, Mark};
+use crate::dialogue::{Split, SplittingDialogue};
+use crate::environment::EntityId;
+use crate::goal::{self, Constraint, Goal, GoalFact, LeftOut, NEVER, Understanding};
+
+/// An instruction in two parts.
+#[derive(Debug, Clone)]
+pub(super) struct Parted {
+    /// What is to be done, in sentences.
+    pub(super) wish: String,
+    /// The acts that are forbidden, and still to be read; the next one last.
+    unread: Vec<String>,
+    /// What the acts that have been read would achieve: it may never hold.
+    constraints: Vec<Constraint>,
+    /// True if the instruction forbids something.
+    forbids: bool,
+    /// The marks of the whole instruction.
+    marks: Vec<Mark>,
+    /// The goal of the wish with the goals that were left out, while the acts are read.
+    goal: Option<(Goal, Vec<LeftOut>)>,
+}
+
+impl Session {
+    /// Goes on after the screening: with the parts of an instruction that forbids something, or with its goals.
+    pub(super) fn screened(&mut self, mut turn: Turn, marks: Vec<Mark>) {
+        turn.marks = marks;
+        let forbids = turn.marks.iter().any(|mark| mark.gap == Gap::Prohibition);
+        let what = match forbids && self.settings.forbidding && turn.is_weighed && turn.parted.is_none() {
+            true => What::Splitting(Box::new(SplittingDialogue::new(&self.world, turn.words()))),
+            false => What::Goal(None),
+        };
+        self.stage = Stage::Asking(turn, Asking::new(what));
+    }
+
+    /// Takes the parts of an instruction; none if the model is not sure of them.
+    pub(super) fn split(&mut self, mut turn: Turn, split: Option<Split>) {
+        let Some(Split { wish, mut forbidden }) = split else {
+            return self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
+        };
+        forbidden.reverse();
+        for text in forbidden.iter().chain([&wish]) {
+            self.world.add_values(text);
+        }
+        let asking = match wish.is_empty() {
+            true => Asking::new(What::Goal(None)),
+            false => self.first_request(&wish),
+        };
+        turn.parted = Some(Parted {
+            forbids: !forbidden.is_empty(),
+            goal: wish.is_empty().then(Default::default),
+            wish,
+            unread: forbidden,
+            constraints: Vec::new(),
+            marks: std::mem::take(&mut turn.marks),
+        });
+        self.stage = Stage::Asking(turn, asking);
+    }
+
+    /// Plans for the goal of a wish, after what the instruction forbids has been read.
+    pub(super) fn pursue_within(&mut self, mut turn: Turn, mut goal: Goal, left_out: Vec<LeftOut>) {
+        match &mut turn.parted {
+            Some(parted) if !parted.unread.is_empty() => {
+                parted.goal = Some((goal, left_out));
+                self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
+            }
+            parted => {
+                // Feedback on the goals does not lift what the instruction forbids.
+                if let Some(parted) = parted
+                    && goal.constraints.is_empty()
+                {
+                    goal.constraints.clone_from(&parted.constraints);
+                }
+                self.pursue(turn, goal, &left_out);
+            }
+        }
+    }
+
+    /// Takes what a forbidden act would achieve; none if it was not understood.
+    pub(super) fn forbid(&mut self, mut turn: Turn, understood: Option<Understanding>) {
+        let Some(parted) = &mut turn.parted else {
+            return self.stage = Stage::Idle;
+        };
+        let read = match understood {
+            Some(Understanding::Goal(goal, _)) => self.prohibition(&goal),
+            _ => None,
+        };
+        // A model reads "touch the butter" as some goal about the butter, and a constraint must not be weaker than what was
+        // said. A standing rule is what the person confirms, and need not be stronger.
+        let off = match (parted.wish.is_empty(), &read) {
+            (true, Some(_)) => None,
+            _ => self.hands_off(parted),
+        };
+        match read.into_iter().chain(off).reduce(|read, off| [read, off].concat()) {
+            Some(constraints) => {
+                parted.unread.pop();
+                parted.constraints.extend(constraints);
+                if parted.unread.is_empty() {
+                    let (goal, left_out) = parted.goal.take().unwrap_or_default();
+                    self.pursue_within(turn, goal, left_out);
+                } else {
+                    self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
+                }
+            }
+            None => {
+                let (goal, left_out) = parted.goal.take().unwrap_or_default();
+                turn.marks = std::mem::take(&mut parted.marks);
+                turn.parted = None;
+                match goal.is_empty() {
+                    true => self.leave_unsaid(turn),
+                    false => self.pursue(turn, goal, &left_out),
+                }
+            }
+        }
+    }
+
+    /// Returns the constraints that nothing touches the entities which the act names in full, and the wish is not about:
+    /// more than was said, and never less. None if there is no such entity.
+    fn hands_off(&self, parted: &Parted) -> Option<Vec<Constraint>> {
+        let goal = &parted.goal.as_ref()?.0;
+        let wished: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(&self.domain)).collect();
+        let mut named = coverage::named(&self.world, parted.act()?);
+        named.retain(|entity| !wished.contains(entity));
+        named.sort_unstable();
+        named.dedup();
+        (!named.is_empty()).then(|| named.into_iter().map(Constraint::Untouched).collect())
+    }
+
+    /// Returns the constraints that no fact of a goal ever holds; none if the goal is more than facts.
+    pub(super) fn prohibition(&self, goal: &Goal) -> Option<Vec<Constraint>> {
+        let is_plain = |fact: &GoalFact| !matches!(fact, GoalFact::If(_) | GoalFact::Choice(_));
+        if goal.is_empty() || !goal.constraints.is_empty() || !goal.facts.iter().all(is_plain) {
+            return None;
+        }
+        let parts = goal.facts.iter().flat_map(GoalFact::parts);
+        let texts: Vec<String> = parts
+            .map(|fact| format!("{NEVER}{}", fact.exact(&self.world)))
+            .collect();
+        Some(goal::parse(&self.world, &texts.join(" & ")).ok()?.constraints)
+    }
+}
+
+impl Parted {
+    /// The forbidden act that is being read.
+    pub(super) fn act(&self) -> Option<&str> {
+        let act = self.unread.last()?;
+        self.goal.is_some().then_some(act)
+    }
+}
+
+impl Turn {
+    /// Returns true while a forbidden act is being read.
+    pub(super) fn is_forbidding(&self) -> bool {
+        self.parted.as_ref().is_some_and(|parted| parted.act().is_some())
+    }
+
+    /// Returns true if the instruction forbids something, as far as is known.
+    pub(super) fn forbids(&self) -> bool {
+        match &self.parted {
+            Some(parted) => parted.forbids,
+            None => self.marks.iter().any(|mark| mark.gap == Gap::Prohibition),
+        }
+    }
+}

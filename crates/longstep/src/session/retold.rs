@@ -1,0 +1,144 @@
+//! A second look at an instruction that led to a question: in plain English, as a model retells it.
+//!
+//! A question is the safe end of an attempt to understand, and mostly needless: the words were strange, not the wish. The
+//! retold instruction is understood from the beginning. Only a plan without a question takes the place of the question,
+//! and only if it keeps what the instruction forbids.
+
+use super::asking::{Asking, What};
+use super::{Failure, Proposal, Session, Stage, Strategy, Turn};
+use crate::dialogue::{ConstraintKind, RetellingDialogue};
+use crate::goal::{self, Goal};
+
+/// An instruction that is retold.
+#[derive(Debug, Clone)]
+pub(super) struct Retold {
+    /// The instruction in plain English; none while it is awaited.
+    pub(super) text: Option<String>,
+    /// The turn before.
+    before: Box<Turn>,
+    /// What was left open then.
+    open: Open,
+}
+
+/// What an attempt to understand an instruction leaves open.
+#[derive(Debug, Clone)]
+pub(super) enum Open {
+    /// A question about what the person wants.
+    Question(String),
+    /// A question which one of several things is meant. Other words do not answer it.
+    Which(String),
+    /// A plan with a question.
+    Consent(Box<Proposal>),
+    /// There is no plan.
+    Failure(Failure),
+}
+
+impl Open {
+    /// Returns true if it may be due to the words of the instruction: other words may be understood.
+    fn may_be_words(&self) -> bool {
+        !matches!(self, Self::Which(_) | Self::Failure(Failure::NoPlan(_)))
+    }
+}
+
+impl Session {
+    /// Ends an attempt to understand an instruction. It is retold if that may help; if it has been, what was left open
+    /// before is what is open now.
+    pub(super) fn leave_open(&mut self, mut turn: Turn, open: Open) {
+        if turn.is_retold_now() {
+            self.take_back(turn);
+        } else if self.may_retell(&turn) && open.may_be_words() {
+            let dialogue = RetellingDialogue::new(&self.world, &turn.instruction);
+            turn.retold = Some(Retold {
+                text: None,
+                before: Box::new(turn.clone()),
+                open,
+            });
+            self.stage = Stage::Asking(turn, Asking::new(What::Retelling(Box::new(dialogue))));
+        } else {
+            self.conclude(turn, open);
+        }
+    }
+
+    /// Returns true if a model can retell the instruction, and say how likely that is.
+    fn may_retell(&self, turn: &Turn) -> bool {
+        self.settings.retelling
+            && self.settings.strategy == Strategy::Goal
+            && self.model.kind == ConstraintKind::Grammar
+            && turn.is_weighed
+            && turn.is_unanswered()
+            && turn.retold.is_none()
+    }
+
+    /// Understands the retold instruction from the beginning, or leaves open what was open before.
+    pub(super) fn retold(&mut self, mut turn: Turn, text: Option<String>) {
+        match (&mut turn.retold, text) {
+            (Some(retold), Some(text)) => {
+                self.world.add_values(&text);
+                let asking = self.first_request(&text);
+                retold.text = Some(text);
+                turn.marks.clear();
+                turn.parted = None;
+                self.stage = Stage::Asking(turn, asking);
+            }
+            _ => self.take_back(turn),
+        }
+    }
+
+    /// Returns to what was open before the instruction was retold.
+    pub(super) fn take_back(&mut self, turn: Turn) {
+        let Some(retold) = turn.retold else {
+            return self.stage = Stage::Idle;
+        };
+        let before = Turn {
+            usage: turn.usage,
+            model_milliseconds: turn.model_milliseconds,
+            ..*retold.before
+        };
+        self.conclude(before, retold.open);
+    }
+
+    fn conclude(&mut self, turn: Turn, open: Open) {
+        match open {
+            Open::Question(question) | Open::Which(question) => {
+                self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
+            }
+            Open::Consent(mut proposal) => {
+                turn.price(&mut proposal.answer);
+                self.propose(turn, *proposal);
+            }
+            Open::Failure(failure) => self.give_up(turn, failure),
+        }
+    }
+}
+
+impl Turn {
+    /// Returns the words to be understood: the instruction or what it was retold as, without what it forbids.
+    pub(super) fn words(&self) -> &str {
+        let wish = self.parted.as_ref().map(|parted| parted.wish.as_str());
+        let retold = || self.retold.as_ref().and_then(|retold| retold.text.as_deref());
+        let wish = wish.filter(|wish| !wish.is_empty());
+        wish.or_else(retold).unwrap_or(&self.instruction)
+    }
+
+    /// Returns true if the person has said nothing but the instruction, and nothing is proposed.
+    pub(super) fn is_unanswered(&self) -> bool {
+        self.rounds.is_empty() && self.proposal.is_none() && self.rereading.is_none()
+    }
+
+    /// Returns true while the instruction is being understood as it was retold.
+    pub(super) fn is_retold_now(&self) -> bool {
+        self.retold.is_some() && self.is_unanswered()
+    }
+
+    /// Returns true if the instruction forbids something that the goal of its retelling does not.
+    pub(super) fn forgets_prohibition(&self, goal: &Goal) -> bool {
+        let forbids = |retold: &Retold| retold.before.forbids();
+        self.is_retold_now() && goal.constraints.is_empty() && self.retold.as_ref().is_some_and(forbids)
+    }
+
+    /// Returns the note that a plan is for other words than those of the instruction.
+    pub(super) fn retelling_note(&self) -> Option<String> {
+        let words = self.words();
+        (words != self.instruction).then(|| format!("\"{}\" was taken for \"{words}\"", self.instruction))
+    }
+}

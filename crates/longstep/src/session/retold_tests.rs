@@ -1,0 +1,317 @@
+//! Instructions that are retold in plain English, and what they forbid, with fixed replies.
+
+use super::coverage_tests::{check_log, play, question, session};
+use super::tests::reply;
+use super::{Response, Session, Settings};
+use crate::dialogue::{ConstraintKind, EstimatedTokens, Likelihood, Reply};
+
+const SAID: &str = "El boli, al estante.";
+const DOUBT: &str = "question: I see no boli here, which pen do you mean?";
+/// A guess: no try at an answer is likely.
+const GUESS: [(&str, i64); 3] = [
+    ("put(ruler, shelf)", -9000),
+    ("opened(cupboard)", -9500),
+    ("put(pen, shelf)", -9500),
+];
+const RETOLD: &str = "Put the pen on the shelf.";
+
+fn grammar(settings: Settings) -> Session {
+    session(ConstraintKind::Grammar, settings)
+}
+
+/// Gives an instruction and the replies to it, each with its likelihood; returns the last user message of each request.
+fn play_weighed(session: &mut Session, instruction: &str, replies: &[(&str, i64)]) -> Vec<String> {
+    session.instruct(instruction).unwrap();
+    let mut requests = Vec::new();
+    for (text, likelihood) in replies {
+        let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+        requests.push(prepared.request.messages.last().unwrap().text.clone());
+        let likelihood = Some(Likelihood {
+            text: *likelihood,
+            ended: None,
+        });
+        let weighed = Reply {
+            likelihood,
+            ..reply(text)
+        };
+        session.supply(&weighed, 1.0).unwrap();
+    }
+    assert!(!session.wants_model(), "{instruction}: {requests:?}");
+    requests
+}
+
+/// Returns what a session says in the end: its goals, its question, or that it is stuck.
+fn end(session: &Session) -> String {
+    match session.response() {
+        Response::Plan(proposal) => proposal.answer.goal.join(" & "),
+        other => other.to_string(),
+    }
+}
+
+#[test]
+fn a_question_is_asked_only_if_the_retold_instruction_leaves_one() {
+    const ASKED: &str = "I see no boli here, which pen do you mean?";
+    let plan = "put(<pen>, <shelf>)";
+    // The replies to the instruction and its retelling, and what the person sees in the end.
+    type Case<'a> = (&'a [(&'a str, i64)], &'a str);
+    let cases: [Case<'_>; 7] = [
+        (
+            &[
+                ("wish", -1),
+                (DOUBT, -9),
+                (RETOLD, -2000),
+                ("wish", -1),
+                ("put(pen, shelf)", -500),
+            ],
+            plan,
+        ),
+        // A guess, too, is a question.
+        (
+            &[
+                &[("wish", -1)],
+                &GUESS[..],
+                &[(RETOLD, -2000), ("wish", -1), ("put(pen, shelf)", -500)],
+            ]
+            .concat(),
+            plan,
+        ),
+        (&[("wish", -1), (DOUBT, -9), (RETOLD, -5000)], ASKED),
+        (&[("wish", -1), (DOUBT, -9), ("El boli... al estante", -10)], ASKED),
+        (
+            &[&[("wish", -1), (DOUBT, -9), (RETOLD, -2000), ("wish", -1)], &GUESS[..]].concat(),
+            ASKED,
+        ),
+        (&[("wish", -1), (DOUBT, -9), (RETOLD, -2000), ("no mark", -1)], ASKED),
+        // The retelling forgets what the instruction forbids.
+        (
+            &[
+                ("wish & forbids: al estante", -1),
+                ("do: Put the pen on the shelf.", -3000),
+                ("put(pen, shelf)", -500),
+                (RETOLD, -2000),
+                ("wish", -1),
+                ("put(pen, shelf)", -500),
+            ],
+            "I cannot represent \"al estante\"; the plan ignores it. Go on?",
+        ),
+    ];
+    for (replies, expected) in cases {
+        let mut session = grammar(Settings::default());
+        let requests = play_weighed(&mut session, SAID, replies);
+        assert_eq!(end(&session), expected, "{replies:?}");
+        let retold = requests.iter().position(|request| request.starts_with("Things: "));
+        assert!(requests[retold.unwrap()].ends_with(SAID), "{requests:?}");
+        let events = session.take_events();
+        check_log(&mut session, &events);
+    }
+}
+
+#[test]
+fn the_plan_names_the_retold_instruction_and_later_words_are_about_it() {
+    let mut session = grammar(Settings::default());
+    let replies = [(DOUBT, -9), (RETOLD, -2000), ("wish", -1), ("put(pen, shelf)", -500)];
+    play_weighed(&mut session, SAID, &[&[("wish", -1)], &replies[..]].concat());
+    let Response::Plan(proposal) = session.response() else {
+        panic!("{:?}", session.response())
+    };
+    let note = format!("\"{SAID}\" was taken for \"{RETOLD}\"");
+    assert!(
+        proposal.answer.assumptions.contains(&note),
+        "{:?}",
+        proposal.answer.assumptions
+    );
+    session.accept().unwrap();
+    assert_eq!(session.accepted()[0].instruction, SAID);
+}
+
+#[test]
+fn nothing_is_retold_without_likelihoods_or_against_the_settings() {
+    let mut unweighed = grammar(Settings::default());
+    play(&mut unweighed, SAID, &["wish", DOUBT]);
+    assert!(matches!(unweighed.response(), Response::Question(_)));
+    let off = Settings {
+        retelling: false,
+        ..Settings::default()
+    };
+    let mut off = grammar(off);
+    play_weighed(&mut off, SAID, &[("wish", -1), (DOUBT, -9)]);
+    assert!(matches!(off.response(), Response::Question(_)));
+    // An answer is not retold.
+    off.answer("the pen on the shelf").unwrap();
+    off.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+    off.supply(&reply(DOUBT), 1.0).unwrap();
+    assert!(matches!(off.response(), Response::Question(_)));
+}
+
+#[test]
+fn a_failed_retelling_asks_the_question() {
+    let mut session = grammar(Settings::default());
+    session.instruct(SAID).unwrap();
+    for text in ["wish", DOUBT] {
+        session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+        let likelihood = Some(Likelihood { text: -1, ended: None });
+        let weighed = Reply {
+            likelihood,
+            ..reply(text)
+        };
+        session.supply(&weighed, 1.0).unwrap();
+    }
+    session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+    session.failed("the model is gone").unwrap();
+    assert!(
+        matches!(session.response(), Response::Question(_)),
+        "{:?}",
+        session.response()
+    );
+    let events = session.take_events();
+    check_log(&mut session, &events);
+}
+
+const MIXED: &str = "The pen goes on the shelf, but not the ruler and without the cupboard";
+const MARKED: &str = "wish & forbids: but not the ruler & forbids: without the cupboard";
+const SPLIT: &str = "do: Put the pen on the shelf.\nnot: Put the ruler on the shelf.\nnot: Open the cupboard.";
+
+#[test]
+fn what_is_forbidden_beside_a_wish_becomes_a_constraint() {
+    const ASKED: &str =
+        "I cannot represent \"but not the ruler\" and \"without the cupboard\"; the plan ignores it. Go on?";
+    let constrained = "put(<pen>, <shelf>) & never put(<ruler>, <shelf>) & untouched(<ruler>) & never opened(<cupboard>) & untouched(<cupboard>)";
+    let wish = [(MARKED, -1), (SPLIT, -2000), ("wish", -1), ("put(pen, shelf)", -500)];
+    // The replies after these four, and what the person sees in the end.
+    type Case<'a> = (&'a [(&'a str, i64)], &'a str);
+    let cases: [Case<'_>; 2] = [
+        (&[("put(ruler, shelf)", -500), ("opened(cupboard)", -500)], constrained),
+        // An act that is no goal, or a guess, is about what it names.
+        (
+            &[&GUESS[..], &[("question: What?", -1)]].concat(),
+            "put(<pen>, <shelf>) & untouched(<ruler>) & untouched(<cupboard>)",
+        ),
+    ];
+    for (replies, expected) in cases {
+        let mut session = grammar(Settings::default());
+        let requests = play_weighed(&mut session, MIXED, &[&wish, replies].concat());
+        match session.response() {
+            Response::Consent(_) => assert_eq!(question(&session), expected),
+            _ => assert_eq!(end(&session), expected),
+        }
+        assert_eq!(requests[2], "Put the pen on the shelf.");
+        assert!(
+            requests[4].ends_with("Instruction: Put the ruler on the shelf."),
+            "{}",
+            requests[4]
+        );
+        let events = session.take_events();
+        check_log(&mut session, &events);
+    }
+    // One act names nothing, so none counts; the retelling does not help.
+    let split = "do: Put the pen on the shelf.\nnot: Open the cupboard.\nnot: Hurry.";
+    let replies = [
+        (MARKED, -1),
+        (split, -2000),
+        ("wish", -1),
+        ("put(pen, shelf)", -500),
+        ("opened(cupboard)", -500),
+        ("question: What?", -1),
+        (RETOLD, -9000),
+    ];
+    let mut unread = grammar(Settings::default());
+    play_weighed(&mut unread, MIXED, &replies);
+    assert_eq!(question(&unread), ASKED);
+    let ignored = Settings {
+        forbidding: false,
+        retelling: false,
+        ..Settings::default()
+    };
+    let mut ignored = grammar(ignored);
+    play_weighed(&mut ignored, MIXED, &[(MARKED, -1), ("put(pen, shelf)", -500)]);
+    assert_eq!(question(&ignored), ASKED);
+}
+
+#[test]
+fn what_is_only_forbidden_is_read_as_a_rule() {
+    let mut session = grammar(Settings::default());
+    let replies = [
+        ("forbids: Hands off the cupboard", -1),
+        ("not: Open the cupboard.", -2000),
+        ("opened(cupboard)", -500),
+    ];
+    play_weighed(&mut session, "Hands off the cupboard", &replies);
+    assert_eq!(
+        question(&session),
+        "There is nothing to do. Should `never opened(cupboard)` hold from now on?"
+    );
+    let events = session.take_events();
+    check_log(&mut session, &events);
+}
+
+#[test]
+fn a_model_that_is_certain_overrules_its_screening() {
+    let split = "do: Put the pen on the shelf.";
+    let mut session = grammar(Settings::default());
+    let replies = [
+        ("forbids: El boli", -1),
+        (split, -900),
+        ("wish", -1),
+        ("put(pen, shelf)", -500),
+    ];
+    play_weighed(&mut session, SAID, &replies);
+    assert_eq!(end(&session), "put(<pen>, <shelf>)");
+}
+
+#[test]
+fn an_answer_to_a_question_keeps_what_is_forbidden() {
+    let mut session = grammar(Settings::default());
+    let replies = [
+        (MARKED, -1),
+        ("do: Put it on the shelf.\nnot: Open the cupboard.", -2000),
+        ("wish", -1),
+        ("question: Put what on the shelf?", -9),
+        (RETOLD, -9000),
+    ];
+    play_weighed(&mut session, MIXED, &replies);
+    session.answer("the pen").unwrap();
+    let mut requests = Vec::new();
+    for text in ["put(pen, shelf)", "opened(cupboard)"] {
+        let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+        requests.push(prepared.request.messages);
+        session.supply(&reply(text), 1.0).unwrap();
+    }
+    assert_eq!(
+        end(&session),
+        "put(<pen>, <shelf>) & never opened(<cupboard>) & untouched(<cupboard>)"
+    );
+    // The answer is about the wish.
+    assert_eq!(requests[0].last().unwrap().text, "the pen");
+    assert!(
+        requests[1]
+            .last()
+            .unwrap()
+            .text
+            .ends_with("Instruction: Open the cupboard.")
+    );
+    let events = session.take_events();
+    check_log(&mut session, &events);
+}
+
+#[test]
+fn feedback_on_the_goals_keeps_what_is_forbidden() {
+    let mut session = grammar(Settings::default());
+    let replies = [
+        (MARKED, -1),
+        ("do: Put the pen on the shelf.\nnot: Open the cupboard.", -2000),
+        ("wish", -1),
+        ("put(pen, shelf)", -500),
+        ("opened(cupboard)", -500),
+    ];
+    play_weighed(&mut session, MIXED, &replies);
+    session.feedback("the ruler as well").unwrap();
+    for text in ["goal", "put(pen, shelf) &", " put(ruler, shelf)"] {
+        if session.next_request(&mut EstimatedTokens::default()).unwrap().is_some() {
+            session.supply(&reply(text), 1.0).unwrap();
+        }
+    }
+    assert_eq!(
+        end(&session),
+        "put(<pen>, <shelf>) & put(<ruler>, <shelf>) & never opened(<cupboard>) & untouched(<cupboard>)"
+    );
+}
