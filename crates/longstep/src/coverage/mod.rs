@@ -85,6 +85,14 @@ pub struct Mark {
 }
 
 impl Mark {
+    /// Returns the mark of a whole instruction.
+    pub(crate) fn whole(instruction: &str, gap: Gap) -> Self {
+        Self {
+            range: 0..instruction.len(),
+            gap,
+        }
+    }
+
     /// Returns the mark of a quotation from the instruction; none if the instruction does not contain the text.
     pub fn of(instruction: &str, quotation: &str, gap: Gap) -> Option<Self> {
         let text = quotation.trim();

@@ -278,11 +278,7 @@ impl GoalDialogue {
     /// A model under a grammar is asked for them in a [`ScreeningDialogue`](super::ScreeningDialogue).
     pub fn marks(&self, instruction: &str) -> Vec<Mark> {
         let mark = |(text, gap): &(String, Gap)| {
-            let whole = || Mark {
-                range: 0..instruction.len(),
-                gap: *gap,
-            };
-            Mark::of(instruction, text, *gap).unwrap_or_else(whole)
+            Mark::of(instruction, text, *gap).unwrap_or_else(|| Mark::whole(instruction, *gap))
         };
         self.left_out.iter().map(mark).collect()
     }
@@ -302,15 +298,13 @@ impl GoalDialogue {
                 let excluded = arguments.iter().any(|entity| self.correction.excluded.contains(entity));
                 let unwanted = |request: &Request| !request.asks_for(self.world.domain(), offer.word, arguments);
                 excluded
+                    || (!further && self.tries.bar(offer.word, arguments))
                     || self.further.as_ref().is_some_and(unwanted)
                     || self.correction.rejected.iter().chain(&self.other_side).any(same)
             };
             offer.arguments.retain(|arguments| !rejected(arguments));
         }
         offers.retain(|offer| !offer.arguments.is_empty());
-        if !further {
-            self.tries.remove(&mut offers);
-        }
         offers
     }
 
@@ -416,9 +410,7 @@ impl GoalDialogue {
     /// Ends an answer. A guess is followed by another try.
     fn done(&mut self) -> Option<Understanding> {
         let goal = Goal::from(std::mem::take(&mut self.facts));
-        let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_));
-        let is_guess = self.is_first && self.endings.is_guess() && !goal.facts.iter().any(depends);
-        if is_guess && self.tries.again(&self.endings, &goal) {
+        if self.is_guess(&goal) && self.tries.again(&self.endings, &goal) {
             self.transcript.answer.clear();
             self.preceding.clear();
             self.other_side.clear();
@@ -435,19 +427,28 @@ impl GoalDialogue {
         Some(self.understood(goal))
     }
 
+    /// Returns true if the model finds its first answer unlikely. Goals with conditions are never called a guess.
+    fn is_guess(&self, goal: &Goal) -> bool {
+        self.is_first && self.endings.is_guess() && !depends(goal)
+    }
+
     fn understood(&self, goal: Goal) -> Understanding {
-        let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_));
-        if self.undecidable && !goal.facts.iter().any(depends) {
+        if self.undecidable && !depends(&goal) {
             let question = "I cannot find out whether that is so. What should I do in any case?";
             return Understanding::Question(question.to_owned());
         }
-        let is_guess = self.is_first && self.endings.is_guess() && !goal.facts.iter().any(depends);
+        let is_guess = self.is_guess(&goal);
         let unknown = self.correction.unknown.clone();
         match understand_spoken(&self.world, &self.correction.spoken, unknown, goal) {
             Understanding::Goal(goal, _) if is_guess => Understanding::Question(guess(&self.world, &goal)),
             understanding => understanding,
         }
     }
+}
+
+/// Returns true if a part of a goal has a condition.
+fn depends(goal: &Goal) -> bool {
+    goal.facts.iter().any(|fact| matches!(fact, GoalFact::If(_)))
 }
 
 impl Dialogue for GoalDialogue {

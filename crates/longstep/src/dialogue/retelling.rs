@@ -10,8 +10,8 @@ use crate::environment::World;
 
 /// The task in the first paragraph; then examples, each with its answer in the last line.
 const PROMPT: &str = include_str!("retelling.txt");
-/// Likelihood below which a retelling is not used, in thousandths of a nat (docs/evaluation.md has the measurement).
-const SURE: i64 = -4500;
+/// Likelihood below which what a model says in plain English is not used, in thousandths of a nat (docs/evaluation.md has the measurement).
+pub(super) const SURE: i64 = -4500;
 /// Token budget of an answer.
 const TOKENS: u32 = 128;
 /// Maximum number of characters of an answer.

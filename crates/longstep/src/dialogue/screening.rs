@@ -125,12 +125,7 @@ fn marks(instruction: &str, answer: &str) -> Result<Vec<Mark>, DialogueError> {
 fn quoted_mark(instruction: &str, quotation: &str, gap: Gap) -> Option<Mark> {
     let broken = quotation.contains(char::REPLACEMENT_CHARACTER);
     let readable = quotation.trim_matches(char::REPLACEMENT_CHARACTER).trim();
-    Mark::of(instruction, readable, gap).or_else(|| {
-        broken.then_some(Mark {
-            range: 0..instruction.len(),
-            gap,
-        })
-    })
+    Mark::of(instruction, readable, gap).or_else(|| broken.then(|| Mark::whole(instruction, gap)))
 }
 
 fn labelled(text: &str) -> Option<(&'static str, Gap)> {

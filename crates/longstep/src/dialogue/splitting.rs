@@ -3,16 +3,14 @@
 //! Under a grammar of goals a model reads "but do not wake the dog" as a dog that is awake or as nothing at all. Said as a
 //! command without "not" ("wake the dog"), what is forbidden is read like any wish, and may never come true.
 
-use super::retelling::question_of;
+use super::retelling::{SURE, question_of};
 use super::screening::turns_of;
 use super::{ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Transcript, plain_line};
 use crate::environment::World;
 
 /// The task in the first paragraph; then examples, each in a paragraph, and its answer in the next one.
 const PROMPT: &str = include_str!("splitting.txt");
-/// Likelihood below which an answer is not used, in thousandths of a nat (docs/evaluation.md has the measurement).
-const SURE: i64 = -4500;
-/// Likelihood below which the answer that nothing is forbidden is not used.
+/// Likelihood below which the answer that nothing is forbidden is not used, in thousandths of a nat.
 const CERTAIN: i64 = -2500;
 /// Token budget of an answer.
 const TOKENS: u32 = 256;

@@ -5,7 +5,9 @@
 //! finds most of it, and costs something only where the first one was a guess.
 
 use super::ending::Endings;
-use crate::goal::{Goal, GoalFact, Offer};
+use crate::environment::EntityId;
+use crate::goal::{Goal, GoalFact};
+use crate::model::GoalWordId;
 
 /// Maximum number of further tries.
 const TRIES: usize = 2;
@@ -29,15 +31,8 @@ impl Tries {
             return false;
         }
         self.begins.push(begin.clone());
-        self.keep(endings, goal);
+        self.best = Some(self.likeliest(endings.clone(), goal.clone()));
         true
-    }
-
-    fn keep(&mut self, endings: &Endings, goal: &Goal) {
-        let is_better = |(best, _): &(Endings, Goal)| endings.likelihood() > best.likelihood();
-        if self.best.as_ref().is_none_or(is_better) {
-            self.best = Some((endings.clone(), goal.clone()));
-        }
     }
 
     /// Returns the likeliest of all answers.
@@ -53,21 +48,16 @@ impl Tries {
         !self.begins.is_empty()
     }
 
-    /// Removes the goals with which the next answer must not begin: those with the goal word of the first answer, then the
-    /// very goals with which the answers began.
-    pub(super) fn remove(&self, offers: &mut Vec<Offer>) {
-        let begins_with_word = |offer: &Offer| match &self.begins[..] {
-            [GoalFact::Word { word, .. }] => offer.word == *word,
+    /// Returns true if the next answer must not begin with this goal: it has the goal word of the first answer, or later, an
+    /// answer began with the very goal.
+    pub(super) fn bar(&self, word: GoalWordId, arguments: &[EntityId]) -> bool {
+        let is_alone = self.begins.len() == 1;
+        self.begins.iter().any(|begin| match begin {
+            GoalFact::Word {
+                word: begun,
+                arguments: with,
+            } => *begun == word && (is_alone || with == arguments),
             _ => false,
-        };
-        offers.retain(|offer| !begins_with_word(offer));
-        for offer in &mut *offers {
-            let word = offer.word;
-            offer.arguments.retain(|own| {
-                let same = |begin: &GoalFact| matches!(begin, GoalFact::Word { word: other, arguments } if *other == word && arguments == own);
-                !self.begins.iter().any(same)
-            });
-        }
-        offers.retain(|offer| !offer.arguments.is_empty());
+        })
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! If the screening marks a part as forbidden, a model splits the instruction into what is to be done and what is not
 //! ([`SplittingDialogue`]). Each forbidden act is read as if it were wished for, and what it would achieve may never hold.
-//! Beside a wish, nothing touches what the act names either, unless the wish is about it. If the model is not sure of the parts, or one
-//! of them cannot be read at all, the person is asked about the marked words.
+//! Beside a wish, nothing touches what the act names either, unless the wish is about it. If the model is not sure of the
+//! parts, or one of them cannot be read at all, the person is asked about the marked words.
 
 use super::asking::{Asking, What};
 use super::{Session, Stage, Turn};
@@ -33,8 +33,7 @@ impl Session {
     /// Goes on after the screening: with the parts of an instruction that forbids something, or with its goals.
     pub(super) fn screened(&mut self, mut turn: Turn, marks: Vec<Mark>) {
         turn.marks = marks;
-        let forbids = turn.marks.iter().any(|mark| mark.gap == Gap::Prohibition);
-        let what = match forbids && self.settings.forbidding && turn.is_weighed && turn.parted.is_none() {
+        let what = match turn.forbids() && self.settings.forbidding && turn.is_weighed && turn.parted.is_none() {
             true => What::Splitting(Box::new(SplittingDialogue::new(&self.world, turn.words()))),
             false => What::Goal(None),
         };

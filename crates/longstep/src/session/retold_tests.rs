@@ -19,22 +19,27 @@ fn grammar(settings: Settings) -> Session {
     session(ConstraintKind::Grammar, settings)
 }
 
+/// Gives a reply with its likelihood; returns the last user message of its request.
+fn give(session: &mut Session, (text, likelihood): (&str, i64)) -> String {
+    let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+    let likelihood = Some(Likelihood {
+        text: likelihood,
+        ended: None,
+    });
+    let weighed = Reply {
+        likelihood,
+        ..reply(text)
+    };
+    session.supply(&weighed, 1.0).unwrap();
+    prepared.request.messages.last().unwrap().text.clone()
+}
+
 /// Gives an instruction and the replies to it, each with its likelihood; returns the last user message of each request.
 fn play_weighed(session: &mut Session, instruction: &str, replies: &[(&str, i64)]) -> Vec<String> {
     session.instruct(instruction).unwrap();
     let mut requests = Vec::new();
-    for (text, likelihood) in replies {
-        let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
-        requests.push(prepared.request.messages.last().unwrap().text.clone());
-        let likelihood = Some(Likelihood {
-            text: *likelihood,
-            ended: None,
-        });
-        let weighed = Reply {
-            likelihood,
-            ..reply(text)
-        };
-        session.supply(&weighed, 1.0).unwrap();
+    for reply in replies {
+        requests.push(give(session, *reply));
     }
     assert!(!session.wants_model(), "{instruction}: {requests:?}");
     requests
@@ -148,13 +153,7 @@ fn a_failed_retelling_asks_the_question() {
     let mut session = grammar(Settings::default());
     session.instruct(SAID).unwrap();
     for text in ["wish", DOUBT] {
-        session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
-        let likelihood = Some(Likelihood { text: -1, ended: None });
-        let weighed = Reply {
-            likelihood,
-            ..reply(text)
-        };
-        session.supply(&weighed, 1.0).unwrap();
+        give(&mut session, (text, -1));
     }
     session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
     session.failed("the model is gone").unwrap();
