@@ -41,7 +41,6 @@ fn world_of(domain: &Domain, environment: &Value) -> World {
 /// What came of an instruction.
 struct Made {
     answer: String,
-    left_out: usize,
     report: Option<Report>,
     model_time: Duration,
     search_time: Duration,
@@ -59,13 +58,11 @@ fn plan(model: &mut dyn ChatModel, domain: &Domain, world: &World, instruction: 
     };
     let mut made = Made {
         answer: dialogue.transcript().answer().to_owned(),
-        left_out: 0,
         report: None,
         model_time: started.elapsed(),
         search_time: Duration::ZERO,
     };
-    if let Some(Understanding::Goal(goal, left_out)) = understanding {
-        made.left_out = left_out.len();
+    if let Some(Understanding::Goal(goal)) = understanding {
         let started = Instant::now();
         let outcome = search::solve(world, &goal.purpose(world), &Limits::default());
         made.search_time = started.elapsed();
@@ -94,13 +91,8 @@ impl Tally {
         self.times.push(made.model_time);
         self.searches.push(made.search_time);
         let mark = if right { "ok   " } else { "WRONG" };
-        let left = if made.left_out > 0 {
-            format!(" (left out {})", made.left_out)
-        } else {
-            String::new()
-        };
         println!(
-            "{mark} {:5.2} s  {name}  ->  {}{left}",
+            "{mark} {:5.2} s  {name}  ->  {}",
             made.model_time.as_secs_f64(),
             made.answer
         );

@@ -168,7 +168,7 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
             let understood = converse(model, &mut dialogue, &mut |_: Progress| {});
             told = format!("{told} -> {}", dialogue.transcript().answer());
             let expected = goal::parse(&world, text("then")).unwrap();
-            let right = matches!(&understood, Ok(Understanding::Goal(goal, _)) if *goal == expected);
+            let right = matches!(&understood, Ok(Understanding::Goal(goal)) if *goal == expected);
             (right, told)
         }
         _ => (false, told),

@@ -80,7 +80,7 @@ fn check_instructions(environment: &str, rows: &[(&str, &str, &str)]) {
         let goal = parse(&world, goal).unwrap();
         let found = match understand(&world, instruction, goal) {
             Understanding::Question(question) | Understanding::Which(question) => question,
-            Understanding::Goal(goal, _) => goal.everyday(&world).join(" & "),
+            Understanding::Goal(goal) => goal.everyday(&world).join(" & "),
         };
         assert_eq!(found, *expected, "{instruction}");
     }

@@ -94,10 +94,10 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         repair: RepairCosts::default(),
         values: Vec::new(),
         lexicon: Lexicon::default(),
+        implied: indexmap::IndexMap::new(),
         article: String::new(),
         speaker_names: Vec::new(),
         robot_names: Vec::new(),
-        implied: indexmap::IndexMap::new(),
         actions: semantics
             .actions
             .into_iter()

@@ -230,7 +230,6 @@ impl Loader<'_> {
             })
             .collect();
         let goal_words: Vec<GoalWord> = file.goal.iter().filter_map(|entry| self.goal_word(entry)).collect();
-        self.yielding(&file.goal, &goal_words);
         self.report_negated_outcomes(&file, &actions, &goal_words);
         let implied = self.implied(&file.implied);
         let rules: Vec<Rule> = file.rule.iter().map(|entry| self.rule(entry, &goal_words)).collect();

@@ -197,6 +197,9 @@ pub struct RepairEntry {
     pub unsettle: Option<Spanned<u32>>,
 }
 
+/// The value of a key that has no effect any more. Domains that have it still load, and a lint reports it.
+pub type Obsolete = Spanned<toml::Value>;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GoalEntry {
@@ -204,14 +207,14 @@ pub struct GoalEntry {
     pub parameters: Text,
     pub condition: Text,
     pub offered: Option<Text>,
-    #[serde(default)]
-    pub cues: Vec<Text>,
-    #[serde(default)]
-    pub destination_verbs: Vec<Text>,
-    #[serde(default)]
-    pub yields_to: Vec<Text>,
-    #[serde(default)]
-    pub phrases: Vec<Text>,
+    /// Without effect.
+    pub cues: Option<Obsolete>,
+    /// Without effect.
+    pub destination_verbs: Option<Obsolete>,
+    /// Without effect.
+    pub yields_to: Option<Obsolete>,
+    /// Without effect.
+    pub phrases: Option<Obsolete>,
     pub subject: Option<Text>,
     pub exclusive: Option<String>,
     #[serde(default)]

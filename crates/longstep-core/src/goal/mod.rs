@@ -196,6 +196,11 @@ impl GoalFact {
         })
     }
 
+    /// Returns true if the goal is this goal word with these arguments.
+    pub fn is_word(&self, word: GoalWordId, arguments: &[EntityId]) -> bool {
+        matches!(self, Self::Word { word: own, arguments: with } if *own == word && with == arguments)
+    }
+
     /// Returns the entity that the goal is about, if it has one: the subject of the goal word, or the first argument of
     /// the fact.
     pub fn subject(&self, domain: &Domain) -> Option<EntityId> {

@@ -374,17 +374,6 @@ pub struct GoalWord {
     pub condition: Condition,
     /// The condition on arguments that make sense in the current state.
     pub offered: Condition,
-    /// Stems of the words that usually ask for this goal; a further goal of an answer needs one of them in the
-    /// instruction.
-    pub cues: Vec<String>,
-    /// Stems of verbs that introduce a destination. After one of them, a place in the instruction is meant as the
-    /// destination even if the object is already there.
-    pub destination_verbs: Vec<String>,
-    /// Goal words preferred over this one if the instruction mentions all their arguments.
-    pub yields_to: Vec<String>,
-    /// Phrases with the index of a parameter, as in `top of {place}`. The instruction must use one of them with the
-    /// argument.
-    pub phrases: Vec<(String, usize)>,
     /// The parameter whose argument the instruction must mention.
     pub subject: Option<usize>,
     /// The mark of a group of goal words. A goal contains at most one word of a group with the same first argument.
@@ -532,7 +521,7 @@ pub struct DomainData {
     pub speaker_names: Vec<String>,
     /// Words by which an instruction refers to the robot: "you".
     pub robot_names: Vec<String>,
-    /// Stems of words that imply an entity without naming it, by the last word of its identifier: "throw away" implies
+    /// Stems of words that speak of an entity without naming it, by the last word of its identifier: "throw away" speaks of
     /// the trash bin.
     pub implied: indexmap::IndexMap<String, Vec<String>>,
 }

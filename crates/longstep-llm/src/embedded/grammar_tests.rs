@@ -4,7 +4,7 @@ use llguidance::earley::SlicedBiasComputer;
 use llguidance::{Matcher, ParserFactory};
 use longstep::dialogue::{Constraint, ConstraintKind, Dialogue, GoalDialogue, GoalInput};
 use longstep::domain::{self, Domain};
-use longstep::goal::{GoalFact, Spoken, offers};
+use longstep::goal::{GoalFact, Mentions, offers};
 use longstep::{Planner, World};
 use proptest::prelude::*;
 use toktrie::{ApproximateTokEnv, InferenceCapabilities, TokEnv, TokenId};
@@ -38,7 +38,7 @@ fn check_world(grammars: &Grammars, domain: &Domain, world: &World, tokens: &dyn
         panic!("no grammar");
     };
     let matcher = grammars.matcher(&Constraint::Lark(text.clone())).unwrap().unwrap();
-    let offers = offers(world, &[], &Spoken::default());
+    let offers = offers(world, &[], &Mentions::default());
     let facts = offers.iter().flat_map(|offer| {
         let fact = |arguments: &Vec<_>| GoalFact::Word {
             word: offer.word,

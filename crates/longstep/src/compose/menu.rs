@@ -3,11 +3,12 @@
 //! Cues in the instruction narrow the choice, because a small model otherwise adds one plan too many or senses without
 //! need. The cues are English; without a match, every stored plan is available.
 
+use super::condition_words::Clauses;
 use super::sensing::{Check, called, checks};
 use super::{Recalled, Stored};
 use crate::dialogue::actors;
 use crate::environment::World;
-use crate::goal::{Spoken, cannot_be_told, conditions};
+use crate::goal::Mentions;
 use crate::model::{plain_words, singular};
 
 /// Parts available to a composition.
@@ -51,7 +52,7 @@ const PERHAPS_SIDE_BY_SIDE: [&str; 6] = ["while", "together", "both robots", "ea
 impl Menu {
     pub(super) fn of(world: &World, stored: &[Stored], instruction: &str) -> Self {
         let domain = world.domain();
-        let mentioned = Spoken::of(world, instruction);
+        let mentioned = Mentions::of(world, instruction);
         let words = plain_words(instruction);
         let recalled = stored.iter().map(|plan| (plan, Recalled::of(world, plan).ok()));
         let mut recalled: Vec<(&Stored, Option<Recalled>)> = recalled.collect();
@@ -92,24 +93,21 @@ impl Menu {
         if lanes.len() < 2 || !(side_by_side || says(&PERHAPS_SIDE_BY_SIDE)) {
             lanes.clear();
         }
-        let dependences = conditions(world, &mentioned);
+        let clauses = Clauses::of(instruction);
+        let outcomes = clauses.outcomes(world, instruction, &mentioned);
         // A condition that matches no cue may still be about the outcome of a sensing call, so every call about the
-        // mentioned entities is available.
-        let checks = if !dependences.is_empty() {
-            checks(world, |fact| {
-                dependences.iter().any(|dependence| dependence.fact == fact)
-            })
-        } else if cannot_be_told(world, &mentioned) {
+        // named entities is available.
+        let checks = if clauses.are_undecided(world, &outcomes) {
             checks(world, |fact| {
                 domain
                     .arguments(fact)
                     .all(|entity| mentioned.entities.contains(&entity))
             })
         } else {
-            Vec::new()
+            checks(world, |fact| outcomes.contains(&fact))
         };
         Self {
-            fork_wanted: (side_by_side && !lanes.is_empty()) || !dependences.is_empty(),
+            fork_wanted: (side_by_side && !lanes.is_empty()) || !outcomes.is_empty(),
             plans,
             checks,
             lanes,

@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::entities;
 use crate::environment::{EntityId, World};
-use crate::goal::{Goal, Spoken};
+use crate::goal::{self, Goal};
 use crate::model::{plain_words, singular};
 use crate::verify::VerifiedPlan;
 
@@ -93,11 +93,11 @@ pub(super) fn gaps(
     mentions: &Mentions,
     plan: Option<&VerifiedPlan>,
 ) -> Vec<Range<usize>> {
-    let spoken = Spoken::of(world, instruction);
+    let meant = goal::Mentions::of(world, instruction);
     let concerned = concerned(world, goal, plan);
     let is_gap = |mention: &&Mention| {
-        let meant = |entity: &EntityId| !mention.as_words || spoken.entities.contains(entity);
-        !mention.entities.iter().any(|entity| concerned.contains(entity)) && mention.entities.iter().any(meant)
+        let is_meant = |entity: &EntityId| !mention.as_words || meant.entities.contains(entity);
+        !mention.entities.iter().any(|entity| concerned.contains(entity)) && mention.entities.iter().any(is_meant)
     };
     mentions
         .0

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::environment::{EntityId, World};
-use crate::goal::Spoken;
+use crate::goal::Mentions;
 use crate::model::{PredicateId, plain_words, singular, stem};
 
 /// Maximum candidates for an ambiguous reference to one entity of a kind.
@@ -193,7 +193,7 @@ fn handled(world: &World) -> Vec<EntityId> {
 
 /// Returns the entities that the instruction names, in the order of the world.
 fn named(world: &World, instruction: &str, near: &Nearness) -> Vec<EntityId> {
-    let mentioned = Spoken::of(world, instruction);
+    let mentioned = Mentions::of(world, instruction);
     let words = plain_words(instruction);
     let exactly = |id: EntityId| {
         let entity = world.entity(id);
@@ -285,7 +285,10 @@ mod tests {
             "Lay the spoon on the deck",
             "deck spoon galley_table cabin locker_handle locker flag",
         );
-        check("Throw the rope away", "trash_bin rope locker locker_handle flag");
+        check(
+            "Put the rope in the trash bin",
+            "trash_bin rope locker locker_handle flag",
+        );
         check("Hand me tin 5", "tin_5 locker_handle locker flag");
         check("Hand me <tin_11>", "tin_11 locker_handle locker flag");
     }

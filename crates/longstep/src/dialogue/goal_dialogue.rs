@@ -14,12 +14,12 @@ use super::{
 };
 use crate::coverage::{Gap, Mark};
 use crate::effort;
-use crate::environment::{EntityId, World};
+use crate::environment::World;
 use crate::goal::{
-    self, Begun, Correction, Goal, GoalFact, Next, Offer, Request, Spoken, Understanding, ended, guess, offers,
-    offers_on, understand_spoken,
+    self, Begun, Correction, Goal, GoalFact, Mentions, Next, Offer, Understanding, ended, guess, offers, offers_on,
+    understand_mentions,
 };
-use crate::model::{Domain, plain_words};
+use crate::model::Domain;
 use crate::search;
 
 /// Maximum number of goals in an answer.
@@ -33,10 +33,9 @@ pub(super) const ANSWER_TOKENS: u32 = 1024;
 #[derive(Debug, Clone)]
 pub struct GoalDialogue {
     world: World,
-    /// Mentions of the instruction and all later utterances.
+    /// The names in the instruction and all later utterances.
     correction: Correction,
-    /// These mentions; none if they include an unknown object, or are not in English: no reference is certain then.
-    mentioned: Spoken,
+    condition: ConditionMark,
     transcript: Transcript,
     facts: Vec<GoalFact>,
     /// Goals that precede the next one in its branch.
@@ -51,18 +50,25 @@ pub struct GoalDialogue {
     tries: Tries,
     /// True if the answer is the first one to the instruction: an unlikely one is a question then.
     is_first: bool,
-    /// True if the instruction has a condition that no sensing action can decide.
-    undecidable: bool,
-    /// True if the model denied that an existing object is here; it may not ask again.
-    mistaken: bool,
     /// Possible next goals.
     open: Vec<Offer>,
-    /// The words that ask for a further goal, where no other goal may be answered.
-    further: Option<Request>,
+    /// The names in the words that ask for a further goal, where no other goal may be answered.
+    further: Option<Mentions>,
     /// True if enumerating `open` or the scene exceeded the work budget.
     exhausted: bool,
     /// The parts of the instruction that the answer of a server quotes as not represented.
     left_out: Vec<(String, Gap)>,
+}
+
+/// Whether an instruction has a condition, such as "if the milk is sour", as a [screening](super::ScreeningDialogue) marks
+/// it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ConditionMark {
+    /// Nothing is known: a goal may have a condition.
+    #[default]
+    Unknown,
+    /// A goal must have a condition, if the domain can sense one.
+    Present,
 }
 
 /// The inputs of a goal dialogue.
@@ -76,18 +82,21 @@ pub struct GoalInput<'a> {
     pub instruction: &'a str,
     /// The earlier answers of the model, each with the reply of the person.
     pub rounds: &'a [Round],
+    /// Whether the instruction has a condition.
+    pub condition: ConditionMark,
     /// The kind of constraint that the model supports.
     pub kind: ConstraintKind,
 }
 
 impl<'a> GoalInput<'a> {
-    /// The inputs of a first dialogue about an instruction, without earlier rounds.
+    /// The inputs of a first dialogue about an instruction, without marks or earlier rounds.
     pub fn new(domain: &'a Domain, world: &'a World, instruction: &'a str, kind: ConstraintKind) -> Self {
         Self {
             domain,
             world,
             instruction,
             rounds: &[],
+            condition: ConditionMark::Unknown,
             kind,
         }
     }
@@ -96,8 +105,8 @@ impl<'a> GoalInput<'a> {
 impl GoalDialogue {
     /// Starts a dialogue about an instruction, or continues it after feedback on the answer or an answer to its question.
     ///
-    /// Mentions come from the instruction and the later utterances, which take precedence: entities that they exclude
-    /// ("not that plate") and answers that they reject are no longer offered.
+    /// Names come from the instruction and the later utterances, which take precedence. The goals of an earlier answer are
+    /// no answer any more.
     pub fn new(input: GoalInput<'_>) -> Self {
         let mut dialogue = Self::before(input);
         dialogue.begin();
@@ -111,6 +120,7 @@ impl GoalDialogue {
             world,
             instruction,
             rounds,
+            condition,
             kind,
         } = input;
         let mut transcript = Transcript::new(kind, fixed_turns(domain, kind));
@@ -118,12 +128,8 @@ impl GoalDialogue {
         for round in rounds {
             correction.hear(world, &round.reply, &round.message);
         }
-        let mentioned = match &correction.unknown {
-            None if correction.spoken.is_english() => correction.spoken.clone(),
-            _ => Spoken::default(),
-        };
         let shown = effort::within(effort::OPERATION, || {
-            scene(world, &offers(world, &[], &Spoken::default()))
+            scene(world, &offers(world, &[], &Mentions::default()))
         });
         let scene = shown.result;
         transcript.push(Role::User, scene_and_instruction(&scene, &plain_line(instruction)));
@@ -133,9 +139,8 @@ impl GoalDialogue {
         }
         Self {
             world: world.clone(),
-            undecidable: goal::cannot_be_told(world, &correction.spoken),
             correction,
-            mentioned,
+            condition,
             transcript,
             facts: Vec::new(),
             preceding: Vec::new(),
@@ -145,7 +150,6 @@ impl GoalDialogue {
             endings: Endings::default(),
             tries: Tries::default(),
             is_first: rounds.is_empty(),
-            mistaken: false,
             open: Vec::new(),
             further: None,
             exhausted: shown.exhausted,
@@ -153,41 +157,29 @@ impl GoalDialogue {
         }
     }
 
-    /// Enumerates the possible goals. If the last utterance only adds to the answer, the new answer continues the old
-    /// one.
+    /// Enumerates the possible goals.
     pub(super) fn begin(&mut self) {
-        self.facts.clone_from(&self.correction.begun);
+        self.look();
+    }
+
+    /// Takes the words of the last round for a wish beside the goals that they were said about: the answer goes on from
+    /// these goals, with goals about entities that the words name. Changes nothing if there is no such goal.
+    pub(crate) fn further(&mut self, last: &Round) {
+        let Ok(goals) = goal::parse(&self.world, &last.reply) else {
+            return;
+        };
+        self.further = Some(Mentions::of(&self.world, &last.message));
+        self.facts = goals.facts;
         self.preceding = self.facts.iter().flat_map(GoalFact::parts).cloned().collect();
         self.look();
-        if self.facts.is_empty() {
-            return;
-        }
-        if self.open.is_empty() {
+        if self.open.is_empty() || self.exhausted {
+            self.further = None;
             self.facts.clear();
             self.preceding.clear();
             self.look();
         } else if self.transcript.kind == ConstraintKind::Grammar {
             let texts: Vec<String> = self.facts.iter().map(|fact| fact.everyday(&self.world)).collect();
             self.transcript.answer = texts.join(" & ") + goal::JOINT;
-        }
-    }
-
-    /// Takes the words of the last round for a wish beside the goals that they were said about: the answer goes on from
-    /// these goals, with what the words alone ask for. Changes nothing if they ask for no goal.
-    ///
-    /// A goal is offered only if the words have a cue of it (or a verb that leads to a place, for a goal word without
-    /// cues) and name its subject, be it by a pronoun: a second reading of words must not be a guess.
-    pub(crate) fn further(&mut self, last: &Round) {
-        let Ok(goals) = goal::parse(&self.world, &last.reply) else {
-            return;
-        };
-        self.correction.begun = goals.facts;
-        self.correction.rejected.clear();
-        self.further = Some(Request::of(&self.world, &last.message));
-        self.transcript.answer.clear();
-        self.begin();
-        if self.facts.is_empty() || self.exhausted {
-            self.further = None;
         }
     }
 
@@ -198,44 +190,41 @@ impl GoalDialogue {
 
     /// Returns the grammar of possible continuations.
     fn grammar(&self) -> String {
-        let offers = &self.open;
-        let mentioned = &self.correction.spoken;
         let conditions = match self.next {
-            Next::Goal => goal::conditions(&self.world, mentioned),
+            Next::Goal => goal::conditions(&self.world, &self.correction.mentions),
             _ => Vec::new(),
         };
         let more = self.preceding.len() + 1 < GOAL_LIMIT;
         let mut joints = Vec::new();
-        if self.next == Next::Then && goal::has_other_case(mentioned) {
+        if more && self.next == Next::Then {
             joints.push(goal::ELSE);
         }
-        let in_case = matches!(self.next, Next::Then | Next::Otherwise);
-        if in_case {
+        if more && matches!(self.next, Next::Then | Next::Otherwise) {
             joints.push(goal::AND);
         }
-        if !(in_case && goal::governs_all(mentioned)) {
+        if more {
             joints.push(goal::JOINT);
         }
-        if !more {
-            joints.clear();
-        }
-        // After "if" in the instruction, some goal must have a condition.
-        let must_depend = more && !conditions.is_empty() && !self.has_condition;
+        let must_depend = more && self.must_depend() && !conditions.is_empty();
         let place = if self.transcript.answer.is_empty() {
-            let question = !self.mistaken
-                && !self.tries.has_begun()
-                && !goal::is_plain(self.world.domain(), offers, &self.mentioned);
-            Place::First { question }
+            Place::First {
+                question: !self.tries.has_begun(),
+            }
         } else {
             Place::Next
         };
         let ways = Ways {
-            offers: if self.undecidable { &[] } else { offers },
+            offers: &self.open,
             conditions: &conditions,
             joints: &joints,
             may_end: !must_depend,
         };
         goal_grammar(&self.world, &ways, place)
+    }
+
+    /// Returns true if a goal still has to have a condition.
+    fn must_depend(&self) -> bool {
+        self.condition == ConditionMark::Present && !self.has_condition
     }
 
     /// Returns the token counts by part: `task`, `examples`, `query`, and `frame` for the chat template around the
@@ -288,21 +277,22 @@ impl GoalDialogue {
         self.exhausted
     }
 
-    /// Returns the possible next goals without those that the person rejected.
+    /// Returns the possible next goals. Where a further goal is asked for, its subject is named by the words that do so; a
+    /// further try begins with another goal.
     fn offers(&self) -> Vec<Offer> {
+        let domain = self.world.domain();
         let further = !self.preceding.is_empty() || self.next == Next::Otherwise;
-        let mut offers = offers_on(&self.world, &self.preceding, &self.mentioned, further);
+        let mut offers = offers_on(&self.world, &self.preceding, &self.correction.mentions, further);
         for offer in &mut offers {
-            let rejected = |arguments: &Vec<EntityId>| {
-                let same = |fact: &GoalFact| matches!(fact, GoalFact::Word { word, arguments: other } if *word == offer.word && other == arguments);
-                let excluded = arguments.iter().any(|entity| self.correction.excluded.contains(entity));
-                let unwanted = |request: &Request| !request.asks_for(self.world.domain(), offer.word, arguments);
-                excluded
-                    || (!further && self.tries.bar(offer.word, arguments))
-                    || self.further.as_ref().is_some_and(unwanted)
-                    || self.correction.rejected.iter().chain(&self.other_side).any(same)
-            };
-            offer.arguments.retain(|arguments| !rejected(arguments));
+            let subject = domain.goal_word(offer.word).subject;
+            offer.arguments.retain(|arguments| {
+                let is_named = |words: &Mentions, place: usize| words.entities.contains(&arguments[place]);
+                let is_wanted =
+                    |words: &Mentions| words.entities.is_empty() || subject.is_some_and(|place| is_named(words, place));
+                self.further.as_ref().is_none_or(is_wanted)
+                    && (further || !self.tries.bar(offer.word, arguments))
+                    && !self.other_side.iter().any(|fact| fact.is_word(offer.word, arguments))
+            });
         }
         offers.retain(|offer| !offer.arguments.is_empty());
         offers
@@ -310,14 +300,7 @@ impl GoalDialogue {
 
     fn supply_part(&mut self, reply: &Reply) -> Result<Option<Understanding>, DialogueError> {
         if let Some(question) = question_in(&self.transcript.answer) {
-            let question = question.to_owned();
-            if !self.mistaken && self.denies_what_is_here(&question) && !self.open.is_empty() {
-                self.mistaken = true;
-                self.transcript.answer.clear();
-                self.endings = Endings::default();
-                return Ok(None);
-            }
-            return Ok(Some(self.answer_to_question(question)));
+            return Ok(Some(Understanding::Question(question.to_owned())));
         }
         let before = self.transcript.answer.len() - reply.text.len();
         let likelihood = reply.likelihood;
@@ -359,7 +342,7 @@ impl GoalDialogue {
         }
         let answer: Answer = object(text)?;
         if !answer.question.trim().is_empty() {
-            return Ok(Some(self.answer_to_question(answer.question.trim().to_owned())));
+            return Ok(Some(Understanding::Question(answer.question.trim().to_owned())));
         }
         let left_out = answer.not_represented.into_iter().take(GOAL_LIMIT);
         self.left_out = left_out.map(|part| (plain_line(&part.text), part.kind)).collect();
@@ -378,39 +361,14 @@ impl GoalDialogue {
         Ok(Some(self.understood(goal)))
     }
 
-    /// Returns true if the model denies an object that the instruction names and that exists. Small models do so if the
-    /// instruction's name is longer: "the remote control" for a remote.
-    fn denies_what_is_here(&self, question: &str) -> bool {
-        let lower = question.to_lowercase();
-        let Some(rest) = lower.strip_prefix("i see no ") else {
-            return false;
-        };
-        let thing = rest.split(" here").next().unwrap_or(rest);
-        let words = plain_words(thing);
-        let named = |name: &String| {
-            let parts = plain_words(name);
-            !parts.is_empty() && parts.iter().all(|part| words.contains(part))
-        };
-        let mentioned = self.correction.spoken.entities.iter();
-        self.correction.unknown.is_none()
-            && mentioned
-                .into_iter()
-                .any(|entity| self.world.entity(*entity).names.iter().any(named))
-    }
-
-    /// Handles a question of the model. If the requested goals hold already, they are the answer.
-    fn answer_to_question(&self, question: String) -> Understanding {
-        let facts = goal::already(&self.world, &self.mentioned);
-        match facts.is_empty() {
-            true => Understanding::Question(question),
-            false => Understanding::Goal(Goal::from(facts), Vec::new()),
-        }
-    }
-
-    /// Ends an answer. A guess is followed by another try.
+    /// Ends an answer. A guess is followed by another try, and so is an answer that the person has rejected.
     fn done(&mut self) -> Option<Understanding> {
         let goal = Goal::from(std::mem::take(&mut self.facts));
-        if self.is_guess(&goal) && self.tries.again(&self.endings, &goal) {
+        let again = match self.correction.rejected.contains(&goal.facts) {
+            true => self.tries.refuse(&goal),
+            false => self.is_guess(&goal) && self.tries.again(&self.endings, &goal),
+        };
+        if again {
             self.transcript.answer.clear();
             self.preceding.clear();
             self.other_side.clear();
@@ -427,20 +385,16 @@ impl GoalDialogue {
         Some(self.understood(goal))
     }
 
-    /// Returns true if the model finds its first answer unlikely. Goals with conditions are never called a guess.
+    /// Returns true if the model finds its first answer, or a further goal, unlikely. Goals with conditions are never called a
+    /// guess.
     fn is_guess(&self, goal: &Goal) -> bool {
-        self.is_first && self.endings.is_guess() && !depends(goal)
+        (self.is_first || self.is_further()) && self.endings.is_guess() && !depends(goal)
     }
 
     fn understood(&self, goal: Goal) -> Understanding {
-        if self.undecidable && !depends(&goal) {
-            let question = "I cannot find out whether that is so. What should I do in any case?";
-            return Understanding::Question(question.to_owned());
-        }
         let is_guess = self.is_guess(&goal);
-        let unknown = self.correction.unknown.clone();
-        match understand_spoken(&self.world, &self.correction.spoken, unknown, goal) {
-            Understanding::Goal(goal, _) if is_guess => Understanding::Question(guess(&self.world, &goal)),
+        match understand_mentions(&self.world, &self.correction.mentions, goal) {
+            Understanding::Goal(goal) if is_guess => Understanding::Question(guess(&self.world, &goal)),
             understanding => understanding,
         }
     }
@@ -458,7 +412,7 @@ impl Dialogue for GoalDialogue {
         match self.transcript.kind {
             ConstraintKind::Grammar => self.transcript.under_grammar(self.grammar(), STEP_TOKENS),
             ConstraintKind::JsonSchema => {
-                let depends = !goal::conditions(&self.world, &self.correction.spoken).is_empty();
+                let depends = !goal::conditions(&self.world, &self.correction.mentions).is_empty();
                 self.transcript
                     .under_schema(goal_schema(&self.world, &self.open, depends), ANSWER_TOKENS)
             }

@@ -45,7 +45,7 @@ pub use explain::{Explanation, PartShare, explain};
 pub use fitted::FittedDialogue;
 pub use focus::{Focus, focus};
 pub(crate) use forms::actors;
-pub use goal_dialogue::{GoalDialogue, GoalInput};
+pub use goal_dialogue::{ConditionMark, GoalDialogue, GoalInput};
 pub(crate) use parts::broken_parts;
 pub use parts::{Part, PartName, PromptError, fixed_parts};
 pub(crate) use query::plain_line;

@@ -17,6 +17,8 @@ const TRIES: usize = 2;
 pub(super) struct Tries {
     /// The first goals of the answers so far.
     begins: Vec<GoalFact>,
+    /// The first goals of answers that the person has rejected.
+    refused: Vec<GoalFact>,
     /// The likeliest answer so far.
     best: Option<(Endings, Goal)>,
 }
@@ -32,6 +34,19 @@ impl Tries {
         }
         self.begins.push(begin.clone());
         self.best = Some(self.likeliest(endings.clone(), goal.clone()));
+        true
+    }
+
+    /// Takes an answer that the person has rejected. Returns true if another one is worth a try.
+    pub(super) fn refuse(&mut self, goal: &Goal) -> bool {
+        let begin = goal
+            .facts
+            .first()
+            .filter(|begin| matches!(begin, GoalFact::Word { .. }));
+        let Some(begin) = begin.filter(|_| self.refused.len() < TRIES) else {
+            return false;
+        };
+        self.refused.push(begin.clone());
         true
     }
 
@@ -52,12 +67,12 @@ impl Tries {
     /// answer began with the very goal.
     pub(super) fn bar(&self, word: GoalWordId, arguments: &[EntityId]) -> bool {
         let is_alone = self.begins.len() == 1;
-        self.begins.iter().any(|begin| match begin {
-            GoalFact::Word {
-                word: begun,
-                arguments: with,
-            } => *begun == word && (is_alone || with == arguments),
-            _ => false,
-        })
+        let has_word = |begin: &GoalFact| matches!(begin, GoalFact::Word { word: begun, .. } if *begun == word);
+        self.begins.iter().any(|begin| is_alone && has_word(begin))
+            || self
+                .begins
+                .iter()
+                .chain(&self.refused)
+                .any(|begin| begin.is_word(word, arguments))
     }
 }

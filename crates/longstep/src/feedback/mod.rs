@@ -12,6 +12,7 @@ mod difference;
 mod example;
 mod grammar;
 mod language;
+mod negation;
 mod obstacle;
 mod offer;
 mod order;

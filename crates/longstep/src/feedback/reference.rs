@@ -1,7 +1,8 @@
 //! Explicit references in an utterance: actions by call, steps by number, and entities.
 
+use super::negation::parts;
 use crate::environment::{EntityId, World};
-use crate::goal::{Spoken, parts};
+use crate::goal::Mentions;
 use crate::model::{ActionId, plain_words, singular};
 use crate::plan::{Plan, Step};
 use longstep_core::model::Domain;
@@ -108,14 +109,14 @@ impl References {
         let actions = named_actions(domain, words);
         let (main, side) = clauses(words);
         let mut references = Self {
-            entities: Spoken::of(world, words).entities,
+            entities: Mentions::of(world, words).entities,
             likeness: likeness(world, plan.steps(), &plain_words(&main)),
             actions,
             stems: tokens.iter().map(|token| stem(token)).collect(),
             ..Self::default()
         };
         let (meant, denied) = parts(words);
-        let speaks = |text: &str| !Spoken::of(world, text).entities.is_empty();
+        let speaks = |text: &str| !Mentions::of(world, text).entities.is_empty();
         references.corrects = speaks(&denied) && speaks(&meant);
         references.numbered(plan, &tokens, domain);
         references.again = tokens.iter().any(|token| AGAIN.contains(&token.as_str()));

@@ -1,33 +1,29 @@
 //! Questions about references that several entities fit.
 
-use super::mention::{DETERMINERS, among};
-use super::{Constraint, Goal, GoalFact, Spoken};
+use super::{Constraint, Goal, GoalFact, Mentions, reference_words};
 use crate::environment::{Distinctions, EntityId, Fact, Moment, World, holds};
 use crate::model::{TypeId, head, label, plain_words, singular};
 
-/// Determiners after which any entity fits.
-const ANY: &str = "a an any some another one either";
-
 /// Returns a question if the instruction refers to one entity by a name that several have: "the mug". Returns none if the
 /// reference is clear, or if the entities differ in nothing that a person can name.
-pub(super) fn which(world: &World, spoken: &Spoken, goal: &Goal) -> Option<String> {
+pub(super) fn which(world: &World, mentions: &Mentions, goal: &Goal) -> Option<String> {
     let single = goal.facts.iter().filter(|fact| goal.grouped_part(fact).is_none());
     let of_goals = single.flat_map(GoalFact::parts);
-    let mut of_goals = of_goals.map(|fact| of_fact(world, spoken, goal, fact));
+    let mut of_goals = of_goals.map(|fact| of_fact(world, mentions, goal, fact));
     let is_single = |own: &&Constraint| !goal.groups.iter().any(|part| part.constraints.contains(own));
     let mut of_constraints = goal
         .constraints
         .iter()
         .filter(is_single)
         .flat_map(|constraint| concerned(world, constraint))
-        .map(|(entity, kind)| question(world, spoken, entity, &|other| world.is_of_kind(other, kind)));
+        .map(|(entity, kind)| question(world, mentions, entity, &|other| world.is_of_kind(other, kind)));
     of_goals
         .find_map(|question| question)
         .or_else(|| of_constraints.find_map(|question| question))
 }
 
 /// Returns the question about the arguments of a goal.
-fn of_fact(world: &World, spoken: &Spoken, goal: &Goal, fact: &GoalFact) -> Option<String> {
+fn of_fact(world: &World, mentions: &Mentions, goal: &Goal, fact: &GoalFact) -> Option<String> {
     let GoalFact::Word { word: id, arguments } = fact else {
         return None;
     };
@@ -56,7 +52,7 @@ fn of_fact(world: &World, spoken: &Spoken, goal: &Goal, fact: &GoalFact) -> Opti
                 && holds(moment, &word.offered, &mut instead(other))
                 && !holds(moment, &word.condition, &mut instead(other))
         };
-        question(world, spoken, arguments[parameter], &is_possible)
+        question(world, mentions, arguments[parameter], &is_possible)
     })
 }
 
@@ -88,16 +84,16 @@ fn concerned(world: &World, constraint: &Constraint) -> Vec<(EntityId, TypeId)> 
 /// Returns the question which entity is meant where the goal has `entity`, and `is_possible` admits others.
 fn question(
     world: &World,
-    spoken: &Spoken,
+    mentions: &Mentions,
     entity: EntityId,
     is_possible: &dyn Fn(EntityId) -> bool,
 ) -> Option<String> {
     let names = &world.entity(entity).names;
-    if !spoken.entities.contains(&entity) || spoken.several(names) || !means_one(world, spoken, entity) {
+    if !mentions.entities.contains(&entity) || mentions.several(names) || !means_one(world, mentions, entity) {
         return None;
     }
-    let reference = Reference::to(world, spoken, entity);
-    let alike = spoken.entities.iter().copied().filter(|other| *other != entity);
+    let reference = Reference::to(world, mentions, entity);
+    let alike = mentions.entities.iter().copied().filter(|other| *other != entity);
     let mut all: Vec<EntityId> = alike
         .filter(|other| reference.fits(world, *other) && is_possible(*other))
         .collect();
@@ -115,7 +111,7 @@ fn question(
     let described: Vec<EntityId> = all
         .iter()
         .copied()
-        .filter(|one| is_described(world, spoken, *one, &all))
+        .filter(|one| is_described(world, mentions, *one, &all))
         .collect();
     let candidates = if described.contains(&entity) { described } else { all };
     if candidates.len() == 1 {
@@ -138,13 +134,13 @@ struct Reference {
 }
 
 impl Reference {
-    fn to(world: &World, spoken: &Spoken, entity: EntityId) -> Self {
-        let words: Vec<String> = spoken.words().iter().map(|word| singular(word)).collect();
+    fn to(world: &World, mentions: &Mentions, entity: EntityId) -> Self {
+        let words: Vec<String> = mentions.words().iter().map(|word| singular(word)).collect();
         let is_said = |name: &Vec<String>| !name.is_empty() && words.windows(name.len()).any(|window| window == name);
         let names = world.entity(entity).names.iter().map(|name| parts(name));
         Self {
             names: names.filter(is_said).collect(),
-            heads: said_heads(world, spoken, entity),
+            heads: said_heads(world, mentions, entity),
         }
     }
 
@@ -164,9 +160,9 @@ fn parts(name: &str) -> Vec<String> {
 }
 
 /// Returns the head nouns of an entity's names that the instruction contains.
-fn said_heads(world: &World, spoken: &Spoken, entity: EntityId) -> Vec<String> {
+fn said_heads(world: &World, mentions: &Mentions, entity: EntityId) -> Vec<String> {
     let heads = world.entity(entity).names.iter().map(|name| head(name));
-    let said = |head: &String| spoken.words().iter().any(|word| singular(word) == *head);
+    let said = |head: &String| mentions.words().iter().any(|word| singular(word) == *head);
     heads.filter(said).collect()
 }
 
@@ -178,9 +174,9 @@ fn has_label(world: &World, entity: EntityId) -> bool {
 }
 
 /// Returns true if a reference to the entity means one certain entity: "the mug", "my mug", "mug", but not "a mug".
-fn means_one(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
-    let heads = said_heads(world, spoken, entity);
-    let words = spoken.words();
+fn means_one(world: &World, mentions: &Mentions, entity: EntityId) -> bool {
+    let heads = said_heads(world, mentions, entity);
+    let words = mentions.words();
     let places = words
         .iter()
         .enumerate()
@@ -188,20 +184,20 @@ fn means_one(world: &World, spoken: &Spoken, entity: EntityId) -> bool {
     // Up to two words of description may follow the determiner: "the big red mug".
     places.into_iter().any(|(place, _)| {
         let mut before = words[place.saturating_sub(3)..place].iter().rev();
-        let determiner = before.find(|word| among(DETERMINERS, word) || among(ANY, word));
-        determiner.is_none_or(|word| !among(ANY, word))
+        let determiner = before.find(|word| reference_words::mark_any(word) || reference_words::mark_certain(word));
+        determiner.is_none_or(|word| !reference_words::mark_any(word))
     })
 }
 
 /// Returns true if the instruction describes the entity by its place or by a property that not all of them have.
-fn is_described(world: &World, spoken: &Spoken, entity: EntityId, all: &[EntityId]) -> bool {
+fn is_described(world: &World, mentions: &Mentions, entity: EntityId, all: &[EntityId]) -> bool {
     let domain = world.domain();
     let about = |fact: &Fact| domain.arguments(*fact).next() == Some(entity);
     let is_said = |fact: Fact| {
         let words = domain.words(fact.predicate());
         if domain.is_relation(fact) {
             let mut places = domain.arguments(fact).skip(1);
-            return words.fluent && places.any(|place| spoken.entities.contains(&place) && !all.contains(&place));
+            return words.fluent && places.any(|place| mentions.entities.contains(&place) && !all.contains(&place));
         }
         let is_common = all
             .iter()
@@ -209,7 +205,7 @@ fn is_described(world: &World, spoken: &Spoken, entity: EntityId, all: &[EntityI
         let name = domain.predicate(fact.predicate()).name.clone();
         let short = words.short.as_ref().map(|short| short.fill(|_| String::new()));
         let mut forms = short.into_iter().chain([name]).map(|form| plain_words(&form));
-        let has = |form: Vec<String>| !form.is_empty() && form.iter().all(|word| spoken.words().contains(word));
+        let has = |form: Vec<String>| !form.is_empty() && form.iter().all(|word| mentions.words().contains(word));
         !is_common && forms.any(has)
     };
     world.state.iter().filter(about).any(is_said)

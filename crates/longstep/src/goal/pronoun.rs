@@ -1,12 +1,8 @@
 //! Coreference across instructions: the pronoun in "put it back".
 
-use super::mention::Spoken;
+use super::{Mentions, reference_words};
 use crate::environment::{EntityId, World};
 use crate::model::plain_words;
-
-/// Pronouns for one object and for several.
-const ONE: [&str; 1] = ["it"];
-const SEVERAL: [&str; 2] = ["them", "these"];
 
 /// An instruction whose pronoun is replaced by entities of an earlier one.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,15 +36,15 @@ pub fn spelled_out(world: &World, instruction: &str, before: &[EntityId]) -> Opt
     let plain = |word: &str| plain_words(word).concat();
     let at = words.iter().position(|word| {
         let word = plain(word);
-        ONE.contains(&word.as_str()) || SEVERAL.contains(&word.as_str())
+        reference_words::stand_for_one(&word) || reference_words::stand_for_several(&word)
     })?;
     let pronoun = plain(words[at]);
-    let one = ONE.contains(&pronoun.as_str());
+    let one = reference_words::stand_for_one(&pronoun);
     if before.is_empty() || (one && before.len() > 1) {
         return None;
     }
     // The instruction itself has the antecedent.
-    if !Spoken::of(world, &words[..at].join(" ")).entities.is_empty() {
+    if !Mentions::of(world, &words[..at].join(" ")).entities.is_empty() {
         return None;
     }
     let names: Vec<String> = before

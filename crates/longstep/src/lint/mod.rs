@@ -7,6 +7,7 @@ mod environments;
 mod explanations;
 mod names;
 mod never;
+mod obsolete;
 mod places;
 mod reach;
 mod reads;
@@ -81,6 +82,8 @@ lints! {
     MissingExample = "missing-example",
     /// A file of `prompt/` that cannot be rendered, or an invalid example plan.
     BrokenPrompt = "broken-prompt",
+    /// A key that has no effect any more.
+    ObsoleteKey = "obsolete-key",
     /// An acceptance that matches no finding or gives no reason.
     StaleAcceptance = "stale-acceptance",
     /// An entity of an environment that no action admits.
@@ -151,6 +154,7 @@ pub fn lint(domain: &Domain, files: &Files) -> Vec<Finding> {
     findings.extend(reads::findings(domain, &reads, &places));
     findings.extend(names::findings(domain, &reach, &places));
     findings.extend(explanations::findings(domain, &reach, &places));
+    findings.extend(obsolete::findings(&places));
     findings.extend(
         crate::dialogue::broken_parts(domain)
             .into_iter()

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::coverage::{self, Coverage, Gap, Role};
 use crate::environment::{self, Claim, Environment, State, Voice, World};
-use crate::goal::{Goal, GoalFact, Group, LeftOut};
+use crate::goal::{Goal, GoalFact, Group};
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
 use crate::repair::Edit;
 use crate::schedule::Compacted;
@@ -468,12 +468,6 @@ impl Answer {
             timings_ms: self.timings_ms,
             ..Self::without_plan(Status::Question, world, summary, question)
         }
-    }
-
-    /// Adds the goals that were left out to the assumptions.
-    pub fn tell_left_out(&mut self, world: &World, left_out: &[LeftOut]) {
-        let sentence = |left: &LeftOut| format!("left out {}: {}", left.fact.everyday(world), left.why);
-        self.assumptions.extend(left_out.iter().map(sentence));
     }
 }
 

@@ -7,7 +7,7 @@ use super::feedback::feedback;
 use super::solution::reasons;
 use super::{Answer, Claims, EditAnswer, Status, compare_claims};
 use crate::environment::{Claim, Voice, World};
-use crate::goal::Spoken;
+use crate::goal::Mentions;
 use crate::plan::{self, PlanFile, Resolved, resolve};
 use crate::repair::{Pins, RepairOutcome, Repaired, repair_pinned, why_unsolvable};
 use crate::verify::{Assumption, Purpose, Report, VerifiedPlan, Violation, bind_tree, check};
@@ -70,7 +70,7 @@ impl<'a> Assessment<'a> {
         let instruction = instruction.unwrap_or(&file.instruction_summary).trim();
         let mentioned = match instruction {
             "" => Vec::new(),
-            instruction => Spoken::of(&world, instruction).entities.into_iter().collect(),
+            instruction => Mentions::of(&world, instruction).entities.into_iter().collect(),
         };
         let ignored = resolved.ignored.iter();
         notes.extend(ignored.map(|claim| format!("the plan was checked without what it claims here: {claim}")));

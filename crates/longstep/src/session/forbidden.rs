@@ -8,9 +8,9 @@
 use super::asking::{Asking, What};
 use super::{Session, Stage, Turn};
 use crate::coverage::{self, Gap, Mark};
-use crate::dialogue::{Split, SplittingDialogue};
+use crate::dialogue::{ConditionMark, Split, SplittingDialogue};
 use crate::environment::EntityId;
-use crate::goal::{self, Constraint, Goal, GoalFact, LeftOut, NEVER, Understanding};
+use crate::goal::{self, Constraint, Goal, GoalFact, NEVER, Understanding};
 
 /// An instruction in two parts.
 #[derive(Debug, Clone)]
@@ -25,8 +25,8 @@ pub(super) struct Parted {
     forbids: bool,
     /// The marks of the whole instruction.
     marks: Vec<Mark>,
-    /// The goal of the wish with the goals that were left out, while the acts are read.
-    goal: Option<(Goal, Vec<LeftOut>)>,
+    /// The goal of the wish, while the acts are read.
+    goal: Option<Goal>,
 }
 
 impl Session {
@@ -65,10 +65,10 @@ impl Session {
     }
 
     /// Plans for the goal of a wish, after what the instruction forbids has been read.
-    pub(super) fn pursue_within(&mut self, mut turn: Turn, mut goal: Goal, left_out: Vec<LeftOut>) {
+    pub(super) fn pursue_within(&mut self, mut turn: Turn, mut goal: Goal) {
         match &mut turn.parted {
             Some(parted) if !parted.unread.is_empty() => {
-                parted.goal = Some((goal, left_out));
+                parted.goal = Some(goal);
                 self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
             }
             parted => {
@@ -78,7 +78,7 @@ impl Session {
                 {
                     goal.constraints.clone_from(&parted.constraints);
                 }
-                self.pursue(turn, goal, &left_out);
+                self.pursue(turn, goal);
             }
         }
     }
@@ -89,7 +89,7 @@ impl Session {
             return self.stage = Stage::Idle;
         };
         let read = match understood {
-            Some(Understanding::Goal(goal, _)) => self.prohibition(&goal),
+            Some(Understanding::Goal(goal)) => self.prohibition(&goal),
             _ => None,
         };
         // A model reads "touch the butter" as some goal about the butter, and a constraint must not be weaker than what was
@@ -103,19 +103,19 @@ impl Session {
                 parted.unread.pop();
                 parted.constraints.extend(constraints);
                 if parted.unread.is_empty() {
-                    let (goal, left_out) = parted.goal.take().unwrap_or_default();
-                    self.pursue_within(turn, goal, left_out);
+                    let goal = parted.goal.take().unwrap_or_default();
+                    self.pursue_within(turn, goal);
                 } else {
                     self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
                 }
             }
             None => {
-                let (goal, left_out) = parted.goal.take().unwrap_or_default();
+                let goal = parted.goal.take().unwrap_or_default();
                 turn.marks = std::mem::take(&mut parted.marks);
                 turn.parted = None;
                 match goal.is_empty() {
                     true => self.leave_unsaid(turn),
-                    false => self.pursue(turn, goal, &left_out),
+                    false => self.pursue(turn, goal),
                 }
             }
         }
@@ -124,7 +124,7 @@ impl Session {
     /// Returns the constraints that nothing touches the entities which the act names in full, and the wish is not about:
     /// more than was said, and never less. None if there is no such entity.
     fn hands_off(&self, parted: &Parted) -> Option<Vec<Constraint>> {
-        let goal = &parted.goal.as_ref()?.0;
+        let goal = parted.goal.as_ref()?;
         let wished: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(&self.domain)).collect();
         let mut named = coverage::named(&self.world, parted.act()?);
         named.retain(|entity| !wished.contains(entity));
@@ -156,6 +156,14 @@ impl Parted {
 }
 
 impl Turn {
+    /// Returns whether the words to be understood have a condition, as far as is known.
+    pub(super) fn condition(&self) -> ConditionMark {
+        match self.marks.iter().any(|mark| mark.gap == Gap::Condition) {
+            true => ConditionMark::Present,
+            false => ConditionMark::Unknown,
+        }
+    }
+
     /// Returns true while a forbidden act is being read.
     pub(super) fn is_forbidding(&self) -> bool {
         self.parted.as_ref().is_some_and(|parted| parted.act().is_some())

@@ -11,7 +11,7 @@ use crate::dialogue::{
 };
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
-use crate::goal::{self, Goal, GoalFact, LeftOut, SpelledOut, Understanding};
+use crate::goal::{self, Goal, GoalFact, SpelledOut, Understanding};
 use crate::report;
 use crate::report::Answer;
 use crate::search::Limits;
@@ -82,6 +82,7 @@ impl Session {
             instruction,
             // What was said about the wish is not said about a forbidden act.
             rounds: if turn.is_forbidding() { &[] } else { &turn.rounds },
+            condition: turn.condition(),
             kind: self.model.kind,
         }
     }
@@ -155,10 +156,10 @@ impl Session {
                     Some(understood) if !of_server && self.wish(&turn).is_none() => {
                         self.offer_rule(turn, &understood);
                     }
-                    Some(Understanding::Goal(goal, left_out)) if turn.accepts_as_goal(&goal) => {
-                        self.pursue_within(turn, goal, left_out);
+                    Some(Understanding::Goal(goal)) if turn.accepts_as_goal(&goal) => {
+                        self.pursue_within(turn, goal);
                     }
-                    Some(Understanding::Goal(..)) => self.end_rereading(turn, Refusal::NoFurtherGoal),
+                    Some(Understanding::Goal(_)) => self.end_rereading(turn, Refusal::NoFurtherGoal),
                     Some(Understanding::Question(question) | Understanding::Which(question))
                         if turn.rereading.is_some() =>
                     {
@@ -179,7 +180,7 @@ impl Session {
     }
 
     /// Plans for a goal.
-    pub(super) fn pursue(&mut self, turn: Turn, mut goal: Goal, left_out: &[LeftOut]) {
+    pub(super) fn pursue(&mut self, turn: Turn, mut goal: Goal) {
         let world = &self.world;
         let limits = self.settings.effort.map_or(self.limits, Limits::from);
         let instruction = &turn.instruction;
@@ -191,7 +192,6 @@ impl Session {
             }
         }
         let mut answer = solution.answer;
-        answer.tell_left_out(world, left_out);
         answer.assumptions.extend(turn.retelling_note());
         if let Some(spelled) = self.pronoun(turn.words()) {
             let names = spelled.meant.iter().map(|id| world.with_article(*id));
@@ -285,14 +285,14 @@ impl Session {
     /// achieved: it is offered as a rule, with an empty plan.
     fn offer_rule(&mut self, turn: Turn, understood: &Understanding) {
         let rules = match understood {
-            Understanding::Goal(goal, _) => self.prohibition(goal),
+            Understanding::Goal(goal) => self.prohibition(goal),
             Understanding::Question(_) | Understanding::Which(_) => None,
         };
         match rules {
             Some(constraints) => {
                 let mut rules = Goal::default();
                 rules.constraints = constraints;
-                self.pursue(turn, rules, &[]);
+                self.pursue(turn, rules);
             }
             None => self.leave_unsaid(turn),
         }

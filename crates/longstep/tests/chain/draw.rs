@@ -1,7 +1,7 @@
 //! Draws instructions that make sense in a world: what to reach, and words for it.
 
 use longstep::domain::{Domain, PredicateId};
-use longstep::goal::{Goal, GoalFact, Spoken, offers};
+use longstep::goal::{Goal, GoalFact, Mentions, offers};
 use longstep::report;
 use longstep_core::environment::{EntityId, Fact, World};
 
@@ -17,7 +17,7 @@ pub struct Drawn {
 impl Drawn {
     /// Whether a model that is asked for a goal has a way to say the one that is meant.
     pub fn can_be_said(&self, world: &World) -> bool {
-        let spoken = Spoken::of(world, &self.words);
+        let spoken = Mentions::of(world, &self.words);
         let offers = offers(world, &[], &spoken);
         let offered = |fact: &GoalFact| match fact {
             GoalFact::Word { word, arguments } => offers
@@ -113,7 +113,7 @@ impl Draw {
     /// An instruction for the world as it is, which some plan carries out.
     pub fn instruction(&mut self, world: &World) -> Drawn {
         let domain = world.domain();
-        let offers = offers(world, &[], &Spoken::default());
+        let offers = offers(world, &[], &Mentions::default());
         let mut urn = Vec::new();
         for offer in &offers {
             let shown = domain.goal_word(offer.word).shown();

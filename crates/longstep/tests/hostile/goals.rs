@@ -2,7 +2,7 @@
 
 use longstep::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, direct_request};
 use longstep::domain::Domain;
-use longstep::goal::{self, Spoken};
+use longstep::goal::{self, Mentions};
 use longstep::report;
 use longstep::report::Status;
 use longstep_core::environment::World;
@@ -31,8 +31,7 @@ fn instruct(domain: &str, environment: &Value, text: String) -> Work {
     let domain = shipped(domain);
     let world = world_of(&domain, environment);
     Box::new(move || {
-        let spoken = Spoken::of(&world, &text);
-        goal::unknown_thing(&world, &text);
+        let spoken = Mentions::of(&world, &text);
         goal::spelled_out(&world, &text, &spoken.entities);
         requests(&domain, &world, &text);
         false

@@ -64,8 +64,6 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
     let mut fitted = GoalDialogue::fitted(input, Some(ROOM), &mut counter).unwrap();
     assert!(fitted.is_narrowed);
     let part = fitted.dialogue.world().clone();
-    assert_eq!(fitted.left_out, 5_000 - part.entities().count());
-    assert!(fitted.left_out > 4_000);
     let request = fitted.dialogue.request();
     check_fits(&request);
     let turn = &request.messages.last().unwrap().text;
@@ -81,10 +79,9 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
     let Some(understood) = fitted.dialogue.supply(&reply).unwrap() else {
         panic!("the answer is whole");
     };
-    let Understanding::Goal(found, left_out) = understood.carried(domain, &part, depot).unwrap() else {
+    let Understanding::Goal(found) = understood.carried(domain, &part, depot).unwrap() else {
         panic!("{understood:?}");
     };
-    assert_eq!(left_out, []);
     assert_eq!(found, goal::parse(depot, answer).unwrap());
     let outcome = solve(depot, &found.purpose(depot), &Limits::default());
     let Outcome::Solved { plan, .. } = outcome else {
@@ -135,7 +132,6 @@ fn plans_in_a_world_of_five_thousand_things() {
     )
     .unwrap();
     assert!(EstimatedTokens::default().tokens(&prepared.request.messages) <= room);
-    assert!(prepared.left_out > 4_000);
     let turn = &prepared.request.messages.last().unwrap().text;
     let bench = &depot.entity(depot.find_name("bench 12").unwrap()).identifier;
     for named in ["\"<teapot_9999>\":[\"ON(<trolley_1234>)\"]", bench] {

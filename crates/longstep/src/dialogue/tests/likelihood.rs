@@ -37,7 +37,7 @@ fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &s
         understood = dialogue.supply(&reply).unwrap();
     }
     let found = match understood {
-        Some(Understanding::Goal(goal, _)) => goal.everyday(&world).join(" & "),
+        Some(Understanding::Goal(goal)) => goal.everyday(&world).join(" & "),
         Some(Understanding::Question(question) | Understanding::Which(question)) => question,
         None => "the answer goes on".to_owned(),
     };

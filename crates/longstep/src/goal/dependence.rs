@@ -1,0 +1,91 @@
+//! Conditions on which goals may depend: the outcomes of sensing actions.
+
+use longstep_core::model::state_word;
+
+use super::Mentions;
+use crate::effort;
+use crate::environment::{EntityId, Fact, World};
+
+/// A condition on which a goal may depend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Dependence {
+    /// The fact.
+    pub(crate) fact: Fact,
+    /// True if the goal depends on the absence of the fact.
+    pub(crate) negated: bool,
+}
+
+/// Returns the conditions on which a goal can depend: outcomes of sensing actions about an entity that the instruction
+/// names, or about any entity if it names none that could be sensed.
+///
+/// With two outcomes, each is the negation of the other. With more, an outcome can also be negated.
+pub(crate) fn conditions(world: &World, mentions: &Mentions) -> Vec<Dependence> {
+    let about_named = about(world, |entity| mentions.entities.contains(&entity));
+    match about_named.is_empty() {
+        true => about(world, |_| true),
+        false => about_named,
+    }
+}
+
+fn about(world: &World, is_meant: impl Fn(EntityId) -> bool) -> Vec<Dependence> {
+    let domain = world.domain();
+    let mut found = Vec::new();
+    for action in &domain.actions {
+        let negations: &[bool] = if action.senses.len() > 2 {
+            &[false, true]
+        } else {
+            &[false]
+        };
+        for atom in &action.senses {
+            let [parameter] = &domain.predicate(atom.predicate).parameters[..] else {
+                continue;
+            };
+            if state_word(domain, atom.predicate).is_none() {
+                continue;
+            }
+            let entities = world.of_kind(parameter.kind).iter().filter(|entity| is_meant(**entity));
+            for entity in entities {
+                if !effort::spend(1) {
+                    return found;
+                }
+                let fact = Fact::new(atom.predicate, [*entity]);
+                found.extend(negations.iter().map(|negated| Dependence {
+                    fact,
+                    negated: *negated,
+                }));
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain;
+    use crate::environment::{self, Environment};
+    use crate::json::Path;
+
+    #[test]
+    fn goals_depend_on_what_can_be_sensed_about_a_named_entity() {
+        for (domain, instruction, expected) in [
+            (
+                "household-checks",
+                "If the milk is cold, put it on the table",
+                "fresh(milk) expired(milk) full(milk) not full(milk) half_full(milk) not half_full(milk) empty(milk) not empty(milk) intact(milk) broken(milk) clean(milk) dirty(milk)",
+            ),
+            ("household", "If the milk is out of date, throw it away", ""),
+        ] {
+            let domain = domain::shipped(domain).unwrap().unwrap();
+            let text = r#"{"assets": ["<fridge>"], "objects": ["<milk>", "<fridge_handle>"]}"#;
+            let environment = Environment::from_json(text).unwrap();
+            let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
+            let found = conditions(&world, &Mentions::of(&world, instruction));
+            let shown = found.iter().map(|depends| {
+                let text = super::super::GoalFact::Plain(depends.fact).everyday(&world);
+                if depends.negated { format!("not {text}") } else { text }
+            });
+            assert_eq!(shown.collect::<Vec<_>>().join(" "), expected, "{instruction}");
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Keys without effect.
+
+use super::places::Places;
+use super::{Finding, Lint};
+
+/// Returns a finding for each key of `domain.toml` that has no effect any more.
+pub(super) fn findings(places: &Places<'_>) -> Vec<Finding> {
+    let words = &places.words;
+    let of_goals = words.goal.iter().flat_map(|goal| {
+        let keys = [
+            ("cues", &goal.cues),
+            ("destination_verbs", &goal.destination_verbs),
+            ("yields_to", &goal.yields_to),
+            ("phrases", &goal.phrases),
+        ];
+        let given = keys.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?)));
+        given.map(|(key, value)| (key, goal.form.get_ref().as_str(), value))
+    });
+    of_goals
+        .map(|(key, form, value)| {
+            let message =
+                format!("`{key}` has no effect: what an instruction asks for is understood without lists of words");
+            Finding::new(
+                Lint::ObsoleteKey,
+                &[form],
+                places.word(value),
+                message,
+                "take it out; everyday names of entities go to `[lexicon]`, and examples to prompt/examples.toml",
+            )
+        })
+        .collect()
+}
