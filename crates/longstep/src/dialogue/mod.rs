@@ -54,6 +54,7 @@ pub(crate) use reply::answered;
 pub use reply::direct_schema;
 pub use retelling::RetellingDialogue;
 pub use scene::scene;
+pub(crate) use scene::scene_lists;
 pub use screening::ScreeningDialogue;
 pub use splitting::{Split, SplittingDialogue};
 pub use transcript::{Dialogue, DialogueError, Transcript};
