@@ -7,7 +7,8 @@ use anyhow::Result;
 use longstep::dialogue::Forecast;
 use longstep::report::ForecastAnswer;
 use longstep_llm::{
-    ChatModel, ModelError, ModelReference, OpenOptions, Pace, Progress, Sampling, StopFlag, Watch, cache_directory, open,
+    ChatModel, ModelError, ModelReference, OpenOptions, Pace, Progress, Sampling, StopFlag, Watch, cache_directory,
+    open,
 };
 
 use crate::arguments::ModelArguments;
@@ -75,7 +76,10 @@ impl Waiting {
     /// Returns the forecast of the last request for a whole plan.
     pub(crate) fn forecast(&self) -> Option<ForecastAnswer> {
         let (forecast, time) = self.forecast.as_ref()?;
-        Some(ForecastAnswer::new(forecast, time.map(|time| time.as_secs_f64().round())))
+        Some(ForecastAnswer::new(
+            forecast,
+            time.map(|time| time.as_secs_f64().round()),
+        ))
     }
 
     /// Says before a call what will not fit and what will take long.

@@ -33,7 +33,14 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
             None => None,
         };
         let problem = problem.as_ref().map(|(file, text)| SourceText { file, text });
-        let new = domain::from_any_pddl(&name, SourceText { file: &file, text: &text }, problem)?;
+        let new = domain::from_any_pddl(
+            &name,
+            SourceText {
+                file: &file,
+                text: &text,
+            },
+            problem,
+        )?;
         return finish(folder, new, Vec::new());
     }
     if let Some(path) = &arguments.from {
@@ -46,7 +53,11 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
     if asks && !arguments.starter {
         let answers = questions::answers(&name)?;
         let new = domain::from_answers(&answers)?;
-        return finish(folder, new, vec![("answers.toml".to_owned(), questions::written(&answers))]);
+        return finish(
+            folder,
+            new,
+            vec![("answers.toml".to_owned(), questions::written(&answers))],
+        );
     }
     write_folder(folder, &domain::starter(&name))?;
     let shown = folder.display();
@@ -58,7 +69,11 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
 
 /// Checks the suite of a new domain, writes its files, and says what to do next.
 fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result<()> {
-    let files: BTreeMap<&str, &str> = new.files.iter().map(|(path, text)| (path.as_str(), text.as_str())).collect();
+    let files: BTreeMap<&str, &str> = new
+        .files
+        .iter()
+        .map(|(path, text)| (path.as_str(), text.as_str()))
+        .collect();
     let text = |path: &str| files.get(path).copied().unwrap_or_default().to_owned();
     let cases = suite::Files {
         folder: "suite/".to_owned(),

@@ -22,8 +22,14 @@ pub(super) fn answers(name: &str) -> Result<Answers> {
         robot: Some(robot.clone()),
         ..Answers::default()
     };
-    let things = ask("Which kinds of things does it move or carry? (with commas: box, letter)", "box")?;
-    let places = ask("Which kinds of places and furniture stay where they are? (shelf, door)", "shelf")?;
+    let things = ask(
+        "Which kinds of things does it move or carry? (with commas: box, letter)",
+        "box",
+    )?;
+    let places = ask(
+        "Which kinds of places and furniture stay where they are? (shelf, door)",
+        "shelf",
+    )?;
     for (stays, list) in [(false, things), (true, places)] {
         for kind in split(&list.unwrap_or_default(), ',') {
             answers.kind.push(KindAnswer {
@@ -34,10 +40,13 @@ pub(super) fn answers(name: &str) -> Result<Answers> {
         }
     }
     remark!("Now its actions, each with its kinds: \"pick up a box\", \"put a box on a shelf\", \"open a door\".");
-    remark!("Separate sentences by \";\". \"no box\" and \"any box\" mean all of them, \"not\" the opposite, \"-\" nothing.");
+    remark!(
+        "Separate sentences by \";\". \"no box\" and \"any box\" mean all of them, \"not\" the opposite, \"-\" nothing."
+    );
     while answers.action.len() < ACTIONS {
         let number = answers.action.len() + 1;
-        let Some(words) = ask(&format!("Action {number} (empty: no more)"), "")?.filter(|words| !words.is_empty()) else {
+        let Some(words) = ask(&format!("Action {number} (empty: no more)"), "")?.filter(|words| !words.is_empty())
+        else {
             break;
         };
         let example = format!("Before it, what has to hold? (the {robot} holds the box; the box is on a shelf)");
@@ -87,7 +96,10 @@ fn ask(question: &str, default: &str) -> Result<Option<String>> {
 }
 
 fn split(text: &str, separator: char) -> Vec<String> {
-    let parts = text.split(separator).map(str::trim).filter(|part| !part.is_empty() && *part != "-");
+    let parts = text
+        .split(separator)
+        .map(str::trim)
+        .filter(|part| !part.is_empty() && *part != "-");
     parts.map(str::to_owned).collect()
 }
 
@@ -111,7 +123,11 @@ pub(super) fn written(answers: &Answers) -> String {
         text.push_str(&format!("robot = {}\n", quoted(robot)));
     }
     for kind in &answers.kind {
-        text.push_str(&format!("\n[[kind]]\nname = {}\nstays = {}\n", quoted(&kind.name), kind.stays));
+        text.push_str(&format!(
+            "\n[[kind]]\nname = {}\nstays = {}\n",
+            quoted(&kind.name),
+            kind.stays
+        ));
     }
     for action in &answers.action {
         text.push_str(&format!(

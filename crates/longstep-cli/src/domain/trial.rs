@@ -68,7 +68,10 @@ pub(super) fn run(arguments: &TryArguments) -> Result<u8> {
             // The instructions and their goals are worth seeing without a model, too.
             if !arguments.json {
                 print_line!("There is no model to try; these are the instructions and their goals.");
-                samples.iter().enumerate().for_each(|(index, sample)| show_sample(&world, index, sample));
+                samples
+                    .iter()
+                    .enumerate()
+                    .for_each(|(index, sample)| show_sample(&world, index, sample));
             }
             return Err(error);
         }
@@ -204,7 +207,11 @@ fn is_right(world: &World, sample: &Sample, goal: Option<&Goal>, plan: &Verified
 
 fn show_sample(world: &World, index: usize, sample: &Sample) {
     output::blank();
-    print_line!("{} {}", format!("{}.", index + 1).bold(), sample.instruction.as_str().bold());
+    print_line!(
+        "{} {}",
+        format!("{}.", index + 1).bold(),
+        sample.instruction.as_str().bold()
+    );
     print_line!(
         "   meant       {} (steps: {})",
         sample.goal.exact(world).join(" & "),

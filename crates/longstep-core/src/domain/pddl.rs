@@ -236,9 +236,7 @@ impl Reader<'_> {
                     let parent = types.intern(parent);
                     for child in waiting.drain(..) {
                         // `object` may be declared: every type is below it anyway.
-                        if child == TypeId::OBJECT
-                            && (parent == TypeId::OBJECT || self.dialect == Dialect::Standard)
-                        {
+                        if child == TypeId::OBJECT && (parent == TypeId::OBJECT || self.dialect == Dialect::Standard) {
                             continue;
                         }
                         if !types.set_parent(child, parent) {
@@ -937,10 +935,15 @@ mod tests {
         check(&text("(either person)"), &[]);
         check(
             &text("(either person van)"),
-            &["domain.pddl:2:30: `(either ...)` is supported here only for all the types of a parent; `object` would \
-               also admit `plane`\n  hint: declare a type with these types as its children, and use it here"],
+            &[
+                "domain.pddl:2:30: `(either ...)` is supported here only for all the types of a parent; `object` would \
+               also admit `plane`\n  hint: declare a type with these types as its children, and use it here",
+            ],
         );
-        check(&text("(either person vann)"), &["domain.pddl:2:45: unknown type `vann`\n  hint: did you mean `van`?"]);
+        check(
+            &text("(either person vann)"),
+            &["domain.pddl:2:45: unknown type `vann`\n  hint: did you mean `van`?"],
+        );
     }
 
     #[test]

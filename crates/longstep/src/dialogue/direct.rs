@@ -3,8 +3,8 @@
 use super::query::{contained_json, query_text};
 use super::reply::StateLists;
 use super::{
-    ChatRequest, Constraint, Conversation, Exchange, Fitted, Forecast, Message, PartCost, PromptError, Role, Round, TokenCounter,
-    direct_schema, fit, fixed_parts, focus,
+    ChatRequest, Constraint, Conversation, Exchange, Fitted, Forecast, Message, PartCost, PromptError, Role, Round,
+    TokenCounter, direct_schema, fit, fixed_parts, focus,
 };
 use crate::diagnostic::Diagnostics;
 use crate::environment::World;

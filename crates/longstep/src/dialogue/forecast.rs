@@ -28,7 +28,11 @@ impl Forecast {
     /// Computes the forecast from the parts of the prompt and the budgets of the answer.
     pub(super) fn new(costs: &[PartCost], lists: u64, steps: u64, context: Option<u64>) -> Self {
         let prompt: u64 = costs.iter().map(|cost| cost.tokens).sum();
-        let history: u64 = costs.iter().filter(|cost| cost.name == "history").map(|cost| cost.tokens).sum();
+        let history: u64 = costs
+            .iter()
+            .filter(|cost| cost.name == "history")
+            .map(|cost| cost.tokens)
+            .sum();
         let answer = lists + steps;
         Self {
             prompt,
@@ -55,8 +59,15 @@ mod tests {
         let costs = [cost("role", 100), cost("history", 1000), cost("query", 50)];
         for (context, fits) in [(None, true), (Some(2950), true), (Some(2949), false)] {
             let forecast = Forecast::new(&costs, 600, 600, context);
-            assert_eq!((forecast.prompt, forecast.usual_answer, forecast.answer), (1150, 700, 1200));
-            assert_eq!((forecast.correction, forecast.correction_fits()), (2950, fits), "{context:?}");
+            assert_eq!(
+                (forecast.prompt, forecast.usual_answer, forecast.answer),
+                (1150, 700, 1200)
+            );
+            assert_eq!(
+                (forecast.correction, forecast.correction_fits()),
+                (2950, fits),
+                "{context:?}"
+            );
         }
     }
 }

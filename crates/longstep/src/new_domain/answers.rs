@@ -244,9 +244,16 @@ struct AnswerReader<'a> {
 impl<'a> AnswerReader<'a> {
     fn new(answers: &'a Answers) -> Result<Self, Diagnostics> {
         let whole = |message: &str, hint: &str| Diagnostics(vec![Diagnostic::whole("the answers", message).hint(hint)]);
-        let sentences = answers.action.iter().map(|a| a.needs.len() + a.then.len() + 1).sum::<usize>();
+        let sentences = answers
+            .action
+            .iter()
+            .map(|a| a.needs.len() + a.then.len() + 1)
+            .sum::<usize>();
         if answers.action.len() > LIMIT || sentences > 10 * LIMIT || answers.kind.len() > LIMIT {
-            return Err(whole("there are too many answers", "describe at most 200 actions and kinds"));
+            return Err(whole(
+                "there are too many answers",
+                "describe at most 200 actions and kinds",
+            ));
         }
         if answers.kind.is_empty() || answers.action.is_empty() {
             return Err(whole(
@@ -259,14 +266,20 @@ impl<'a> AnswerReader<'a> {
         for (index, kind) in kinds.iter().enumerate() {
             if kind.is_empty() || kinds[..index].contains(kind) {
                 let name = &answers.kind[index].name;
-                findings.push(Diagnostic::whole("the answers", format!("the kind `{name}` has no name of its own")));
+                findings.push(Diagnostic::whole(
+                    "the answers",
+                    format!("the kind `{name}` has no name of its own"),
+                ));
             }
         }
         if !findings.is_empty() {
             return Err(Diagnostics(findings));
         }
         let of_kind = |(index, kind): (usize, &'a KindAnswer)| {
-            kind.examples.iter().map(move |name| (plain(name), index)).collect::<Vec<_>>()
+            kind.examples
+                .iter()
+                .map(move |name| (plain(name), index))
+                .collect::<Vec<_>>()
         };
         let things = answers.kind.iter().enumerate().flat_map(of_kind).collect();
         Ok(Self {
@@ -371,17 +384,35 @@ impl<'a> AnswerReader<'a> {
     }
 
     /// Writes a sentence as PDDL; an effect about "any" thing is about all of them.
-    fn fact(&mut self, text: &str, parameters: &mut Vec<(usize, Which)>, removes: bool, effect: bool) -> Option<String> {
+    fn fact(
+        &mut self,
+        text: &str,
+        parameters: &mut Vec<(usize, Which)>,
+        removes: bool,
+        effect: bool,
+    ) -> Option<String> {
         let mut sentence = self.sentence(text);
         if removes {
             sentence.holds = false;
         }
         if sentence.pieces.iter().any(|piece| matches!(piece, Piece::Thing(..))) {
-            self.report(text, "it names one thing, not a kind", "say the kind: \"the box\", \"any box\"");
+            self.report(
+                text,
+                "it names one thing, not a kind",
+                "say the kind: \"the box\", \"any box\"",
+            );
             return None;
         }
-        if !sentence.pieces.iter().any(|piece| matches!(piece, Piece::Word(word) if word != "is")) {
-            self.report(text, "it says nothing", "write a sentence such as \"the box is on the shelf\"");
+        if !sentence
+            .pieces
+            .iter()
+            .any(|piece| matches!(piece, Piece::Word(word) if word != "is"))
+        {
+            self.report(
+                text,
+                "it says nothing",
+                "write a sentence such as \"the box is on the shelf\"",
+            );
             return None;
         }
         let kinds = kinds_of(&sentence);
@@ -419,11 +450,19 @@ impl<'a> AnswerReader<'a> {
             parameters.dedup();
             if parameters.iter().any(|(_, which)| *which == Which::Any) || parameters.is_empty() {
                 let hint = "say it of one thing of each kind: \"put a box on a shelf\"";
-                self.report(&action.words, "an action names the kinds of things that it concerns", hint);
+                self.report(
+                    &action.words,
+                    "an action names the kinds of things that it concerns",
+                    hint,
+                );
                 continue;
             }
             if action.then.is_empty() {
-                self.report(&action.words, "it changes nothing", "say in `then` what holds afterwards");
+                self.report(
+                    &action.words,
+                    "it changes nothing",
+                    "say in `then` what holds afterwards",
+                );
                 continue;
             }
             let mut needs = Vec::new();
@@ -480,7 +519,9 @@ impl<'a> AnswerReader<'a> {
         let mut predicates = String::new();
         for pattern in &self.patterns {
             let names = self.parameters_of(pattern).into_iter().zip(&pattern.kinds);
-            let typed: String = names.map(|(name, kind)| format!(" ?{name} - {}", self.kind_name(*kind))).collect();
+            let typed: String = names
+                .map(|(name, kind)| format!(" ?{name} - {}", self.kind_name(*kind)))
+                .collect();
             let _ = write!(predicates, "\n    ({}{typed})", pattern.name);
         }
         format!(
@@ -528,7 +569,13 @@ impl<'a> AnswerReader<'a> {
             [only] => Some(only.clone()),
             _ => {
                 let mut name = if stays { "place" } else { "thing" }.to_owned();
-                while self.answers.kind.iter().enumerate().any(|(index, _)| self.kind_name(index) == name) {
+                while self
+                    .answers
+                    .kind
+                    .iter()
+                    .enumerate()
+                    .any(|(index, _)| self.kind_name(index) == name)
+                {
                     name.insert_str(0, "any-");
                 }
                 Some(name)
@@ -567,7 +614,10 @@ impl<'a> AnswerReader<'a> {
                 })
                 .collect();
             let says = words.join(" ");
-            let verb = pattern.pieces.iter().position(|piece| matches!(piece, Piece::Word(w) if w == "is" || w == "are"));
+            let verb = pattern
+                .pieces
+                .iter()
+                .position(|piece| matches!(piece, Piece::Word(w) if w == "is" || w == "are"));
             let denies = match verb {
                 Some(verb) => {
                     let mut denied = words.clone();
@@ -586,7 +636,13 @@ impl<'a> AnswerReader<'a> {
                     Some(words.join(" "))
                 }
                 (false, 1) => {
-                    let it = |word: &String| if word.starts_with('{') { "it".to_owned() } else { word.clone() };
+                    let it = |word: &String| {
+                        if word.starts_with('{') {
+                            "it".to_owned()
+                        } else {
+                            word.clone()
+                        }
+                    };
                     Some(words.iter().map(it).collect::<Vec<_>>().join(" "))
                 }
                 _ => None,
@@ -629,7 +685,9 @@ impl<'a> AnswerReader<'a> {
             let _ = write!(facts, "\n    ({}{named})", self.patterns[pattern].name);
         }
         let name = plain_name(&answers.name);
-        format!("(define (problem example) (:domain {name})\n  (:objects{objects})\n  (:init{facts})\n  (:goal (and)))\n")
+        format!(
+            "(define (problem example) (:domain {name})\n  (:objects{objects})\n  (:init{facts})\n  (:goal (and)))\n"
+        )
     }
 }
 

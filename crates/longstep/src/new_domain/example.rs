@@ -7,13 +7,17 @@ use super::sample::{Sample, samples};
 use super::words::quoted;
 use crate::dialogue::scene_lists;
 use crate::environment::{self, EntityId, Environment, World};
+use crate::goal::GoalFact;
 use crate::json::Path;
+use crate::model::GoalWordId;
 
 /// The task of the model, `prompt/goal.md`; a template.
 pub(super) const TASK: &str = include_str!("goal.md");
 
 /// Worked examples for a model that writes goals.
-const EXAMPLES: usize = 16;
+const EXAMPLES: usize = 20;
+/// Worlds after an example in which further goals are looked for.
+const LATER: usize = 8;
 /// Worked plans for a model that writes whole plans.
 const PLANS: usize = 3;
 /// Entities beside those of an example's plan that its scene shows.
@@ -36,7 +40,9 @@ fn renamed(world: &World) -> Option<World> {
             "object" => entity.identifier.trim_matches(['<', '>']).to_owned(),
             kind => kind.to_owned(),
         };
-        let end = base.trim_end_matches(|c: char| c.is_ascii_digit() || c == '_' || c == '-').len();
+        let end = base
+            .trim_end_matches(|c: char| c.is_ascii_digit() || c == '_' || c == '-')
+            .len();
         base.truncate(end);
         if base.chars().count() < 2 {
             base = "item".to_owned();
@@ -89,7 +95,11 @@ fn shown(world: &World, sample: &Sample) -> FxHashSet<EntityId> {
         shown.extend(step.arguments.iter().copied());
     }
     shown.extend(sample.goal.facts.iter().flat_map(|fact| fact.about(world.domain())));
-    let others: Vec<EntityId> = world.entities().map(|(id, _)| id).filter(|id| !shown.contains(id)).collect();
+    let others: Vec<EntityId> = world
+        .entities()
+        .map(|(id, _)| id)
+        .filter(|id| !shown.contains(id))
+        .collect();
     shown.extend(others.into_iter().take(OTHERS));
     shown
 }
@@ -103,25 +113,54 @@ pub(super) fn examples(world: &World) -> String {
     );
     let mut scene = String::new();
     let mut done: Vec<String> = Vec::new();
-    for seed in 0..4 {
-        for sample in samples(world, EXAMPLES / 3, seed) {
-            if done.contains(&sample.instruction) || done.len() >= EXAMPLES {
-                continue;
-            }
-            let (objects, places) = scene_lists(world, &shown(world, &sample));
-            let table = |entries: &[(String, String)]| {
-                let entries: Vec<String> = entries.iter().map(|(k, v)| format!("{} = {}", quoted(k), quoted(v))).collect();
-                format!("{{ {} }}", entries.join(", "))
-            };
-            scene = format!("objects = {}\nplaces = {}", table(&objects), table(&places));
-            let answer = sample.goal.everyday(world).join(" & ");
-            text.push_str(&format!(
-                "\n[[example]]\n{scene}\ninstruction = {}\nanswer = {}\n",
-                quoted(&sample.instruction),
-                quoted(&answer)
-            ));
-            done.push(sample.instruction);
+    let mut add = |world: &World, sample: &Sample| {
+        if done.contains(&sample.instruction) || done.len() >= EXAMPLES {
+            return;
         }
+        let (objects, places) = scene_lists(world, &shown(world, sample));
+        let table = |entries: &[(String, String)]| {
+            let entries = entries
+                .iter()
+                .map(|(name, line)| format!("{} = {}", quoted(name), quoted(line)));
+            format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+        };
+        scene = format!("objects = {}\nplaces = {}", table(&objects), table(&places));
+        let answer = sample.goal.everyday(world).join(" & ");
+        text.push_str(&format!(
+            "\n[[example]]\n{scene}\ninstruction = {}\nanswer = {}\n",
+            quoted(&sample.instruction),
+            quoted(&answer)
+        ));
+        done.push(sample.instruction.clone());
+    };
+    let words = world.domain().goal_words.len();
+    let first = samples(world, words + 1, 0);
+    first.iter().for_each(|sample| add(world, sample));
+    // A goal that holds at the start is one after another goal: an empty hand after grasping.
+    let mut open: FxHashSet<GoalWordId> = (0..words).map(GoalWordId::new).collect();
+    let mut close = |sample: &Sample| {
+        let words = sample.goal.facts.iter().filter_map(|fact| match fact {
+            GoalFact::Word { word, .. } => Some(*word),
+            _ => None,
+        });
+        words.filter(|word| open.remove(word)).count() > 0
+    };
+    first.iter().for_each(|sample| {
+        close(sample);
+    });
+    let endings = first.iter().filter_map(|sample| sample.plan.endings().first());
+    for ending in endings.take(LATER) {
+        let later = world.after(ending);
+        for sample in samples(&later, words, 0) {
+            if close(&sample) {
+                add(&later, &sample);
+            }
+        }
+    }
+    for seed in 1..3 {
+        samples(world, words + 1, seed)
+            .iter()
+            .for_each(|sample| add(world, sample));
     }
     for (instruction, question) in [
         ("Bring me the trumpet.", "I see no trumpet here. What should I use?"),
@@ -139,7 +178,8 @@ pub(super) fn examples(world: &World) -> String {
 /// Writes `prompt/plans.toml`.
 pub(super) fn plans(world: &World) -> String {
     let world = &renamed(world).unwrap_or_else(|| world.clone());
-    let mut text = String::from("# Worked examples for a model that writes whole plans; search plans for each `goal`.\n");
+    let mut text =
+        String::from("# Worked examples for a model that writes whole plans; search plans for each `goal`.\n");
     let mut environment = String::new();
     for sample in samples(world, PLANS, 0) {
         let keep: Vec<EntityId> = {
@@ -167,7 +207,9 @@ fn inline(value: &serde_json::Value) -> String {
     match value {
         serde_json::Value::Object(entries) => {
             let entries = entries.iter().filter(|(_, value)| !value.is_null());
-            let entries: Vec<String> = entries.map(|(key, value)| format!("{} = {}", quoted(key), inline(value))).collect();
+            let entries: Vec<String> = entries
+                .map(|(key, value)| format!("{} = {}", quoted(key), inline(value)))
+                .collect();
             format!("{{ {} }}", entries.join(", "))
         }
         serde_json::Value::Array(items) => {

@@ -37,7 +37,12 @@ pub(super) fn lists(domain: &Domain, blueprint: &Blueprint, world: &World) -> (T
     if !kinds.all(|kind| types.is_a(kind, left) || types.is_a(kind, right)) {
         return both;
     }
-    let is_place = |kind: TypeId| blueprint.places.as_ref().map(|places| places.iter().any(|p| p == types.name(kind)));
+    let is_place = |kind: TypeId| {
+        blueprint
+            .places
+            .as_ref()
+            .map(|places| places.iter().any(|p| p == types.name(kind)))
+    };
     // What is moved is what relations that change are about.
     let moves = |kind: TypeId| {
         let mut predicates = domain.predicates.iter().zip(&domain.predicate_words);
@@ -74,7 +79,11 @@ pub(super) fn environment(domain: &Domain, world: &World, (assets, objects): (Ty
     environment.types = (!kinds.is_empty()).then_some(kinds);
     let named = |id: EntityId| {
         let own = &world.entity(id).identifier;
-        if id.index() < domain.constants.len() { own.clone() } else { identifier(own) }
+        if id.index() < domain.constants.len() {
+            own.clone()
+        } else {
+            identifier(own)
+        }
     };
     let mut states: [IndexMap<String, Vec<String>>; 2] = [IndexMap::new(), IndexMap::new()];
     let mut facts = Vec::new();
@@ -88,7 +97,10 @@ pub(super) fn environment(domain: &Domain, world: &World, (assets, objects): (Ty
             return facts.push(call.to_string());
         };
         let section = usize::from(types.is_a(world.entity(subject).kind, objects));
-        states[section].entry(named(subject)).or_default().push(call.to_string());
+        states[section]
+            .entry(named(subject))
+            .or_default()
+            .push(call.to_string());
     };
     for fact in world.state.iter() {
         if let Some(word) = state_word(domain, fact.predicate()) {

@@ -11,8 +11,8 @@ mod problem;
 mod sample;
 #[cfg(test)]
 mod tests;
-mod words;
 mod wording;
+mod words;
 
 use std::collections::BTreeMap;
 
@@ -24,8 +24,8 @@ use crate::environment;
 use crate::lint::{Finding, lint, lint_environment};
 use crate::model::{Domain, Files};
 use crate::{load, model};
-use words::Words;
 use wording::PredicateText;
+use words::Words;
 
 /// Instructions in the suite of a new domain.
 const SUITE: usize = 5;

@@ -86,12 +86,18 @@ impl<'d> Sketch<'d> {
                     domain.types.is_a(*kind, parameter.kind) && (is_leaf(domain, *kind) || *kind == parameter.kind)
                 });
                 let leaves: Vec<TypeId> = leaves.collect();
-                for of in leaves.iter().copied().filter(|of| leaves.len() == 1 || is_leaf(domain, *of)) {
+                for of in leaves
+                    .iter()
+                    .copied()
+                    .filter(|of| leaves.len() == 1 || is_leaf(domain, *of))
+                {
                     let statics = statics.clone();
                     own.push(Kind { of, statics });
                 }
             }
-            let twice = own.iter().any(|kind| own.iter().filter(|other| *other == kind).count() > 1);
+            let twice = own
+                .iter()
+                .any(|kind| own.iter().filter(|other| *other == kind).count() > 1);
             wanted = if twice { 3 } else { wanted };
             kinds.extend(own);
         }
@@ -221,11 +227,11 @@ impl<'d> Sketch<'d> {
                 let all = bindings[action].iter().map(|binding| missing(action, binding));
                 all.min_by_key(|facts| (facts.len(), facts.iter().map(|fact| fact.1.len()).sum::<usize>()))
             };
-            let open = (0..domain.actions.len()).filter_map(cheapest);
-            let next = open
-                .filter(|facts| !facts.is_empty())
-                .min_by_key(|facts| (facts.len(), facts.iter().map(|fact| fact.1.len()).sum::<usize>()));
-            let Some(next) = next else { break };
+            // In the order of the file: authors begin with what is possible at the start.
+            let mut open = (0..domain.actions.len()).filter_map(cheapest);
+            let Some(next) = open.find(|facts| !facts.is_empty()) else {
+                break;
+            };
             for fact in next {
                 for spread in self.spread(fact) {
                     add(&mut facts, spread);

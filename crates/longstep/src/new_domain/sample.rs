@@ -39,7 +39,12 @@ pub struct Sample {
 pub fn samples(world: &World, count: usize, seed: u64) -> Vec<Sample> {
     let words = world.domain().goal_words.len();
     let mut candidates: Vec<Vec<GoalFact>> = (0..words)
-        .map(|index| shuffled(candidates(world, GoalWordId::new(index)), seed.wrapping_add(index as u64)))
+        .map(|index| {
+            shuffled(
+                candidates(world, GoalWordId::new(index)),
+                seed.wrapping_add(index as u64),
+            )
+        })
         .collect();
     let order = shuffled((0..words).collect(), seed);
     let singles = count - usize::from(count > 2);
@@ -149,7 +154,9 @@ fn sample(world: &World, facts: Vec<GoalFact>, place: usize) -> Option<Sample> {
 fn shuffled<T>(mut items: Vec<T>, seed: u64) -> Vec<T> {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1);
     for end in (1..items.len()).rev() {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         items.swap(end, ((state >> 33) as usize) % (end + 1));
     }
     items

@@ -105,7 +105,10 @@ fn textbook_domains_become_folders_that_load() {
         assert_eq!(text(&new, "domain.pddl"), domain, "the PDDL stays as it is");
         assert!(new.domain.prompts.examples.len() > 4);
         assert_eq!(new.invented, problem.is_none());
-        let broken = new.findings.iter().find(|f| matches!(f.lint, Lint::BrokenPrompt | Lint::MissingExplanation));
+        let broken = new
+            .findings
+            .iter()
+            .find(|f| matches!(f.lint, Lint::BrokenPrompt | Lint::MissingExplanation));
         assert!(broken.is_none(), "{}", broken.unwrap());
         assert!(text(&new, "suite/instructions.toml").matches("[[case]]").count() > 2);
     }
@@ -116,7 +119,12 @@ fn equal_inputs_give_equal_bytes() {
     assert_eq!(made(GRIPPER, None).files, made(GRIPPER, None).files);
     let new = made(BLOCKS, Some(TOWER));
     let world = environment::parse(&new.domain, "e.json", text(&new, "environment.json")).unwrap();
-    let said = |seed| samples(&world, 5, seed).into_iter().map(|s| s.instruction).collect::<Vec<_>>();
+    let said = |seed| {
+        samples(&world, 5, seed)
+            .into_iter()
+            .map(|s| s.instruction)
+            .collect::<Vec<_>>()
+    };
     assert_eq!(said(3), said(3));
     assert_eq!(said(3).len(), 5);
     assert_ne!(said(3), said(4));
@@ -128,7 +136,10 @@ fn a_problem_becomes_the_environment() {
     let environment: serde_json::Value = serde_json::from_str(text(&new, "environment.json")).unwrap();
     let environment = &environment["environment"];
     assert_eq!(environment["objects"], serde_json::json!(["<a>", "<b>", "<c>"]));
-    assert_eq!(environment["object_states"]["<a>"], serde_json::json!(["on(<b>)", "clear()"]));
+    assert_eq!(
+        environment["object_states"]["<a>"],
+        serde_json::json!(["on(<b>)", "clear()"])
+    );
     assert_eq!(environment["facts"], serde_json::json!(["handempty"]));
 }
 
@@ -159,11 +170,23 @@ fn answers_that_make_no_domain_are_errors() {
         PORTER.replacen(from, to, 1)
     };
     for (text, expected) in [
-        ("name = \"x\"".to_owned(), "a domain needs a kind of things and an action"),
+        (
+            "name = \"x\"".to_owned(),
+            "a domain needs a kind of things and an action",
+        ),
         (change("pick up a box", "sing"), "an action names the kinds"),
-        (change("[\"the porter holds the box\"]\n[[", "[]\n[["), "it changes nothing"),
-        (change("\"the red box is on the top shelf\"", "\"the red box is wet\""), "no action speaks of this"),
-        (change("pick up a box", "open a door"), "two actions have the same words"),
+        (
+            change("[\"the porter holds the box\"]\n[[", "[]\n[["),
+            "it changes nothing",
+        ),
+        (
+            change("\"the red box is on the top shelf\"", "\"the red box is wet\""),
+            "no action speaks of this",
+        ),
+        (
+            change("pick up a box", "open a door"),
+            "two actions have the same words",
+        ),
     ] {
         let found = Answers::read("answers.toml", &text).and_then(|answers| from_answers(&answers));
         let found = found.map(|new| new.domain.name.clone()).unwrap_err().to_string();
@@ -174,7 +197,14 @@ fn answers_that_make_no_domain_are_errors() {
 #[test]
 fn what_is_not_supported_is_named_with_its_line() {
     let text = BLOCKS.replacen("(:predicates", "(:requirements :durative-actions)\n(:predicates", 1);
-    let found = from_any_pddl("mine", SourceText { file: "d.pddl", text: &text }, None);
+    let found = from_any_pddl(
+        "mine",
+        SourceText {
+            file: "d.pddl",
+            text: &text,
+        },
+        None,
+    );
     let found = found.map(|new| new.domain.name.clone()).unwrap_err().to_string();
     assert!(found.starts_with("d.pddl:2:"), "{found}");
     assert!(found.contains("`:durative-actions` is not supported"), "{found}");

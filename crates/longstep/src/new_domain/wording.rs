@@ -98,7 +98,17 @@ pub(super) fn predicate(domain: &Domain, predicate: &Predicate, fluent: bool) ->
                 with(&format!("the {who}"), IS, &text, format!("the {who} is {last} it"))
             }
             _ if fluent => with(&hole(0), IS, &all, all.clone()),
-            _ => with(&hole(0), IS, &format!("a {all}"), format!("a {all}")),
+            _ if own.len() > 1 && own.iter().any(|word| is_preposition(word) || *word == "for") => {
+                with(&hole(0), IS, &all, all.clone())
+            }
+            _ => {
+                let article = if first.starts_with(['a', 'e', 'i', 'o', 'u']) {
+                    "an"
+                } else {
+                    "a"
+                };
+                with(&hole(0), IS, &format!("{article} {all}"), format!("{article} {all}"))
+            }
         },
         2 => {
             let other = hole(1);
@@ -180,7 +190,11 @@ fn preposition(domain: &Domain, id: ActionId, index: usize, parameter: &Paramete
         if let (Some(_), Some(word)) = (is_here(&effect.atom), word_of(effect.atom.predicate)) {
             let leaves = effects(false).any(|other| other.atom.predicate == effect.atom.predicate);
             if effect.atom.terms.len() > 1 || word == "at" {
-                return Some(if leaves && matches!(word, "at" | "in") { "to" } else { word });
+                return Some(if leaves && matches!(word, "at" | "in") {
+                    "to"
+                } else {
+                    word
+                });
             }
         }
     }
@@ -238,7 +252,11 @@ mod tests {
             ("truck-at", "{t} is at {r}", "{t} is not at {r}"),
             ("connected-to", "{a} is connected to {b}", "{a} is not connected to {b}"),
             ("light", "{x} is a light", "{x} is not a light"),
-            ("link", "\"link\" holds for {a} and {b}", "\"link\" does not hold for {a} and {b}"),
+            (
+                "link",
+                "\"link\" holds for {a} and {b}",
+                "\"link\" does not hold for {a} and {b}",
+            ),
             ("on-table", "{x} is on the table", "{x} is not on the table"),
             ("at-robby", "the robby is at {r}", "the robby is not at {r}"),
         ] {

@@ -216,8 +216,16 @@ fn write_all(
             0 => "this".to_owned(),
             _ => format!("<{name}>"),
         });
-        writeln!(text, "[[state]]\nword = {}", quoted(&format!("{word}({})", holes.join(", "))))?;
-        writeln!(text, "fact = {}", quoted(&format!("({} ?self{variables})", predicate.name)))?;
+        writeln!(
+            text,
+            "[[state]]\nword = {}",
+            quoted(&format!("{word}({})", holes.join(", ")))
+        )?;
+        writeln!(
+            text,
+            "fact = {}",
+            quoted(&format!("({} ?self{variables})", predicate.name))
+        )?;
         writeln!(text, "means = {}\n", quoted(&format!("{}.", capitalized(&means))))?;
     }
     for (function, word) in domain.functions.iter().zip(&words.functions) {
@@ -228,12 +236,20 @@ fn write_all(
             1 => format!("the {spoken} of {}", holes[0]),
             _ => format!("the {spoken} between {}", holes.join(" and ")),
         };
-        writeln!(text, "[[number]]\nname = {}\nword = {}", quoted(&function.name), quoted(word))?;
+        writeln!(
+            text,
+            "[[number]]\nname = {}\nword = {}",
+            quoted(&function.name),
+            quoted(word)
+        )?;
         writeln!(text, "says = {}\n", quoted(&says))?;
     }
     text.push_str("# How a plan writes an action, and the sentence for a step.\n");
     for ((id, action), (call, says)) in domain.action_ids().zip(&words.actions) {
-        let shown: Vec<String> = action.parameters.iter().map(|p| format!("?{}", p.name)).collect();
+        // An argument that the sentence leaves out is found by the verifier.
+        let is_said = |name: &str| says.contains(&format!("{{{name}}}"));
+        let shown = action.parameters.iter().filter(|p| is_said(&p.name));
+        let shown: Vec<String> = shown.map(|p| format!("?{}", p.name)).collect();
         writeln!(text, "[[action]]\nname = {}", quoted(&action.name))?;
         writeln!(text, "call = {}", quoted(&format!("{call}({})", shown.join(", "))))?;
         writeln!(text, "says = {}", quoted(says))?;
@@ -252,14 +268,22 @@ fn write_all(
         };
         let by: Vec<&str> = goal.by.iter().map(|index| words.actions[*index].0.as_str()).collect();
         let means = filled(says, parameters, |_, name| format!("the {name}"));
-        writeln!(text, "[[goal]]\nform = {}", quoted(&format!("{word}({})", holes.join(", "))))?;
+        writeln!(
+            text,
+            "[[goal]]\nform = {}",
+            quoted(&format!("{word}({})", holes.join(", ")))
+        )?;
         writeln!(text, "parameters = {}", quoted(&typed(domain, parameters)))?;
         writeln!(text, "condition = {}", quoted(&fact))?;
         if let Some(offered) = offered(domain, &goal) {
             writeln!(text, "offered = {}", quoted(&offered))?;
         }
         writeln!(text, "says = {}", quoted(says))?;
-        writeln!(text, "means = {}\n", quoted(&format!("{means} (by {})", by.join(" or "))))?;
+        writeln!(
+            text,
+            "means = {}\n",
+            quoted(&format!("{means} (by {})", by.join(" or ")))
+        )?;
     }
     text.push_str(
         "# Everyday names for identifiers: the one that is shown, a longer one, and other words for it, for example\n\

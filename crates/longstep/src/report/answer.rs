@@ -5,8 +5,8 @@
 use longstep_core::model::{Number, entries_of, entry_of_number};
 use serde::Serialize;
 
-use crate::dialogue::Forecast;
 use crate::coverage::{self, Coverage, Gap, Role};
+use crate::dialogue::Forecast;
 use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, GoalFact, Group, LeftOut};
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
