@@ -221,7 +221,7 @@ fn preposition(domain: &Domain, id: ActionId, index: usize, parameter: &Paramete
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::from_pddl;
+    use longstep_core::domain::from_pddl;
 
     fn domain() -> Domain {
         from_pddl(
