@@ -497,7 +497,9 @@ impl<'a> AnswerReader<'a> {
                     name.push_str(&self.kind_name(kind));
                 }
             }
-            if taken.contains(&name) {
+            let mut earlier = answers.action.iter().take_while(|other| !std::ptr::eq(*other, action));
+            let is_repeated = earlier.any(|other| plain(&other.words) == plain(&action.words));
+            if is_repeated || taken.contains(&name) {
                 self.report(&action.words, "two actions have the same words", "say the difference");
                 continue;
             }
