@@ -485,11 +485,46 @@ pub(crate) enum DomainCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Create the folder of a new domain, with comments to start from
-    New {
-        /// Folder, which must not exist yet
-        folder: PathBuf,
-    },
+    /// Create the folder of a new domain: from answers to a few questions, from a PDDL file, or a commented example
+    New(NewDomainArguments),
+    /// Make five instructions from a domain's own sentences, and show what a model understands
+    Try(TryArguments),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct NewDomainArguments {
+    /// Folder, which must not exist yet
+    pub(crate) folder: PathBuf,
+    /// Read the answers from a file instead of asking
+    #[arg(long, value_name = "ANSWERS.toml", conflicts_with_all = ["pddl", "ask", "starter"])]
+    pub(crate) from: Option<PathBuf>,
+    /// Make the domain from a PDDL domain file of any origin
+    #[arg(long, value_name = "DOMAIN.pddl", conflicts_with_all = ["ask", "starter"])]
+    pub(crate) pddl: Option<PathBuf>,
+    /// PDDL problem whose objects and initial state become the example environment
+    #[arg(long, value_name = "PROBLEM.pddl", requires = "pddl")]
+    pub(crate) problem: Option<PathBuf>,
+    /// Ask the questions, also without a terminal [default in a terminal]
+    #[arg(long, conflicts_with = "starter")]
+    pub(crate) ask: bool,
+    /// Write a commented example to change by hand [default without a terminal]
+    #[arg(long)]
+    pub(crate) starter: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TryArguments {
+    /// Folder of a domain, or the name of a shipped domain
+    pub(crate) domain: String,
+    /// Environment file [default: environment.json in the domain's folder]
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: Option<PathBuf>,
+    /// The model; --seed also selects other instructions
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Subcommand)]

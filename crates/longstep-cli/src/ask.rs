@@ -1,10 +1,14 @@
 //! Opening and watching a model, for the commands that need one.
 
 use std::sync::OnceLock;
+use std::time::Duration;
 
 use anyhow::Result;
+use longstep::dialogue::Forecast;
+use longstep::report::ForecastAnswer;
 use longstep_llm::{
-    ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, StopFlag, Watch, cache_directory, open,
+    ChatModel, ModelError, ModelReference, OpenOptions, Pace, Progress, Sampling, StopFlag, Watch, cache_directory,
+    open,
 };
 
 use crate::arguments::ModelArguments;
@@ -45,18 +49,96 @@ fn opened(
 /// Shows the progress of a model. Ctrl-C cancels the call once [`watch_for_interrupts`] has run.
 pub(crate) struct Waiting {
     spinner: Spinner,
+    /// None if there is no cache folder to remember speeds in.
+    pace: Option<Pace>,
+    forecast: Option<(Forecast, Option<Duration>)>,
+    /// True if the person knows that this call takes long.
+    has_warned: bool,
 }
 
+/// Shortest time that is announced before a call.
+const LONG: Duration = Duration::from_secs(60);
+
+/// What to do about a prompt that is too long or too slow.
+const SHORTEN: &str = "use a smaller environment, `--strategy goal`, or a server (`--model openai:NAME`)";
+
 impl Waiting {
-    pub(crate) fn new() -> Self {
+    /// Watches the model with this name.
+    pub(crate) fn new(model: &str) -> Self {
         Self {
             spinner: Spinner::new(),
+            pace: cache_directory().ok().map(|cache| Pace::load(&cache, model)),
+            forecast: None,
+            has_warned: false,
         }
+    }
+
+    /// Returns the forecast of the last request for a whole plan.
+    pub(crate) fn forecast(&self) -> Option<ForecastAnswer> {
+        let (forecast, time) = self.forecast.as_ref()?;
+        Some(ForecastAnswer::new(
+            forecast,
+            time.map(|time| time.as_secs_f64().round()),
+        ))
+    }
+
+    /// Says before a call what will not fit and what will take long.
+    fn foresee(&mut self, forecast: Forecast) {
+        let estimate = self.pace.as_ref().and_then(|pace| pace.speed().estimate(&forecast));
+        // The first request of an instruction is the one that was foreseen; a correction was part of it.
+        if self.forecast.is_none() {
+            self.forecast = Some((forecast, estimate));
+            if let (false, Some(context)) = (forecast.correction_fits(), forecast.context) {
+                self.warn(&format!(
+                    "a round of correction may need {} tokens, and the model's context has {context}: a plan that is \
+                     not valid may stay uncorrected",
+                    forecast.correction
+                ));
+            }
+        }
+        self.announce(estimate, "the last run");
+    }
+
+    /// Says that a call takes long, once.
+    fn announce(&mut self, estimate: Option<Duration>, measured: &str) {
+        let (Some((forecast, _)), Some(time)) = (self.forecast, estimate.filter(|time| *time >= LONG)) else {
+            return;
+        };
+        if std::mem::replace(&mut self.has_warned, true) {
+            return;
+        }
+        self.warn(&format!(
+            "this takes about {} min: {} tokens to read and about {} to write, at the speed of {measured}",
+            time.as_secs().div_ceil(60),
+            forecast.prompt,
+            forecast.usual_answer
+        ));
+    }
+
+    fn warn(&self, text: &str) {
+        let text = format!("{text}; {SHORTEN}");
+        self.spinner.show(&Progress::Warning(text));
     }
 }
 
 impl Watch for Waiting {
     fn tell(&mut self, progress: Progress) {
+        if let Some(pace) = &mut self.pace {
+            pace.observe(&progress);
+        }
+        if let Progress::Forecast(forecast) = progress {
+            return self.foresee(forecast);
+        }
+        let measured = match (&progress, &self.pace, &self.forecast) {
+            (Progress::ReadingPrompt { .. }, Some(pace), Some((forecast, _))) if pace.read_now().is_some() => {
+                pace.speed().estimate(forecast)
+            }
+            _ => None,
+        };
+        if let (Some(time), Some((_, foreseen))) = (measured, &mut self.forecast) {
+            foreseen.get_or_insert(time);
+            self.announce(measured, "this prompt");
+        }
         self.spinner.show(&progress);
     }
 

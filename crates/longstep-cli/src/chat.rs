@@ -278,7 +278,8 @@ impl Chat<'_> {
             let Some(model) = self.model.as_deref_mut() else {
                 return Ok(());
             };
-            let advanced = advance(&mut self.session, model, Some(&mut self.folder), &mut Waiting::new());
+            let mut waiting = Waiting::new(model.name());
+            let advanced = advance(&mut self.session, model, Some(&mut self.folder), &mut waiting);
             match advanced {
                 Ok(()) => screen::response(&self.session, interactive),
                 Err(AdvanceError::Model(ModelError::Stopped)) => {

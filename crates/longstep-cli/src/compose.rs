@@ -96,7 +96,8 @@ fn request_composition(
         rounds: &[],
         kind: model.constraint_kind(),
     });
-    let answer = converse(model.as_mut(), &mut dialogue, &mut Waiting::new())?;
+    let name = model.name().to_owned();
+    let answer = converse(model.as_mut(), &mut dialogue, &mut Waiting::new(&name))?;
     let transcript = dialogue.transcript();
     Ok(Composition {
         text: transcript.answer().to_owned(),

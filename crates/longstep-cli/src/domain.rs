@@ -1,15 +1,19 @@
 //! `longstep domain`: shows, checks and creates domains.
 
+mod new_domain;
+mod questions;
+mod trial;
+
 use std::path::Path;
 
 use anyhow::Result;
 use longstep::domain::{self, Domain, Finding};
 use longstep_core::environment::{Origin, World, fact_text};
 use longstep_core::visible;
-use longstep_llm::{domain_files, load_domain, plain_reason};
+use longstep_llm::{domain_files, load_domain};
 
 use crate::arguments::DomainCommand;
-use crate::failure::{Failure, NOT_VALID};
+use crate::failure::NOT_VALID;
 use crate::inputs;
 use crate::output::{self, Style, print_line};
 use crate::show;
@@ -35,7 +39,8 @@ pub(crate) fn run(command: &DomainCommand) -> Result<u8> {
             strict,
             json,
         } => return check(domain, env.as_deref(), *strict, *json),
-        DomainCommand::New { folder } => create(folder)?,
+        DomainCommand::New(arguments) => new_domain::run(arguments)?,
+        DomainCommand::Try(arguments) => return trial::run(arguments),
     }
     Ok(0)
 }
@@ -157,41 +162,4 @@ fn table(title: &str, entries: &[(String, &str)]) {
         let left = visible::line(left);
         print_line!("  {left:width$}  {}", right.dimmed());
     }
-}
-
-fn create(folder: &Path) -> Result<()> {
-    let shown = folder.display();
-    let failed = |error: std::io::Error| {
-        Failure::unreadable(format!("cannot write {shown}: {}", plain_reason(&error)))
-            .hint("check that the parent folder exists and is writable")
-    };
-    if folder.exists() {
-        return Err(Failure::unreadable(format!("{shown} already exists"))
-            .hint("choose another name")
-            .into());
-    }
-    let name = folder
-        .file_name()
-        .map_or_else(|| "robot".to_owned(), |name| name.to_string_lossy().into_owned());
-    // Created in a temporary folder beside the target, then renamed.
-    let parent = folder
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    let draft = tempfile::Builder::new()
-        .prefix(".longstep-")
-        .tempdir_in(parent)
-        .map_err(failed)?;
-    for (path, text) in domain::starter(&name) {
-        let path = draft.path().join(path);
-        if let Some(inside) = path.parent() {
-            std::fs::create_dir_all(inside).map_err(failed)?;
-        }
-        std::fs::write(&path, text).map_err(failed)?;
-    }
-    std::fs::rename(draft.keep(), folder).map_err(failed)?;
-    print_line!("Created the domain {shown}. Next steps:");
-    print_line!("  longstep domain check {shown}");
-    print_line!("  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}");
-    Ok(())
 }

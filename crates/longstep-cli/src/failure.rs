@@ -123,7 +123,8 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
         return (error.hint().map(str::to_owned), UNREADABLE);
     }
     if let Some(AdvanceError::Prompt(PromptError::OverBudget(_))) = advance {
-        let hint = "use a model with a larger context, or shorter prompt parts with `--prompt FOLDER`";
+        let hint = "use a smaller environment, `--strategy goal`, `--context N`, a server with a larger context, or shorter \
+                    prompt parts with `--prompt FOLDER`";
         return (Some(hint.to_owned()), LIMIT);
     }
     if let Some(AdvanceError::Prompt(PromptError::TooMuchWork)) = advance {

@@ -47,7 +47,8 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
         }
         return Ok(Status::Verified.exit_code());
     }
-    advance(&mut session, model.as_mut(), None, &mut Waiting::new())?;
+    let mut waiting = Waiting::new(model.name());
+    advance(&mut session, model.as_mut(), None, &mut waiting)?;
     let mut shown = Vec::new();
     let (mut answer, goal) = match session.response() {
         Response::Plan(proposal) => {
@@ -80,6 +81,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
         // After an instruction no other response is possible.
         _ => return Err(Failure::new("the session ended early", MODEL).into()),
     };
+    answer.forecast = waiting.forecast();
     answer.timings_ms.model += opened;
     answer.timings_ms.total = stopwatch() - started;
     solve::finish(&answer, &goal, &shown, arguments.save.as_deref(), arguments.json)

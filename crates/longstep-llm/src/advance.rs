@@ -45,10 +45,14 @@ pub fn advance(
         let Some(prepared) = request? else {
             return Ok(());
         };
+        if let Some(forecast) = prepared.forecast {
+            watch.tell(Progress::Forecast(forecast));
+        }
         let started = Instant::now();
         // The session waits for a model in both arms, so `supply`, `cancel` and `failed` are never out of turn.
         match model.chat(&prepared.request, watch) {
             Ok(reply) => {
+                watch.tell(Progress::Answered);
                 let milliseconds = started.elapsed().as_secs_f64() * 1000.0;
                 let _ = session.supply(&reply, (milliseconds * 1000.0).round() / 1000.0);
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use longstep::dialogue::{ChatRequest, ConstraintKind, Reply, TokenCounter};
+use longstep::dialogue::{ChatRequest, ConstraintKind, Forecast, Reply, TokenCounter};
 use longstep::session::ModelFacts;
 
 use crate::ModelError;
@@ -65,6 +65,8 @@ impl<F: FnMut(Progress)> Watch for F {
 pub enum Progress {
     /// The model's file is being loaded.
     Loading,
+    /// A request for a whole plan follows, with these tokens.
+    Forecast(Forecast),
     /// The embedded engine reads the prompt.
     ReadingPrompt {
         /// Tokens from the cache or computed so far.
@@ -79,6 +81,8 @@ pub enum Progress {
     },
     /// The request was sent to a server.
     Waiting,
+    /// The answer is complete.
+    Answered,
     /// A problem that does not affect the answer, in one line.
     Warning(String),
 }

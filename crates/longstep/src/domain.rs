@@ -6,3 +6,7 @@
 pub use crate::lint::{Finding, Lint, lint, lint_environment};
 pub use crate::load::{from_pddl, load, shipped};
 pub use crate::model::*;
+pub use crate::new_domain::{
+    ActionAnswer, Answers, KindAnswer, NewDomain, Sample, SourceText, from_answers, from_any_pddl, guess_removed,
+    samples,
+};

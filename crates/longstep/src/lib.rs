@@ -84,6 +84,7 @@ pub mod goal;
 mod lint;
 mod load;
 mod model;
+mod new_domain;
 pub mod report;
 pub mod session;
 mod usage;

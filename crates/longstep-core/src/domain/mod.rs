@@ -27,6 +27,6 @@ pub use bare::from_pddl;
 pub use files::Files;
 pub use load::{content_position, load, load_with_findings, read_toml};
 pub use shipped::{shipped, shipped_files, shipped_names};
-pub use starter::starter;
+pub use starter::{plain_name, starter};
 
 use crate::model::{ActionSchema, applicability};

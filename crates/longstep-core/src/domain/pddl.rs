@@ -160,6 +160,15 @@ struct Effects {
     cost: Option<NumericExpression>,
 }
 
+/// The treatment of `(either ...)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Union {
+    /// The parent must have no other types: actions and objects must not get more of them.
+    Exact,
+    /// The parent may have others: a predicate or a function without facts about them is false or unknown for them.
+    Wider,
+}
+
 /// Variables in scope, outermost first.
 pub(crate) type Scope = Vec<(String, TypeId)>;
 
@@ -226,7 +235,8 @@ impl Reader<'_> {
                     };
                     let parent = types.intern(parent);
                     for child in waiting.drain(..) {
-                        if child == TypeId::OBJECT && self.dialect == Dialect::Standard {
+                        // `object` may be declared: every type is below it anyway.
+                        if child == TypeId::OBJECT && (parent == TypeId::OBJECT || self.dialect == Dialect::Standard) {
                             continue;
                         }
                         if !types.set_parent(child, parent) {
@@ -243,6 +253,10 @@ impl Reader<'_> {
 
     /// Parses `a b - kind c` into names with types; names without a type are of type `object`.
     pub(crate) fn typed_list(&mut self, items: &[Expression], types: &Types) -> Vec<(String, TypeId, Position)> {
+        self.typed(items, types, Union::Exact)
+    }
+
+    fn typed(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<(String, TypeId, Position)> {
         let mut list: Vec<(String, TypeId, Position)> = Vec::new();
         let mut untyped = 0;
         let mut words = items.iter();
@@ -253,10 +267,8 @@ impl Reader<'_> {
                         self.report(item.position, "`-` needs a type after it");
                         break;
                     };
-                    let name = kind.word().unwrap_or("(either ...)");
-                    match types.find(name) {
-                        Some(id) => list[untyped..].iter_mut().for_each(|entry| entry.1 = id),
-                        None => self.report_unknown(kind.position, "type", name, types.names()),
+                    if let Some(id) = self.type_of(kind, types, union) {
+                        list[untyped..].iter_mut().for_each(|entry| entry.1 = id);
                     }
                     untyped = list.len();
                 }
@@ -267,10 +279,60 @@ impl Reader<'_> {
         list
     }
 
+    /// Parses a type's name, or `(either ...)` as the common parent of its types. Reports errors.
+    fn type_of(&mut self, item: &Expression, types: &Types, union: Union) -> Option<TypeId> {
+        let Some(members) = item.tail_of("either").filter(|members| !members.is_empty()) else {
+            let name = item.word().unwrap_or("?");
+            let found = types.find(name);
+            if found.is_none() {
+                self.report_unknown(item.position, "type", name, types.names());
+            }
+            return found;
+        };
+        let mut kinds = Vec::with_capacity(members.len());
+        for member in members {
+            let name = member.word().unwrap_or("?");
+            match types.find(name) {
+                Some(kind) => kinds.push(kind),
+                None => self.report_unknown(member.position, "type", name, types.names()),
+            }
+        }
+        if kinds.len() < members.len() {
+            return None;
+        }
+        let all = || (0..types.len()).map(TypeId::new);
+        let is_common = |parent: &TypeId| kinds.iter().all(|kind| types.is_a(*kind, *parent));
+        let is_lowest = |parent: &TypeId| all().filter(is_common).all(|other| types.is_a(*parent, other));
+        let parent = all().filter(is_common).find(is_lowest).unwrap_or(TypeId::OBJECT);
+        let is_leaf = |kind: TypeId| all().all(|other| other == kind || !types.is_a(other, kind));
+        let others = all().filter(|kind| types.is_a(*kind, parent) && is_leaf(*kind));
+        let mut others = others.filter(|leaf| !kinds.iter().any(|kind| types.is_a(*leaf, *kind)));
+        match others.next() {
+            Some(other) if union == Union::Exact => {
+                let message = format!(
+                    "`(either ...)` is supported here only for all the types of a parent; `{}` would also admit `{}`",
+                    types.name(parent),
+                    types.name(other)
+                );
+                let position = self.place(item.position);
+                self.findings.push(
+                    Diagnostic::at(self.file, position, message)
+                        .hint("declare a type with these types as its children, and use it here"),
+                );
+                None
+            }
+            _ => Some(parent),
+        }
+    }
+
     /// Parses variables like [`Self::typed_list`]; requires and removes the leading `?`.
     pub(crate) fn variables(&mut self, items: &[Expression], types: &Types) -> Vec<Parameter> {
+        self.variables_of(items, types, Union::Exact)
+    }
+
+    fn variables_of(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<Parameter> {
         let mut variables: Vec<Parameter> = Vec::new();
-        for (name, kind, position) in self.typed_list(items, types) {
+        for (name, kind, position) in self.typed(items, types, union) {
             match name.strip_prefix('?') {
                 Some(name) if variables.iter().any(|known| known.name == name) => {
                     self.report(position, format!("`?{name}` is declared twice"));
@@ -295,7 +357,7 @@ impl Reader<'_> {
         if semantics.predicates.iter().any(|p| p.name == name) {
             return self.report(head.position, format!("the predicate `{name}` is declared twice"));
         }
-        let parameters = self.variables(parameters, &semantics.types);
+        let parameters = self.variables_of(parameters, &semantics.types, Union::Wider);
         if parameters.len() > ARITY_LIMIT {
             let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
             self.report(head.position, message);
@@ -416,7 +478,7 @@ impl Reader<'_> {
                 self.report(head.position, format!("`{name}` is declared twice"));
                 continue;
             }
-            let parameters = self.variables(parameters, &semantics.types);
+            let parameters = self.variables_of(parameters, &semantics.types, Union::Wider);
             if parameters.len() > ARITY_LIMIT {
                 let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
                 self.report(head.position, message);
@@ -858,6 +920,29 @@ mod tests {
                 "domain.pddl:4:18: unknown predicate `ful`\n  hint: did you mean `full`?",
                 "domain.pddl:5:17: unknown variable `d`\n  hint: did you mean `c`?",
             ],
+        );
+    }
+
+    #[test]
+    fn either_is_the_parent_of_its_types() {
+        let text = |parameter: &str| {
+            format!(
+                "(define (domain d) (:types person plane - mover van - object) (:predicates (at ?x - (either person van)))
+(:action a :parameters (?x - {parameter}) :precondition (at ?x) :effect (not (at ?x))))"
+            )
+        };
+        check(&text("(either plane person)"), &[]);
+        check(&text("(either person)"), &[]);
+        check(
+            &text("(either person van)"),
+            &[
+                "domain.pddl:2:30: `(either ...)` is supported here only for all the types of a parent; `object` would \
+               also admit `plane`\n  hint: declare a type with these types as its children, and use it here",
+            ],
+        );
+        check(
+            &text("(either person vann)"),
+            &["domain.pddl:2:45: unknown type `vann`\n  hint: did you mean `van`?"],
         );
     }
 

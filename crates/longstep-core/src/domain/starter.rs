@@ -11,18 +11,7 @@ static STARTER: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/src/domain/starter")
 /// assert!(files.iter().any(|(path, text)| path == "domain.toml" && text.contains("name = \"porter\"")));
 /// ```
 pub fn starter(name: &str) -> Vec<(String, String)> {
-    // The name must be valid in both PDDL and TOML.
-    let word = |c: char| {
-        if c.is_ascii_alphanumeric() || c == '-' {
-            c.to_ascii_lowercase()
-        } else {
-            '-'
-        }
-    };
-    let mut name: String = name.chars().map(word).collect();
-    if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
-        name.insert_str(0, "robot-");
-    }
+    let name = plain_name(name);
     let mut files = Vec::new();
     collect(&STARTER, &name, &mut files);
     files
@@ -37,4 +26,20 @@ fn collect(folder: &Dir<'_>, name: &str, files: &mut Vec<(String, String)>) {
     for inner in folder.dirs() {
         collect(inner, name, files);
     }
+}
+
+/// Returns a name that is valid in both PDDL and TOML: lower-case letters, digits and hyphens.
+pub fn plain_name(name: &str) -> String {
+    let word = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '-' {
+            c.to_ascii_lowercase()
+        } else {
+            '-'
+        }
+    };
+    let mut name: String = name.chars().map(word).collect();
+    if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
+        name.insert_str(0, "robot-");
+    }
+    name
 }

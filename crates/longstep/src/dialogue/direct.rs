@@ -3,8 +3,8 @@
 use super::query::{contained_json, query_text};
 use super::reply::StateLists;
 use super::{
-    ChatRequest, Constraint, Conversation, Exchange, Fitted, Message, PartCost, PromptError, Role, Round, TokenCounter,
-    direct_schema, fit, fixed_parts, focus,
+    ChatRequest, Constraint, Conversation, Exchange, Fitted, Forecast, Message, PartCost, PromptError, Role, Round,
+    TokenCounter, direct_schema, fit, fixed_parts, focus,
 };
 use crate::diagnostic::Diagnostics;
 use crate::environment::World;
@@ -24,6 +24,8 @@ pub struct Prepared {
     pub dropped: usize,
     /// Number of entities that the prompt omits. The world keeps them, and the reply is resolved in all of it.
     pub left_out: usize,
+    /// The tokens of a request for a whole plan; none for the short requests of the goal strategy.
+    pub forecast: Option<Forecast>,
 }
 
 /// Builds the request for a whole plan: fixed parts, history, query, and the feedback rounds on it.
@@ -80,7 +82,7 @@ pub fn direct_request(
         fit(conversation, room, counter)
     };
     if let Ok(fitted) = attempt(world, history, counter) {
-        return Ok(prepared(world, fitted, 0, counter));
+        return Ok(prepared(world, fitted, 0, context, counter));
     }
     let focus = focus(world, instruction);
     let (part, mut fitted) = focus.most(focus.ranked.len(), |keep| {
@@ -89,12 +91,19 @@ pub fn direct_request(
     })?;
     fitted.dropped = history.len();
     let left_out = world.entities().count() - part.entities().count();
-    Ok(prepared(&part, fitted, left_out, counter))
+    Ok(prepared(&part, fitted, left_out, context, counter))
 }
 
-fn prepared(shown: &World, fitted: Fitted, left_out: usize, counter: &mut dyn TokenCounter) -> Prepared {
+fn prepared(
+    shown: &World,
+    fitted: Fitted,
+    left_out: usize,
+    context: Option<u64>,
+    counter: &mut dyn TokenCounter,
+) -> Prepared {
     let answer = answer_tokens(shown, counter);
     Prepared {
+        forecast: Some(Forecast::new(&fitted.costs, answer - STEP_TOKENS, STEP_TOKENS, context)),
         request: ChatRequest {
             messages: fitted.messages,
             fixed: fitted.fixed,

@@ -15,18 +15,29 @@ pub fn scene(world: &World, offers: &[Offer]) -> String {
         .flat_map(|o| o.arguments.iter().flatten().copied())
         .collect();
     shown.extend(world.entities().map(|(id, _)| id).filter(|id| is_object(*id)));
+    let (objects, places) = scene_lists(world, &shown);
+    scene_text(&objects, &places)
+}
+
+/// The lines of a scene: each name with its description.
+type Lines = Vec<(String, String)>;
+
+/// Returns the lines of the objects and of the places among the shown entities.
+pub(crate) fn scene_lists(world: &World, shown: &FxHashSet<EntityId>) -> (Lines, Lines) {
+    let domain = world.domain();
+    let is_object = |id: EntityId| domain.types.is_a(world.entity(id).kind, domain.environment.object);
     let facts: Vec<_> = world.known().iter().collect();
     let (mut objects, mut places) = (Vec::new(), Vec::new());
     for (id, entity) in world.entities().filter(|(id, _)| shown.contains(id)) {
         let object = is_object(id);
         let descriptions: Vec<String> = facts
             .iter()
-            .filter_map(|fact| line(world, *fact, id, object, &shown))
+            .filter_map(|fact| line(world, *fact, id, object, shown))
             .collect();
         let list = if object { &mut objects } else { &mut places };
         list.push((entity.name.clone(), descriptions.join(", ")));
     }
-    scene_text(&objects, &places)
+    (objects, places)
 }
 
 /// Returns the text that a fact adds to the line of `id`, if any. Relations of places are omitted.

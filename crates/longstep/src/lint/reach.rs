@@ -143,8 +143,18 @@ impl<'a> Reach<'a> {
 
     /// Returns true if an entity can have both types.
     pub(super) fn overlap(&self, left: TypeId, right: TypeId) -> bool {
-        let is_a = |kind: TypeId| self.domain.types.is_a(kind, left) && self.domain.types.is_a(kind, right);
+        let types = &self.domain.types;
+        // Types are a tree: what has both types has the lower one.
+        let lower = if types.is_a(left, right) { left } else { right };
+        if !types.is_a(lower, left) {
+            return false;
+        }
+        let is_a = |kind: TypeId| types.is_a(kind, lower);
         let environment = &self.domain.environment;
+        // The `types` of an environment may name any type below that of a list.
+        if types.is_a(lower, environment.asset) || types.is_a(lower, environment.object) {
+            return true;
+        }
         let mut constants = self.domain.constants.iter().map(|(_, kind)| *kind);
         let mut values = self.domain.values.iter().map(|own| own.kind);
         is_a(environment.asset) || is_a(environment.object) || constants.any(is_a) || values.any(is_a)

@@ -183,13 +183,13 @@ fn actions_that_can_never_apply() {
         [pddl("(not (robot-at ?to))", "(exists (?p - parcel) (= ?p ?to))")],
         &["domain.pddl:19:41 never-applicable drive"],
     );
-    // A type without entities.
+    // A type below neither list of an environment. One below a list is inhabited: an environment's `types` may name it.
     check(
         [
-            pddl("(:types station", "(:types dock - station station"),
-            pddl("(?to - station)", "(?to - dock)"),
+            pddl("(:types station", "(:types dock - thing station"),
+            pddl("(?to - station)", "(?to - station ?d - dock)"),
         ],
-        &["domain.pddl:18:24 never-applicable drive"],
+        &["domain.pddl:18:37 never-applicable drive"],
     );
     // An effect that never happens.
     check(

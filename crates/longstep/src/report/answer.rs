@@ -6,6 +6,7 @@ use longstep_core::model::{Number, entries_of, entry_of_number};
 use serde::Serialize;
 
 use crate::coverage::{self, Coverage, Gap, Role};
+use crate::dialogue::Forecast;
 use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, GoalFact, Group};
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
@@ -90,6 +91,9 @@ pub struct Answer {
     pub assumptions: Vec<String>,
     /// The state of knowledge at the end of the search; none if the plan does not come from one.
     pub search: Option<SearchAnswer>,
+    /// The tokens and the time of a request for a whole plan, as they were foreseen; absent for the goal strategy.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forecast: Option<ForecastAnswer>,
     /// Token counts.
     pub usage: UsageAnswer,
     /// Durations.
@@ -285,6 +289,34 @@ impl From<Usage> for UsageAnswer {
     }
 }
 
+/// The foreseen cost of a request for a whole plan.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ForecastAnswer {
+    /// Tokens of the prompt.
+    pub prompt_tokens: u64,
+    /// Tokens of a usual answer.
+    pub answer_tokens: u64,
+    /// The model's context length, if known.
+    pub context: Option<u64>,
+    /// False if a round of correction may exceed the context.
+    pub correction_fits: bool,
+    /// Estimated seconds, from the model's measured speed; none if no speed is known.
+    pub seconds: Option<f64>,
+}
+
+impl ForecastAnswer {
+    /// Creates the answer from a forecast and an estimate of the time.
+    pub fn new(forecast: &Forecast, seconds: Option<f64>) -> Self {
+        Self {
+            prompt_tokens: forecast.prompt,
+            answer_tokens: forecast.usual_answer,
+            context: forecast.context,
+            correction_fits: forecast.correction_fits(),
+            seconds,
+        }
+    }
+}
+
 /// Durations in milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Timings {
@@ -332,6 +364,7 @@ impl Answer {
             not_represented: Vec::new(),
             assumptions: Vec::new(),
             search: None,
+            forecast: None,
             usage: UsageAnswer::default(),
             timings_ms: Timings::default(),
             notes: Vec::new(),

@@ -104,7 +104,7 @@ impl Session {
     /// Returns the request to the model, and records it once; none if the person is asked instead.
     pub(super) fn request(
         &mut self,
-        turn: Turn,
+        mut turn: Turn,
         mut asking: Asking,
         counter: &mut dyn TokenCounter,
     ) -> Result<Option<Box<Prepared>>, PromptError> {
@@ -119,6 +119,7 @@ impl Session {
                 costs: Vec::new(),
                 dropped: 0,
                 left_out: 0,
+                forecast: None,
             }),
         };
         match prepared {
@@ -133,6 +134,14 @@ impl Session {
             // A question is never lost because its retelling cannot be asked for.
             Err(_) if turn.is_retold_now() => {
                 self.take_back(turn);
+                Ok(None)
+            }
+            // A correction that does not fit: the first plan's own faults say more than the size of the prompt.
+            Err(PromptError::OverBudget(_)) if turn.uncorrected.is_some() => {
+                let failure = turn.uncorrected.take();
+                if let Some(failure) = failure {
+                    self.give_up(turn, *failure);
+                }
                 Ok(None)
             }
             Err(error) => {

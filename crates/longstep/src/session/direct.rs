@@ -151,6 +151,7 @@ impl Session {
             text: correction.clone(),
         });
         turn.corrections += 1;
+        turn.uncorrected = Some(Box::new(failure));
         turn.rounds.push(Round {
             reply: reply.text.clone(),
             message: correction,

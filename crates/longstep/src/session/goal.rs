@@ -46,6 +46,7 @@ impl Session {
             }
         };
         Ok(Prepared {
+            forecast: None,
             request: fitted.dialogue.request(),
             costs: fitted.costs.clone(),
             dropped: 0,
@@ -68,6 +69,7 @@ impl Session {
             }
         }
         Ok(Prepared {
+            forecast: None,
             request,
             costs: Vec::new(),
             dropped: 0,

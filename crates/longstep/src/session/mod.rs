@@ -323,6 +323,7 @@ impl Session {
             marks: Vec::new(),
             rounds: Vec::new(),
             corrections: 0,
+            uncorrected: None,
             usage: Usage::default(),
             model_milliseconds: 0.0,
             proposal: None,
@@ -371,6 +372,7 @@ impl Session {
             Stage::Stuck(turn, failure) => {
                 let mut turn = turn.clone();
                 turn.corrections = 0;
+                turn.uncorrected = None;
                 turn.rounds.push(Round {
                     reply: self.reply_of(failure),
                     message: text.to_owned(),

@@ -83,6 +83,8 @@ pub(super) struct Turn {
     pub(super) rounds: Vec<Round>,
     /// Number of corrections sent to the model.
     pub(super) corrections: u32,
+    /// The failure that the pending correction is about.
+    pub(super) uncorrected: Option<Box<Failure>>,
     pub(super) usage: Usage,
     pub(super) model_milliseconds: f64,
     /// The plan that feedback refers to.

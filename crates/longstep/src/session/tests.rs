@@ -3,7 +3,8 @@
 use std::sync::{Arc, LazyLock};
 
 use super::{
-    Entry, Event, Failure, Log, LogError, ModelFacts, Refusal, RepairPolicy, Session, Settings, Strategy, replay,
+    Entry, Event, Failure, Log, LogError, ModelFacts, Refusal, RepairPolicy, Response, Session, Settings, Strategy,
+    replay,
 };
 use crate::dialogue::{ConstraintKind, EstimatedTokens, Finish, PromptError, Reply, Usage};
 use crate::domain::{self, Domain};
@@ -363,6 +364,27 @@ fn what_a_person_asked_for_is_not_repaired_away_when_the_model_writes_the_plan()
         proposal.refused
     );
     assert_eq!(calls(&session), MOVE_PEN);
+}
+
+#[test]
+fn a_correction_that_does_not_fit_leaves_the_faults_of_the_plan() {
+    let mut session = session(Settings {
+        repair: RepairPolicy::Never,
+        ..direct()
+    });
+    session.instruct("The pen goes on the shelf").unwrap();
+    let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+    let forecast = prepared.forecast.unwrap();
+    assert!(forecast.correction_fits() && forecast.correction > 2 * forecast.answer);
+    session.supply(&reply(&pen_plan(&MOVE_PEN[2..], "shelf")), 5.0).unwrap();
+    // The model turns out to have less room than its owner said.
+    session.model.context = Some(100);
+    assert_eq!(session.next_request(&mut EstimatedTokens::default()).unwrap(), None);
+    let Response::NoPlan(failure) = session.response() else {
+        panic!("{}", session.response())
+    };
+    let answer = failure.answer().unwrap();
+    assert!(!answer.violations.is_empty());
 }
 
 #[test]

@@ -1,0 +1,133 @@
+//! `longstep domain new`: writes the folder of a new domain, all of it or nothing.
+
+use std::collections::BTreeMap;
+use std::io::IsTerminal;
+use std::path::Path;
+
+use anyhow::Result;
+use longstep::domain::{self, Answers, NewDomain, SourceText};
+use longstep_eval::suite;
+use longstep_llm::{plain_reason, read_text};
+
+use super::questions;
+use crate::arguments::NewDomainArguments;
+use crate::failure::Failure;
+use crate::output::{Style, print_line};
+use crate::show;
+
+pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
+    let folder = arguments.folder.as_path();
+    if folder.exists() {
+        return Err(Failure::unreadable(format!("{} already exists", folder.display()))
+            .hint("choose another name")
+            .into());
+    }
+    let name = folder
+        .file_name()
+        .map_or_else(|| "robot".to_owned(), |name| name.to_string_lossy().into_owned());
+    if let Some(path) = &arguments.pddl {
+        let text = read_text(path)?;
+        let file = path.display().to_string();
+        let problem = match &arguments.problem {
+            Some(path) => Some((path.display().to_string(), read_text(path)?)),
+            None => None,
+        };
+        let problem = problem.as_ref().map(|(file, text)| SourceText { file, text });
+        let new = domain::from_any_pddl(
+            &name,
+            SourceText {
+                file: &file,
+                text: &text,
+            },
+            problem,
+        )?;
+        return finish(folder, new, Vec::new());
+    }
+    if let Some(path) = &arguments.from {
+        let text = read_text(path)?;
+        let answers = Answers::read(&path.display().to_string(), &text)?;
+        let new = domain::from_answers(&answers)?;
+        return finish(folder, new, vec![("answers.toml".to_owned(), text)]);
+    }
+    let asks = arguments.ask || (std::io::stdin().is_terminal() && std::io::stderr().is_terminal());
+    if asks && !arguments.starter {
+        let answers = questions::answers(&name)?;
+        let new = domain::from_answers(&answers)?;
+        return finish(
+            folder,
+            new,
+            vec![("answers.toml".to_owned(), questions::written(&answers))],
+        );
+    }
+    write_folder(folder, &domain::starter(&name))?;
+    let shown = folder.display();
+    print_line!("Created the domain {shown}. Next steps:");
+    print_line!("  longstep domain check {shown}");
+    print_line!("  longstep plan \"Bring the parcel to the desk\" --env {shown}/environment.json --domain {shown}");
+    Ok(())
+}
+
+/// Checks the suite of a new domain, writes its files, and says what to do next.
+fn finish(folder: &Path, new: NewDomain, extra: Vec<(String, String)>) -> Result<()> {
+    let files: BTreeMap<&str, &str> = new
+        .files
+        .iter()
+        .map(|(path, text)| (path.as_str(), text.as_str()))
+        .collect();
+    let text = |path: &str| files.get(path).copied().unwrap_or_default().to_owned();
+    let cases = suite::Files {
+        folder: "suite/".to_owned(),
+        suite: text("suite/suite.toml"),
+        cases: [("instructions.toml".to_owned(), text("suite/instructions.toml"))].into(),
+        scenes: [("example".to_owned(), text("suite/scenes/example.json"))].into(),
+    };
+    suite::load(&cases, &new.domain)?;
+    let all: Vec<(String, String)> = new.files.into_iter().chain(extra).collect();
+    write_folder(folder, &all)?;
+    for finding in &new.findings {
+        let mut finding = finding.clone();
+        let hint = finding.diagnostic.hint.take();
+        print_line!("{} {finding}", "warning:".yellow().bold());
+        if let Some(hint) = hint {
+            show::hint(&hint);
+        }
+    }
+    let shown = folder.display();
+    print_line!(
+        "Created the domain {shown} (actions: {}, goals: {}, examples: {}).",
+        new.domain.actions.len(),
+        new.domain.goal_words.len(),
+        new.domain.prompts.examples.len()
+    );
+    if new.invented {
+        print_line!("Its environment.json is made up: check that such a world can be, or write your own.");
+    }
+    print_line!("The sentences in domain.toml are what people and models read: improve them first. Next steps:");
+    print_line!("  longstep domain check {shown} --env {shown}/environment.json");
+    print_line!("  longstep domain try {shown}");
+    Ok(())
+}
+
+/// Writes files into a new folder. They are written beside it first and then renamed, so that the folder is complete
+/// or absent.
+fn write_folder(folder: &Path, files: &[(String, String)]) -> Result<()> {
+    let shown = folder.display();
+    let failed = |error: std::io::Error| {
+        Failure::unreadable(format!("cannot write {shown}: {}", plain_reason(&error)))
+            .hint("check that the parent folder exists and is writable")
+    };
+    let parent = folder.parent().filter(|p| !p.as_os_str().is_empty());
+    let draft = tempfile::Builder::new()
+        .prefix(".longstep-")
+        .tempdir_in(parent.unwrap_or(Path::new(".")))
+        .map_err(failed)?;
+    for (path, text) in files {
+        let path = draft.path().join(path);
+        if let Some(inside) = path.parent() {
+            std::fs::create_dir_all(inside).map_err(failed)?;
+        }
+        std::fs::write(&path, text).map_err(failed)?;
+    }
+    std::fs::rename(draft.keep(), folder).map_err(failed)?;
+    Ok(())
+}

@@ -1,0 +1,211 @@
+//! New domains from textbook PDDL and from answers.
+
+use super::{Answers, NewDomain, SourceText, from_answers, from_any_pddl, samples};
+use crate::environment;
+use crate::lint::Lint;
+
+const BLOCKS: &str = "(define (domain BLOCKS)
+  (:predicates (on ?x ?y) (ontable ?x) (clear ?x) (handempty) (holding ?x))
+  (:action pick-up :parameters (?x) :precondition (and (clear ?x) (ontable ?x) (handempty))
+    :effect (and (not (ontable ?x)) (not (clear ?x)) (not (handempty)) (holding ?x)))
+  (:action put-down :parameters (?x) :precondition (holding ?x)
+    :effect (and (not (holding ?x)) (clear ?x) (handempty) (ontable ?x)))
+  (:action stack :parameters (?x ?y) :precondition (and (holding ?x) (clear ?y))
+    :effect (and (not (holding ?x)) (not (clear ?y)) (clear ?x) (handempty) (on ?x ?y)))
+  (:action unstack :parameters (?x ?y) :precondition (and (on ?x ?y) (clear ?x) (handempty))
+    :effect (and (holding ?x) (clear ?y) (not (clear ?x)) (not (handempty)) (not (on ?x ?y)))))";
+
+const TOWER: &str = "(define (problem tower) (:domain BLOCKS) (:objects A B C)
+  (:init (ON A B) (ONTABLE B) (ONTABLE C) (CLEAR A) (CLEAR C) (HANDEMPTY)) (:goal (ON B C)))";
+
+/// Untyped: the kinds of objects are facts.
+const GRIPPER: &str = "(define (domain gripper-strips)
+  (:predicates (room ?r) (ball ?b) (gripper ?g) (at-robby ?r) (at ?b ?r) (free ?g) (carry ?o ?g))
+  (:action move :parameters (?from ?to) :precondition (and (room ?from) (room ?to) (at-robby ?from))
+    :effect (and (at-robby ?to) (not (at-robby ?from))))
+  (:action pick :parameters (?obj ?room ?gripper) :precondition (and (ball ?obj) (room ?room) (gripper ?gripper)
+      (at ?obj ?room) (at-robby ?room) (free ?gripper))
+    :effect (and (carry ?obj ?gripper) (not (at ?obj ?room)) (not (free ?gripper))))
+  (:action drop :parameters (?obj ?room ?gripper) :precondition (and (ball ?obj) (room ?room) (gripper ?gripper)
+      (carry ?obj ?gripper) (at-robby ?room))
+    :effect (and (at ?obj ?room) (free ?gripper) (not (carry ?obj ?gripper)))))";
+
+/// Types, costs, a constant, numbers and `either`.
+const FLIGHTS: &str = "(define (domain flights) (:requirements :typing :fluents :action-costs)
+  (:types plane person city - object) (:constants Hub - city)
+  (:predicates (at ?x - (either plane person) ?c - city) (in ?p - person ?a - plane))
+  (:functions (total-cost) - number (fuel ?a - plane) - number)
+  (:action board :parameters (?p - person ?a - plane ?c - city) :precondition (and (at ?p ?c) (at ?a ?c))
+    :effect (and (not (at ?p ?c)) (in ?p ?a) (increase (total-cost) 1)))
+  (:action leave :parameters (?p - person ?a - plane ?c - city) :precondition (and (in ?p ?a) (at ?a ?c))
+    :effect (and (not (in ?p ?a)) (at ?p ?c) (increase (total-cost) 1)))
+  (:action fly :parameters (?a - plane ?from ?to - city) :precondition (and (at ?a ?from) (>= (fuel ?a) 1))
+    :effect (and (not (at ?a ?from)) (at ?a ?to) (decrease (fuel ?a) 1) (increase (total-cost) 5))))";
+
+/// Conditional effects, and an action that only takes away.
+const DOORS: &str = "(define (domain doors) (:requirements :adl) (:types door room - object)
+  (:predicates (open ?d - door) (robot-in ?r - room) (joins ?d - door ?a ?b - room) (warm ?r - room))
+  (:action open-door :parameters (?d - door) :precondition (not (open ?d)) :effect (open ?d))
+  (:action close-door :parameters (?d - door) :precondition (open ?d) :effect (not (open ?d)))
+  (:action go :parameters (?d - door ?a ?b - room) :precondition (and (robot-in ?a) (open ?d) (joins ?d ?a ?b))
+    :effect (and (robot-in ?b) (not (robot-in ?a)) (when (warm ?a) (warm ?b)))))";
+
+const PORTER: &str = r#"
+name = "porter"
+robot = "the porter"
+kind = [{ name = "box", examples = ["red box", "blue box"] },
+        { name = "shelf", stays = true, examples = ["top shelf", "low shelf"] },
+        { name = "door", stays = true, examples = ["front door"] }]
+start = ["the red box is on the top shelf", "the blue box is on the low shelf"]
+[[action]]
+words = "pick up a box"
+needs = ["the box is on a shelf", "the porter holds no box"]
+then = ["the porter holds the box"]
+[[action]]
+words = "put a box on a shelf"
+needs = ["the porter holds the box"]
+then = ["the box is on the shelf"]
+[[action]]
+words = "open a door"
+needs = ["not the door is open"]
+then = ["the door is open"]
+[[action]]
+words = "close a door"
+needs = ["the door is open"]
+then = ["not the door is open"]
+"#;
+
+fn made(domain: &str, problem: Option<&str>) -> NewDomain {
+    let source = |file, text| SourceText { file, text };
+    let problem = problem.map(|text| source("p.pddl", text));
+    from_any_pddl("mine", source("d.pddl", domain), problem).unwrap_or_else(|findings| panic!("{findings}"))
+}
+
+fn text<'n>(new: &'n NewDomain, path: &str) -> &'n str {
+    let found = new.files.iter().find(|(own, _)| own == path);
+    &found.unwrap_or_else(|| panic!("no {path}")).1
+}
+
+fn goals(new: &NewDomain) -> Vec<String> {
+    new.domain.goal_words.iter().map(|word| word.shown()).collect()
+}
+
+#[test]
+fn textbook_domains_become_folders_that_load() {
+    for (domain, problem, expected) in [
+        (BLOCKS, None, "on ontable clear handempty holding"),
+        (BLOCKS, Some(TOWER), "on ontable clear handempty holding"),
+        (GRIPPER, None, "at_robby at free carry"),
+        (FLIGHTS, None, "at in"),
+        (DOORS, None, "open not_open robot_in warm"),
+    ] {
+        let new = made(domain, problem);
+        let words: Vec<&str> = new.domain.goal_words.iter().map(|word| word.word.as_str()).collect();
+        assert_eq!(words.join(" "), expected);
+        assert_eq!(text(&new, "domain.pddl"), domain, "the PDDL stays as it is");
+        assert!(new.domain.prompts.examples.len() > 4);
+        assert_eq!(new.invented, problem.is_none());
+        let broken = new
+            .findings
+            .iter()
+            .find(|f| matches!(f.lint, Lint::BrokenPrompt | Lint::MissingExplanation));
+        assert!(broken.is_none(), "{}", broken.unwrap());
+        assert!(text(&new, "suite/instructions.toml").matches("[[case]]").count() > 2);
+    }
+}
+
+#[test]
+fn equal_inputs_give_equal_bytes() {
+    assert_eq!(made(GRIPPER, None).files, made(GRIPPER, None).files);
+    let new = made(BLOCKS, Some(TOWER));
+    let world = environment::parse(&new.domain, "e.json", text(&new, "environment.json")).unwrap();
+    let said = |seed| {
+        samples(&world, 5, seed)
+            .into_iter()
+            .map(|s| s.instruction)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(said(3), said(3));
+    assert_eq!(said(3).len(), 5);
+    assert_ne!(said(3), said(4));
+}
+
+#[test]
+fn a_problem_becomes_the_environment() {
+    let new = made(BLOCKS, Some(TOWER));
+    let environment: serde_json::Value = serde_json::from_str(text(&new, "environment.json")).unwrap();
+    let environment = &environment["environment"];
+    assert_eq!(environment["objects"], serde_json::json!(["<a>", "<b>", "<c>"]));
+    assert_eq!(
+        environment["object_states"]["<a>"],
+        serde_json::json!(["on(<b>)", "clear()"])
+    );
+    assert_eq!(environment["facts"], serde_json::json!(["handempty"]));
+}
+
+#[test]
+fn answers_become_pddl() {
+    let new = from_answers(&Answers::read("answers.toml", PORTER).unwrap()).unwrap_or_else(|f| panic!("{f}"));
+    let pddl = text(&new, "domain.pddl");
+    for part in [
+        "(:types shelf door - place box place - object)",
+        "(:action pick-up\n    :parameters (?box - box ?shelf - shelf)",
+        "(forall (?any_box - box) (not (porter-holds ?any_box)))",
+        // The default for what holds no longer.
+        ":effect (and (not (on ?box ?shelf))\n                 (porter-holds ?box))",
+        ":effect (and (not (open ?door))))",
+    ] {
+        assert!(pddl.contains(part), "{part}\n{pddl}");
+    }
+    assert_eq!(
+        goals(&new),
+        ["on(BOX, SHELF)", "porter_holds(BOX)", "open(DOOR)", "not_open(DOOR)"]
+    );
+}
+
+#[test]
+fn answers_that_make_no_domain_are_errors() {
+    let change = |from: &str, to: &str| {
+        assert!(PORTER.contains(from), "{from}");
+        PORTER.replacen(from, to, 1)
+    };
+    for (text, expected) in [
+        (
+            "name = \"x\"".to_owned(),
+            "a domain needs a kind of things and an action",
+        ),
+        (change("pick up a box", "sing"), "an action names the kinds"),
+        (
+            change("[\"the porter holds the box\"]\n[[", "[]\n[["),
+            "it changes nothing",
+        ),
+        (
+            change("\"the red box is on the top shelf\"", "\"the red box is wet\""),
+            "no action speaks of this",
+        ),
+        (
+            change("pick up a box", "open a door"),
+            "two actions have the same words",
+        ),
+    ] {
+        let found = Answers::read("answers.toml", &text).and_then(|answers| from_answers(&answers));
+        let found = found.map(|new| new.domain.name.clone()).unwrap_err().to_string();
+        assert!(found.contains(expected), "{expected}: {found}");
+    }
+}
+
+#[test]
+fn what_is_not_supported_is_named_with_its_line() {
+    let text = BLOCKS.replacen("(:predicates", "(:requirements :durative-actions)\n(:predicates", 1);
+    let found = from_any_pddl(
+        "mine",
+        SourceText {
+            file: "d.pddl",
+            text: &text,
+        },
+        None,
+    );
+    let found = found.map(|new| new.domain.name.clone()).unwrap_err().to_string();
+    assert!(found.starts_with("d.pddl:2:"), "{found}");
+    assert!(found.contains("`:durative-actions` is not supported"), "{found}");
+}

@@ -1,0 +1,323 @@
+//! The text of a new `domain.toml`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use super::Blueprint;
+use super::wording::{self, PredicateText, capitalized, identifier};
+use crate::model::{ActionId, Atom, Condition, Parameter, Predicate, Term, TypeId};
+use longstep_core::model::Domain;
+
+/// The words of a domain: one entry for each predicate, function and action, in the order of the PDDL file.
+pub(super) struct Words {
+    pub(super) predicates: Vec<(String, PredicateText)>,
+    actions: Vec<(String, String)>,
+    functions: Vec<String>,
+}
+
+impl Words {
+    pub(super) fn of(domain: &Domain, blueprint: &Blueprint) -> Self {
+        let mut taken = BTreeMap::new();
+        let predicates = domain.predicates.iter().zip(&domain.predicate_words);
+        let predicates = predicates.map(|(predicate, words)| {
+            let given = blueprint.predicates.get(&predicate.name).cloned();
+            let text = given.unwrap_or_else(|| wording::predicate(domain, predicate, words.fluent));
+            (unique(identifier(&predicate.name), &mut taken), text)
+        });
+        let predicates = predicates.collect();
+        let functions = domain.functions.iter();
+        let functions = functions.map(|f| unique(identifier(&f.name), &mut taken)).collect();
+        let mut calls = BTreeMap::new();
+        let actions = domain.action_ids().map(|(id, action)| {
+            let given = blueprint.actions.get(&action.name).cloned();
+            let says = given.unwrap_or_else(|| wording::action(domain, id));
+            (unique(identifier(&action.name), &mut calls), says)
+        });
+        let actions = actions.collect();
+        Self {
+            predicates,
+            actions,
+            functions,
+        }
+    }
+}
+
+/// Returns the name, with a number if it is taken.
+fn unique(name: String, taken: &mut BTreeMap<String, usize>) -> String {
+    let count = taken.entry(name.clone()).or_insert(0);
+    *count += 1;
+    match *count {
+        1 => name,
+        count => unique(format!("{name}_{count}"), taken),
+    }
+}
+
+/// Quotes a text for TOML; JSON's escapes are TOML's.
+pub(super) fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+/// Fills the holes of a sentence.
+fn filled(says: &str, parameters: &[Parameter], fill: impl Fn(usize, &str) -> String) -> String {
+    let holes = parameters.iter().enumerate();
+    holes.fold(says.to_owned(), |text, (index, parameter)| {
+        text.replace(&format!("{{{}}}", parameter.name), &fill(index, &parameter.name))
+    })
+}
+
+fn typed(domain: &Domain, parameters: &[Parameter]) -> String {
+    let typed = parameters.iter().map(|parameter| match parameter.kind {
+        TypeId::OBJECT => format!("?{} - object", parameter.name),
+        kind => format!("?{} - {}", parameter.name, domain.types.name(kind)),
+    });
+    typed.collect::<Vec<_>>().join(" ")
+}
+
+/// A kind of goal in the new domain: a predicate, or its opposite.
+struct NewGoal<'d> {
+    index: usize,
+    predicate: &'d Predicate,
+    holds: bool,
+    /// The actions that achieve it.
+    by: Vec<usize>,
+}
+
+/// Returns the goals of a domain: every fact that an action makes true, and the opposite of facts about one entity
+/// that an action does nothing but take away ("close", "switch off").
+fn goals(domain: &Domain) -> Vec<NewGoal<'_>> {
+    let mut goals = Vec::new();
+    for (index, predicate) in domain.predicates.iter().enumerate() {
+        let touches = |adds: bool| {
+            let actions = domain.actions.iter().enumerate();
+            let touching = actions.filter(move |(_, action)| {
+                let mut effects = action.effects.iter();
+                effects.any(|effect| effect.adds == adds && effect.atom.predicate.index() == index)
+            });
+            touching.map(|(index, _)| index)
+        };
+        let by: Vec<usize> = touches(true).collect();
+        if !by.is_empty() {
+            goals.push(NewGoal {
+                index,
+                predicate,
+                holds: true,
+                by,
+            });
+        }
+        let only_removes = |action: &usize| domain.actions[*action].effects.iter().all(|effect| !effect.adds);
+        let by: Vec<usize> = touches(false).filter(only_removes).collect();
+        if !by.is_empty() && predicate.parameters.len() == 1 {
+            goals.push(NewGoal {
+                index,
+                predicate,
+                holds: false,
+                by,
+            });
+        }
+    }
+    goals
+}
+
+/// Returns the condition on the arguments of a goal: different ones, of the kinds that the actions ask for with facts
+/// that never change (`(ball ?x)`), which is how untyped files say types.
+fn offered(domain: &Domain, goal: &NewGoal<'_>) -> Option<String> {
+    let parameters = &goal.predicate.parameters;
+    let mut parts = Vec::new();
+    for (place, left) in parameters.iter().enumerate() {
+        for right in &parameters[place + 1..] {
+            if domain.types.is_a(left.kind, right.kind) || domain.types.is_a(right.kind, left.kind) {
+                parts.push(format!("(not (= ?{} ?{}))", left.name, right.name));
+            }
+        }
+        let kinds = goal.by.iter().map(|index| {
+            let action = &domain.actions[*index];
+            let mut effects = action.effects.iter();
+            let own = effects.find(|e| e.adds == goal.holds && e.atom.predicate.index() == goal.index);
+            match own.and_then(|effect| effect.atom.terms.get(place)) {
+                Some(Term::Variable(slot)) if *slot < action.parameters.len() => {
+                    unary_statics(domain, &action.precondition, *slot)
+                }
+                _ => Vec::new(),
+            }
+        });
+        let shared = kinds.reduce(|left, right| left.into_iter().filter(|kind| right.contains(kind)).collect());
+        for kind in shared.unwrap_or_default() {
+            parts.push(format!("({} ?{})", domain.predicates[kind].name, left.name));
+        }
+    }
+    match parts.len() {
+        0 => None,
+        1 => parts.pop(),
+        _ => Some(format!("(and {})", parts.join(" "))),
+    }
+}
+
+/// Returns the predicates about one entity that no action changes and that the condition asks of a variable.
+pub(super) fn unary_statics(domain: &Domain, condition: &Condition, slot: usize) -> Vec<usize> {
+    let parts = condition.conjuncts().filter_map(|part| match part {
+        Condition::Atom {
+            atom: Atom { predicate, terms },
+            holds: true,
+            ..
+        } => Some((predicate.index(), terms)),
+        _ => None,
+    });
+    let about = parts.filter(|(predicate, terms)| {
+        terms.as_slice() == [Term::Variable(slot)] && !domain.predicate_words[*predicate].fluent
+    });
+    about.map(|(predicate, _)| predicate).collect()
+}
+
+/// Writes `domain.toml`.
+pub(super) fn write(blueprint: &Blueprint, domain: &Domain, words: &Words, lists: (TypeId, TypeId)) -> String {
+    let mut text = String::new();
+    // Writing to a string does not fail.
+    let _ = write_all(&mut text, blueprint, domain, words, lists);
+    text
+}
+
+fn write_all(
+    text: &mut String,
+    blueprint: &Blueprint,
+    domain: &Domain,
+    words: &Words,
+    (assets, objects): (TypeId, TypeId),
+) -> std::fmt::Result {
+    writeln!(
+        text,
+        "# The words for domain.pddl. Read every sentence aloud and change those that sound wrong: people and models\n\
+         # read them. docs/domains.md explains each key.\n\n\
+         name = {}\nabout = {}\n\n\
+         # What the two lists of an environment hold.\n[environment]\nassets = {}\nobjects = {}\n\n\
+         # A sentence for every fact, and for its opposite. `short` is how a language model sees it in the line of its\n\
+         # first argument.",
+        quoted(&blueprint.name),
+        quoted(&blueprint.about),
+        quoted(domain.types.name(assets)),
+        quoted(domain.types.name(objects)),
+    )?;
+    for (predicate, (_, sentence)) in domain.predicates.iter().zip(&words.predicates) {
+        let (name, says, denies) = (&predicate.name, &sentence.says, &sentence.denies);
+        writeln!(text, "[[predicate]]\nname = {}", quoted(name))?;
+        writeln!(text, "says = {}\ndenies = {}", quoted(says), quoted(denies))?;
+        if let Some(short) = &sentence.short {
+            writeln!(text, "short = {}", quoted(short))?;
+        }
+        text.push('\n');
+    }
+    text.push_str("# How an environment writes a fact under the entry of an entity, which is ?self.\n");
+    for (predicate, (word, sentence)) in domain.predicates.iter().zip(&words.predicates) {
+        let Some((_, others)) = predicate.parameters.split_first() else {
+            continue;
+        };
+        let holes: Vec<String> = others.iter().map(|p| format!("<{}>", p.name)).collect();
+        let variables: String = others.iter().map(|p| format!(" ?{}", p.name)).collect();
+        let means = filled(&sentence.says, &predicate.parameters, |index, name| match index {
+            0 => "this".to_owned(),
+            _ => format!("<{name}>"),
+        });
+        writeln!(
+            text,
+            "[[state]]\nword = {}",
+            quoted(&format!("{word}({})", holes.join(", ")))
+        )?;
+        writeln!(
+            text,
+            "fact = {}",
+            quoted(&format!("({} ?self{variables})", predicate.name))
+        )?;
+        writeln!(text, "means = {}\n", quoted(&format!("{}.", capitalized(&means))))?;
+    }
+    for (function, word) in domain.functions.iter().zip(&words.functions) {
+        let holes: Vec<String> = function.parameters.iter().map(|p| format!("{{{}}}", p.name)).collect();
+        let spoken = wording::words(&function.name).join(" ");
+        let says = match holes.len() {
+            0 => format!("the {spoken}"),
+            1 => format!("the {spoken} of {}", holes[0]),
+            _ => format!("the {spoken} between {}", holes.join(" and ")),
+        };
+        writeln!(
+            text,
+            "[[number]]\nname = {}\nword = {}",
+            quoted(&function.name),
+            quoted(word)
+        )?;
+        writeln!(text, "says = {}\n", quoted(&says))?;
+    }
+    text.push_str("# How a plan writes an action, and the sentence for a step.\n");
+    for ((id, action), (call, says)) in domain.action_ids().zip(&words.actions) {
+        // An argument that the sentence leaves out is found by the verifier.
+        let is_said = |name: &str| says.contains(&format!("{{{name}}}"));
+        let shown = action.parameters.iter().filter(|p| is_said(&p.name));
+        let shown: Vec<String> = shown.map(|p| format!("?{}", p.name)).collect();
+        writeln!(text, "[[action]]\nname = {}", quoted(&action.name))?;
+        writeln!(text, "call = {}", quoted(&format!("{call}({})", shown.join(", "))))?;
+        writeln!(text, "says = {}", quoted(says))?;
+        writeln!(text, "means = {}\n", quoted(&purpose(domain, words, id, says)))?;
+    }
+    text.push_str("# What a person can ask for. A model answers in these words, and search finds the steps.\n");
+    for goal in goals(domain) {
+        let (word, sentence) = &words.predicates[goal.index];
+        let parameters = &goal.predicate.parameters;
+        let holes: Vec<String> = parameters.iter().map(|p| format!("{{{}}}", p.name)).collect();
+        let variables: String = parameters.iter().map(|p| format!(" ?{}", p.name)).collect();
+        let fact = format!("({}{variables})", goal.predicate.name);
+        let (word, fact, says) = match goal.holds {
+            true => (word.clone(), fact, &sentence.says),
+            false => (format!("not_{word}"), format!("(not {fact})"), &sentence.denies),
+        };
+        let by: Vec<&str> = goal.by.iter().map(|index| words.actions[*index].0.as_str()).collect();
+        let means = filled(says, parameters, |_, name| format!("the {name}"));
+        writeln!(
+            text,
+            "[[goal]]\nform = {}",
+            quoted(&format!("{word}({})", holes.join(", ")))
+        )?;
+        writeln!(text, "parameters = {}", quoted(&typed(domain, parameters)))?;
+        writeln!(text, "condition = {}", quoted(&fact))?;
+        if let Some(offered) = offered(domain, &goal) {
+            writeln!(text, "offered = {}", quoted(&offered))?;
+        }
+        writeln!(text, "says = {}", quoted(says))?;
+        writeln!(
+            text,
+            "means = {}\n",
+            quoted(&format!("{means} (by {})", by.join(" or ")))
+        )?;
+    }
+    text.push_str(
+        "# Everyday names for identifiers: the one that is shown, a longer one, and other words for it, for example\n\
+         # tube = [\"tube\", \"sample tube\", \"vial\"]\n[lexicon]\n",
+    );
+    for (identifier, names) in &blueprint.lexicon {
+        let names: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+        writeln!(text, "{} = [{}]", quoted(identifier), names.join(", "))?;
+    }
+    Ok(())
+}
+
+/// Returns the explanation of an action for a model: its sentence, and what it makes true.
+fn purpose(domain: &Domain, words: &Words, id: ActionId, says: &str) -> String {
+    let action = domain.action(id);
+    let mut results = Vec::new();
+    for effect in action.effects.iter().filter(|effect| effect.forall.is_empty()) {
+        let predicate = domain.predicate(effect.atom.predicate);
+        let sentence = &words.predicates[effect.atom.predicate.index()].1;
+        let name = |index: usize| match effect.atom.terms[index] {
+            Term::Variable(slot) => action.parameters.get(slot).map(|p| format!("the {}", p.name)),
+            Term::Constant(constant) => domain.constants.get(constant.index()).map(|(name, _)| name.clone()),
+        };
+        let says = if effect.adds { &sentence.says } else { &sentence.denies };
+        let text = filled(says, &predicate.parameters, |index, _| name(index).unwrap_or_default());
+        // What becomes true says more than what stops being true.
+        results.push((!effect.adds, text));
+    }
+    results.sort_by_key(|(removed, _)| *removed);
+    results.truncate(3);
+    let spoken = filled(says, &action.parameters, |_, name| format!("the {name}"));
+    let results: Vec<String> = results.into_iter().map(|(_, text)| text).collect();
+    match results.is_empty() {
+        true => format!("{}.", capitalized(&spoken)),
+        false => format!("{}. After it: {}.", capitalized(&spoken), results.join("; ")),
+    }
+}
