@@ -183,22 +183,22 @@ pub fn guess_removed(answers: &Answers, action: &ActionAnswer) -> Vec<String> {
         return Vec::new();
     };
     let robot = answers.robot();
-    let speaks_of_robot = |text: &str| plain(text).iter().any(|word| *word == robot);
+    let speaks_of_robot = |text: &str| plain(text).contains(&robot);
     let subject = kinds_of(&reader.sentence(&action.words)).first().copied();
     let mut removed: Vec<String> = Vec::new();
     for then in &action.then {
         let after = reader.sentence(then);
         let about = kinds_of(&after);
         // The robot moves: it is at no other place.
-        if let ([(place, Which::One)], true) = (&about[..], speaks_of_robot(then) && after.holds) {
-            if answers.kind[*place].stays {
-                let name = &answers.kind[*place].name;
-                let words = after.pieces.iter().map(|piece| match piece {
-                    Piece::Word(word) => word.clone(),
-                    Piece::Kind(..) | Piece::Thing(..) => format!("any {name}"),
-                });
-                removed.push(words.collect::<Vec<_>>().join(" "));
-            }
+        if let ([(place, Which::One)], true) = (&about[..], speaks_of_robot(then) && after.holds)
+            && answers.kind[*place].stays
+        {
+            let name = &answers.kind[*place].name;
+            let words = after.pieces.iter().map(|piece| match piece {
+                Piece::Word(word) => word.clone(),
+                Piece::Kind(..) | Piece::Thing(..) => format!("any {name}"),
+            });
+            removed.push(words.collect::<Vec<_>>().join(" "));
         }
         for need in &action.needs {
             let before = reader.sentence(need);

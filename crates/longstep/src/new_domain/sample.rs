@@ -133,7 +133,7 @@ fn sample(world: &World, facts: Vec<GoalFact>, place: usize) -> Option<Sample> {
     let named = entities(&goal);
     let mut names = named.iter().map(|id| world.entity(*id).name.as_str());
     // The last step of a shortest plan achieves the goal; its sentence is how the author says it.
-    let instruction = if names.all(|name| last.contains(name)) && place % 2 == 0 {
+    let instruction = if names.all(|name| last.contains(name)) && place.is_multiple_of(2) {
         format!("{}.", capitalized(&last))
     } else {
         let sentence = goal.sentences(world).join(", ");
