@@ -41,6 +41,18 @@ impl Cursor {
     }
 }
 
+impl Rest {
+    /// Returns the rest without its first nodes; in a sequence each node is a step.
+    pub fn without_first(&self, nodes: usize) -> Option<Self> {
+        let mut numbering = Numbering(Vec::new());
+        let body = numbering.nodes(self.plan.body().get(nodes..)?);
+        let own = numbering.0;
+        let plan = Plan::tree(own.iter().map(|step| self.plan.step(*step).clone()).collect(), body)?;
+        let steps = own.iter().map(|step| self.steps[step.index()]).collect();
+        Some(Self { plan, steps })
+    }
+}
+
 /// Collects the nodes from the next step on; their steps keep their numbers.
 struct Behind<'a> {
     cursor: &'a Cursor,

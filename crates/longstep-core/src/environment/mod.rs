@@ -19,7 +19,7 @@ pub use crate::model::{
     subject_of,
 };
 pub use claim::Claim;
-pub use observation::{FACTS, Observation, ObservationError, Statements};
+pub use observation::{Observation, ObservationError, Statements};
 pub use origin::Origin;
 pub use read::{parse, read};
 pub use write::{fact_of, write};

@@ -2,6 +2,7 @@
 
 use indexmap::IndexMap;
 use rustc_hash::FxHashSet;
+use serde::{Deserialize, Serialize};
 
 use super::statement::{Statement, fact_alone, is_stated, number_of, statement};
 use super::{EntityId, Fact, Fluent, Number, State, Words, World, fact_of};
@@ -10,12 +11,17 @@ use crate::model::{
     Atom, Bindings, Condition, PredicateId, Rule, RuleTime, broken_bindings, entries_of, entry_of_number, ground,
 };
 
-/// The statements of an observation as a robot writes them: by identifier, as in an environment file. The key
-/// [`FACTS`] has the statements without a subject.
-pub type Statements = IndexMap<String, Words>;
-
-/// The key of the statements without a subject.
-pub const FACTS: &str = "facts";
+/// The statements of an observation as a robot writes them.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statements {
+    /// The states of each entity that was seen, by identifier, as in an environment file.
+    #[serde(default)]
+    pub states: IndexMap<String, Words>,
+    /// The statements without a subject; none if they were not observed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub facts: Option<Vec<String>>,
+}
 
 /// Maximum number of statements in an observation; a world has at most 60,000 entities.
 const MOST: usize = 200_000;
@@ -24,14 +30,14 @@ const MOST: usize = 200_000;
 ///
 /// An entity that is listed is described fully: a state that is not stated of it does not hold. An entity that is not
 /// listed was not seen, and nothing is known about it. Predicates without a state word, such as the position of a hand,
-/// are observed only by robots that report them: then [`FACTS`] lists all their facts.
+/// are observed only by robots that report them: then [`Statements::facts`] lists all their facts.
 ///
 /// ```
 /// use longstep_core::{domain, environment::{self, Observation, Statements}};
 /// let household = domain::shipped("household").unwrap().unwrap();
 /// let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
 /// let world = environment::parse(&household, "env.json", text).unwrap();
-/// let seen: Statements = serde_json::from_str(r#"{"<cup>": "on_something(<shelf>)"}"#).unwrap();
+/// let seen: Statements = serde_json::from_str(r#"{"states": {"<cup>": "on_something(<shelf>)"}}"#).unwrap();
 /// let seen = Observation::read(&world, &[], &seen).unwrap();
 /// let state = seen.revised(&world, &world.state);
 /// let cup = world.find("<cup>").unwrap();
@@ -60,7 +66,7 @@ pub enum ObservationError {
         "the observation of `{subject}` has `{text}`, which is no state of this domain with entities of this environment"
     )]
     Unreadable {
-        /// The subject, or [`FACTS`].
+        /// The subject, or `facts`.
         subject: String,
         /// The statement.
         text: String,
@@ -71,35 +77,35 @@ pub enum ObservationError {
 }
 
 impl Observation {
-    /// Reads the statements of a robot that reports these predicates in [`FACTS`], besides the states of entities.
+    /// Reads the statements of a robot that reports these predicates in [`Statements::facts`], besides the states of entities.
     ///
     /// # Errors
     ///
     /// The first statement that cannot be read. Subjects that the world does not have are no error: a camera may see
     /// more than the environment lists.
     pub fn read(world: &World, reports: &[PredicateId], statements: &Statements) -> Result<Self, ObservationError> {
-        if statements.values().map(|words| words.as_slice().len()).sum::<usize>() > MOST {
+        let texts = statements.states.values().map(|words| words.as_slice().len());
+        if texts.sum::<usize>() + statements.facts.as_ref().map_or(0, Vec::len) > MOST {
             return Err(ObservationError::TooMany);
         }
+        let unreadable = |subject: &str, text: &str| ObservationError::Unreadable {
+            subject: subject.chars().take(80).collect(),
+            text: text.chars().take(80).collect(),
+        };
         let mut observation = Self::default();
-        for (identifier, words) in statements {
-            let unreadable = |text: &String| ObservationError::Unreadable {
-                subject: identifier.chars().take(80).collect(),
-                text: text.chars().take(80).collect(),
-            };
-            if identifier == FACTS {
-                observation.lists_facts = true;
-                observation.complete = reports.to_vec();
-                for text in words.as_slice() {
-                    match alone(world, reports, text).ok_or_else(|| unreadable(text))? {
-                        Statement::Fact(fact) => {
-                            observation.facts.insert(fact);
-                        }
-                        Statement::Number(fluent, number) => observation.numbers.push((fluent, number)),
+        if let Some(facts) = &statements.facts {
+            observation.lists_facts = true;
+            observation.complete = reports.to_vec();
+            for text in facts {
+                match alone(world, reports, text).ok_or_else(|| unreadable("facts", text))? {
+                    Statement::Fact(fact) => {
+                        observation.facts.insert(fact);
                     }
+                    Statement::Number(fluent, number) => observation.numbers.push((fluent, number)),
                 }
-                continue;
             }
+        }
+        for (identifier, words) in &statements.states {
             let Some(subject) = world.find(identifier) else {
                 observation.unknown.push(identifier.clone());
                 continue;
@@ -111,7 +117,7 @@ impl Observation {
                 } else if let Some(fact) = fact_of(world, subject, text) {
                     observation.facts.insert(fact);
                 } else {
-                    return Err(unreadable(text));
+                    return Err(unreadable(identifier, text));
                 }
             }
         }
@@ -154,14 +160,13 @@ impl Observation {
             };
             alone.push(call.to_string());
         }
-        let mut statements: Statements = by_entity
+        let states = by_entity
             .into_iter()
-            .map(|(entity, texts)| (world.entity(entity).identifier.clone(), Words::Many(texts)))
-            .collect();
-        if !alone.is_empty() || !reports.is_empty() {
-            statements.insert(FACTS.to_owned(), Words::Many(alone));
+            .map(|(entity, texts)| (world.entity(entity).identifier.clone(), Words::Many(texts)));
+        Statements {
+            states: states.collect(),
+            facts: (!alone.is_empty() || !reports.is_empty()).then_some(alone),
         }
-        statements
     }
 
     /// Returns true if the observation decides whether the fact holds.
@@ -335,10 +340,10 @@ mod tests {
         let everything: Vec<EntityId> = world.entities().map(|(id, _)| id).collect();
         for (seen, expected) in [
             ("{}", vec![]),
-            (r#"{"<cup>": "on_something(<table>)"}"#, vec![]),
-            (r#"{"<cup>": []}"#, vec!["-<cup> on_something(<table>)"]),
+            (r#"{"states": {"<cup>": "on_something(<table>)"}}"#, vec![]),
+            (r#"{"states": {"<cup>": []}}"#, vec!["-<cup> on_something(<table>)"]),
             (
-                r#"{"<cup>": "on_something(<shelf>)", "<shelf_handle>": "open()", "<stranger>": "closed()"}"#,
+                r#"{"states": {"<cup>": "on_something(<shelf>)", "<shelf_handle>": "open()", "<stranger>": "closed()"}}"#,
                 vec![
                     "-<cup> on_something(<table>)",
                     "+<cup> on_something(<shelf>)",
@@ -352,16 +357,11 @@ mod tests {
             let state = seen.revised(&world, &world.state);
             let texts = |state: &State| {
                 let own = Observation::statements(&world, state, &everything, &reported(&world));
-                let own = own.into_iter().flat_map(|(subject, words)| {
-                    let subject = if subject == FACTS {
-                        String::new()
-                    } else {
-                        format!("{subject} ")
-                    };
-                    let words = words.as_slice().to_vec();
-                    words.into_iter().map(move |word| format!("{subject}{word}"))
-                });
-                own.collect::<Vec<String>>()
+                let mut texts = own.facts.unwrap_or_default();
+                for (subject, words) in &own.states {
+                    texts.extend(words.as_slice().iter().map(|word| format!("{subject} {word}")));
+                }
+                texts
             };
             let (before, after) = (texts(&world.state), texts(&state));
             let mut changes: Vec<String> = Vec::new();
@@ -391,7 +391,7 @@ mod tests {
         let held = fact_of(&world, cup, "inside_hand()").unwrap();
         let mut believed = world.state.clone();
         believed.set(held, true);
-        let pen = statements(r#"{"<pen>": "inside_hand()"}"#);
+        let pen = statements(r#"{"states": {"<pen>": "inside_hand()"}}"#);
         let pen = Observation::read(&world, &[], &pen).unwrap();
         assert!(!pen.revised(&world, &believed).holds(held), "one hand cannot hold both");
     }
@@ -400,9 +400,9 @@ mod tests {
     fn statements_that_mean_nothing_are_errors() {
         let world = world();
         for text in [
-            r#"{"<cup>": "flying()"}"#,
-            r#"{"<cup>": "on_something(<moon>)"}"#,
-            r#"{"<cup>": ["on_something(<table>)", ""]}"#,
+            r#"{"states": {"<cup>": "flying()"}}"#,
+            r#"{"states": {"<cup>": "on_something(<moon>)"}}"#,
+            r#"{"states": {"<cup>": ["on_something(<table>)", ""]}}"#,
             r#"{"facts": ["on(<cup>, <table>)"]}"#,
             r#"{"facts": ["hand-at(<cup>, <cup>)"]}"#,
         ] {
