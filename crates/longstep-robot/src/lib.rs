@@ -10,6 +10,7 @@
 //! - [`Order`]: one step as a robot receives it. [`Progress`]: the state of a step that was started.
 //! - [`Observation`]: what a robot saw, in the words of an environment file.
 //! - [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
+//! - [`process::Process`]: a robot behind another program, in any language.
 //!
 //! Usage:
 //!
@@ -23,6 +24,9 @@ mod description;
 mod error;
 mod observation;
 mod order;
+/// Process groups and pipes that do not block are those of Unix.
+#[cfg(unix)]
+pub mod process;
 mod robot;
 
 pub use description::{Description, Timeouts};

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 
 /// An order to perform one step.
 ///
-/// The JSON form is the one that robots behind [`process`](crate) receive; empty fields are omitted.
+/// Its JSON form is the one that programs receive; empty fields are omitted.
 ///
 /// ```
 /// use longstep_robot::Order;
