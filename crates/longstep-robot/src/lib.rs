@@ -9,6 +9,7 @@
 //! - [`Robot`]: the interface of every robot. No method but [`Robot::observe`] and [`Robot::stop`] waits for the robot.
 //! - [`Order`]: one step as a robot receives it. [`Progress`]: the state of a step that was started.
 //! - [`Observation`]: what a robot saw, in the words of an environment file.
+//! - [`drive`]: runs an execution on a robot. [`Sim`]: a simulated robot with seeded mishaps. [`RunLog`]: the log of a run.
 //! - [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language.
 //!
@@ -21,6 +22,7 @@
 //! 5. After an error that [`RobotError::is_final`], the robot is stopped already and accepts nothing more.
 
 mod description;
+mod drive;
 mod error;
 mod observation;
 mod order;
@@ -28,9 +30,14 @@ mod order;
 #[cfg(unix)]
 pub mod process;
 mod robot;
+mod run_log;
+mod sim;
 
 pub use description::{Description, Timeouts};
+pub use drive::{StopRequest, Watcher, drive, order_of, reports};
 pub use error::RobotError;
 pub use observation::{Observation, Scope};
 pub use order::{ArgumentValue, Order};
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
+pub use run_log::{RunHeader, RunLog, RunLogError};
+pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};

@@ -1,7 +1,7 @@
 //! What a robot sees.
 
 use indexmap::IndexMap;
-use longstep_core::environment::Words;
+use longstep_core::environment::{Statements, Words};
 use serde::{Deserialize, Serialize};
 
 /// The entities that an observation is to cover.
@@ -43,5 +43,23 @@ impl Observation {
     /// Returns the statements about an entity; none if it was not seen.
     pub fn statements(&self, entity: &str) -> Option<&[String]> {
         self.states.get(entity).map(Words::as_slice)
+    }
+}
+
+impl From<Statements> for Observation {
+    fn from(statements: Statements) -> Self {
+        Self {
+            states: statements.states,
+            facts: statements.facts,
+        }
+    }
+}
+
+impl From<Observation> for Statements {
+    fn from(observation: Observation) -> Self {
+        Self {
+            states: observation.states,
+            facts: observation.facts,
+        }
     }
 }

@@ -119,6 +119,12 @@ pub trait Robot: Send {
     /// [`Robot::stop`] afterwards for that.
     fn stop_switch(&self) -> StopSwitch;
 
+    /// Returns the predicates without a state word whose facts the robot lists in [`Observation::facts`], all of them each
+    /// time, by their names in `domain.pddl`: where its hand is, for example. Most robots report none.
+    fn reports(&self) -> &[String] {
+        &[]
+    }
+
     /// Waits until a poll may have something new, at most `limit` long. May return early.
     fn wait(&mut self, limit: Duration) {
         std::thread::sleep(limit.min(PAUSE));

@@ -153,7 +153,7 @@ fn execution(world: &World, goal: &str, watch: Watch) -> Execution {
 fn assessments(log: &[Event]) -> Vec<String> {
     let told = log.iter().filter_map(|event| match event {
         Event::Assessed { effect, .. } => Some(effect.clone()),
-        Event::Changed { kind, edits, .. } => Some(format!("{kind:?} {}", edits.len())),
+        Event::Changed { kind, .. } => Some(format!("{kind:?}")),
         _ => None,
     });
     told.collect()
@@ -174,8 +174,8 @@ fn a_difference_is_sorted_and_mended() {
         (vec![(2, Mishap::NoEffect)], vec!["undone"], 7),
         (vec![(5, Mishap::NoEffect)], vec!["undone"], 7),
         (vec![(1, Mishap::Then(&there[..]))], vec!["helpful"], 1),
-        (vec![(4, Mishap::Then(&fell[..]))], vec!["harmful", "Repaired 3"], 10),
-        (vec![(1, Mishap::Then(&away[..]))], vec!["harmful", "Repaired 11"], 16),
+        (vec![(4, Mishap::Then(&fell[..]))], vec!["harmful", "Repaired"], 10),
+        (vec![(1, Mishap::Then(&away[..]))], vec!["harmful", "Repaired"], 16),
     ] {
         for watch in [Watch::EachStep, Watch::OnFailure] {
             let mut execution = execution(&world, "put(cup, shelf)", watch);
@@ -388,10 +388,14 @@ fn a_step_that_no_observation_shows_is_asked_about() {
         again.observed(&seen).unwrap();
         let Need::Judge(order) = again.next() else { panic!() };
         again.judged(order.number, done).unwrap();
-        if let Need::Observe = again.next() {
-            again.observed(&seen).unwrap();
-        }
-        let Need::Perform(order) = again.next() else { panic!() };
+        let need = match again.next() {
+            Need::Observe => {
+                again.observed(&seen).unwrap();
+                again.next()
+            }
+            need => need,
+        };
+        let Need::Perform(order) = need else { panic!("{need:?}") };
         assert_eq!((order.written(&world).as_str(), order.number), (next, 2));
     }
 }
