@@ -9,6 +9,7 @@ use super::{EntityId, Fact, Fluent, Number, State, Words, World, fact_of};
 use crate::call::Call;
 use crate::model::{
     Atom, Bindings, Condition, PredicateId, Rule, RuleTime, broken_bindings, entries_of, entry_of_number, ground,
+    state_word, subject_of,
 };
 
 /// The statements of an observation as a robot writes them.
@@ -207,8 +208,11 @@ impl Observation {
             .iter()
             .filter(|fact| !self.facts.contains(fact) && !masked.contains(fact) && self.decides(world, *fact))
             .collect();
-        for fact in gone {
-            changed |= state.set(fact, false);
+        for fact in &gone {
+            changed |= state.set(*fact, false);
+        }
+        for fact in self.unseen(world, believed, &gone, masked) {
+            state.set(fact, false);
         }
         let is_fluent = |fact: &&Fact| domain.words(fact.predicate()).fluent && !masked.contains(*fact);
         for fact in self.facts.iter().filter(is_fluent) {
@@ -226,6 +230,33 @@ impl Observation {
             self.settle(world, &mut state);
         }
         state
+    }
+
+    /// Returns the facts without a state word about entities that are not where, or as, they were believed to be: the cup
+    /// that lies on the table is not lifted, and the hand is not at it any more.
+    fn unseen(&self, world: &World, believed: &State, gone: &[Fact], masked: &FxHashSet<Fact>) -> Vec<Fact> {
+        let domain = world.domain();
+        let mut moved: Vec<EntityId> = gone
+            .iter()
+            .filter(|fact| state_word(domain, fact.predicate()).is_some())
+            .map(|fact| subject_of(domain, *fact))
+            .collect();
+        moved.sort_unstable();
+        moved.dedup();
+        if moved.is_empty() {
+            return Vec::new();
+        }
+        let is_unseen = |fact: &Fact| {
+            let words = domain.words(fact.predicate());
+            words.fluent
+                && !words.event
+                && state_word(domain, fact.predicate()).is_none()
+                && !domain.is_sensed(fact.predicate())
+                && !masked.contains(fact)
+                && !self.decides(world, *fact)
+                && domain.arguments(*fact).any(|own| moved.binary_search(&own).is_ok())
+        };
+        believed.iter().filter(is_unseen).collect()
     }
 
     /// Removes facts that were not observed and that contradict, by a rule of the environment, what was.
@@ -394,6 +425,38 @@ mod tests {
         let pen = statements(r#"{"states": {"<pen>": "inside_hand()"}}"#);
         let pen = Observation::read(&world, &[], &pen).unwrap();
         assert!(!pen.revised(&world, &believed).holds(held), "one hand cannot hold both");
+    }
+
+    #[test]
+    fn what_fell_is_not_lifted_any_more() {
+        let world = world();
+        let cup = world.find("<cup>").unwrap();
+        let reported = reported(&world);
+        let hidden = Statements {
+            facts: Some(vec!["lifted(<cup>)".to_owned(), "hand-at(<shelf>)".to_owned()]),
+            ..Statements::default()
+        };
+        let carried = statements(r#"{"states": {"<cup>": "inside_hand()"}}"#);
+        let carried = Statements {
+            facts: hidden.facts,
+            ..carried
+        };
+        let carried = Observation::read(&world, &reported, &carried).unwrap();
+        let believed = carried.revised(&world, &world.state);
+        let fallen = statements(r#"{"states": {"<cup>": "on_something(<table>)"}}"#);
+        let fallen = Observation::read(&world, &[], &fallen)
+            .unwrap()
+            .revised(&world, &believed);
+        let left: Vec<Fact> = reported
+            .iter()
+            .flat_map(|id| fallen.of_predicate(*id))
+            .copied()
+            .collect();
+        assert!(
+            left.iter().all(|fact| fact.argument(0) != cup),
+            "the cup is still lifted"
+        );
+        assert_eq!(left.len(), 1, "the hand is where it was");
     }
 
     #[test]
