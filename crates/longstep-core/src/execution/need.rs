@@ -121,10 +121,16 @@ impl Stop {
     pub fn sentence(&self, world: &World) -> String {
         match self {
             Self::Requested(why) => why.clone(),
-            Self::Refused => "the change was not approved".to_owned(),
+            Self::Refused => "a person did not approve it".to_owned(),
             Self::NoPlan { why, failed } => {
                 let mut reasons = failed.clone();
-                reasons.extend(why.prohibitions.iter().map(|own| format!("`{own}` prevents a plan")));
+                // A step that cannot be done is among the prohibitions too.
+                let is_new = |own: &&String| {
+                    let call = own.strip_prefix("never ").unwrap_or(own);
+                    !failed.iter().any(|failed| failed.contains(call))
+                };
+                let prohibitions = why.prohibitions.iter().filter(is_new);
+                reasons.extend(prohibitions.map(|own| format!("`{own}` prevents a plan")));
                 let missing = why.missing.map(|(fact, holds)| fact_text(world, fact, holds));
                 reasons
                     .extend(missing.map(|text| format!("it would need that {text}, and no action can make that so")));
