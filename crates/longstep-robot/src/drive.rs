@@ -53,8 +53,9 @@ impl StopRequest {
 
     /// Stops the robot before anything else, then the run.
     pub fn stop(&self) {
-        self.switch.press();
+        // The flag first, which takes no time: an error of the robot that the switch causes is known to follow from it.
         self.requested.store(true, Ordering::SeqCst);
+        self.switch.press();
     }
 
     /// Returns true after a request.

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use longstep_core::environment::World;
-use longstep_robot::{Robot, RobotError, Sim, SimOptions};
+use longstep_robot::{Robot, RobotError, Sim, SimOptions, SimOptionsError};
 
 use crate::exit_code::ROBOT;
 use crate::failure::Failure;
@@ -12,9 +12,9 @@ pub(super) fn open(named: &str, world: &World) -> Result<Box<dyn Robot>> {
     let (kind, rest) = named.split_once(':').unwrap_or((named, ""));
     match kind {
         "sim" => {
-            let options: SimOptions = rest
-                .parse()
-                .map_err(|error: longstep_robot::SimOptionsError| Failure::unreadable(error.to_string()))?;
+            let options: SimOptions = rest.parse().map_err(|error: SimOptionsError| {
+                Failure::unreadable(error.to_string()).hint("for example `--robot sim:faults=2,seed=7`")
+            })?;
             Ok(Box::new(
                 Sim::new(world.clone(), &options).map_err(|error| failure(&error))?,
             ))
