@@ -52,7 +52,9 @@ impl Execution {
         let draft = self.draft();
         let steps = draft.steps().iter().map(ground).collect();
         let situation = (here.state.clone(), steps, self.forbidden.len());
-        if self.visited.contains(&situation) {
+        // What did not help once may have met a second mishap: a new plan is tried then, and nothing after that.
+        let before = self.visited.iter().filter(|own| **own == situation).count();
+        if before >= 2 {
             return self.end(Stop::Repeated);
         }
         if self.changes >= self.settings.changes {
@@ -65,7 +67,7 @@ impl Execution {
             });
         }
         self.visited.push(situation);
-        let attempt = self.attempt(here, purpose, &draft, because.clone());
+        let attempt = self.attempt(here, purpose, (&draft, before > 0), because.clone());
         if let Attempt::Found(change) = &attempt
             && self.forbid_untaught(&change.plan)
         {
@@ -104,7 +106,14 @@ impl Execution {
         found
     }
 
-    fn attempt(&self, here: &World, purpose: &Purpose, draft: &Plan, because: Vec<Difference>) -> Attempt {
+    /// Looks for a change by repair of the draft, unless that was tried before, then by search.
+    fn attempt(
+        &self,
+        here: &World,
+        purpose: &Purpose,
+        (draft, tried): (&Plan, bool),
+        because: Vec<Difference>,
+    ) -> Attempt {
         let resolved = resolved(here, draft);
         let steps = resolved.steps.len();
         let change = |kind, plan, edits| {
@@ -116,7 +125,7 @@ impl Execution {
                 because: because.clone(),
             }))
         };
-        if steps > 0 {
+        if steps > 0 && !tried {
             match repair(here, &resolved, purpose) {
                 RepairOutcome::Valid(plan) => return change(ChangeKind::Repaired, plan, Vec::new()),
                 RepairOutcome::Repaired(repaired) => {

@@ -5,7 +5,7 @@ use crate::domain::words::{ActionEntry, SkillEntry};
 use crate::model::{SkillParameter, SkillSource, SkillType};
 
 /// The number of times that a failed step is tried again if the domain does not say so.
-const RETRIES: u32 = 1;
+const RETRIES: u32 = 2;
 /// The most retries that a domain may allow.
 const MOST: u32 = 100;
 /// The origins of values, as `from` writes them.
