@@ -122,7 +122,7 @@ impl Driver<'_> {
                     Err(_) => "stopped at a request; the robot did not confirm it",
                 });
             }
-            let need = self.execution.next();
+            let need = self.execution.next_need();
             if !self.record() {
                 continue;
             }

@@ -22,6 +22,7 @@ pub type PlanText = Value;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 #[non_exhaustive]
+#[expect(clippy::large_enum_variant, reason = "events are written one by one and not kept")]
 pub enum Event {
     /// The execution began: everything that is needed to take it up again.
     Began {

@@ -1,6 +1,6 @@
 //! Execution: a verified plan that a robot carries out, monitored and mended.
 //!
-//! An [`Execution`] never waits and calls no robot. [`Execution::next`] says what it needs ([`Need`]), and it is given
+//! An [`Execution`] never waits and calls no robot. [`Execution::next_need`] says what it needs ([`Need`]), and it is given
 //! that: the end of a step, an observation, a decision of a person. Every event goes to a log ([`Event`]) that is
 //! written before the need is met, so that an execution can be taken up again after a crash ([`Execution::resume`]).
 //!
@@ -145,7 +145,7 @@ pub enum ExecutionError {
 /// let mut real = world.state.clone();
 /// let everything: Vec<_> = world.entities().map(|(entity, _)| entity).collect();
 /// loop {
-///     match execution.next() {
+///     match execution.next_need() {
 ///         Need::Perform(order) => {
 ///             apply(&world, &mut real, household.action(order.action), &order.arguments);
 ///             execution.performed(order.number, None).unwrap();
@@ -314,7 +314,7 @@ impl Execution {
 
     /// Returns what the execution needs. Steps of several lanes are ordered by several calls; [`Need::Wait`] follows
     /// them.
-    pub fn next(&mut self) -> Need {
+    pub fn next_need(&mut self) -> Need {
         loop {
             match &self.phase {
                 Phase::Active => {}

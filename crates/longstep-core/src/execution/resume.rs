@@ -103,7 +103,7 @@ impl Execution {
         }
         match event {
             Event::Approved | Event::Refused => {
-                self.next();
+                self.next_need();
                 let decided = match event {
                     Event::Approved => self.approve(),
                     _ => self.refuse(),
@@ -123,7 +123,7 @@ impl Execution {
             Event::Failed { order, why } => self.failed(*order, why).map_err(wrong)?,
             Event::Observed { statements } => {
                 if !self.due && self.running.is_empty() && self.cursor.is_finished() {
-                    self.next();
+                    self.next_need();
                 }
                 self.observed(statements).map_err(wrong)?;
             }
@@ -138,7 +138,7 @@ impl Execution {
                 None => self.stop(why),
             },
             _ => {
-                self.next();
+                self.next_need();
             }
         }
         repeated.append(&mut self.events);

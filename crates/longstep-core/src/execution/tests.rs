@@ -107,7 +107,7 @@ impl Real<'_> {
     /// Runs to the end.
     fn run(&mut self, execution: &mut Execution) -> Need {
         for _ in 0..500 {
-            let need = execution.next();
+            let need = execution.next_need();
             self.log.extend(execution.take_events());
             let world = execution.world().clone();
             match need {
@@ -255,18 +255,18 @@ fn nothing_that_was_not_approved_is_performed() {
     let plan = plan(&world, "put(cup, shelf)");
     let begin = |approval| Execution::new(&plan, &aim, settings(approval)).unwrap();
     let mut refused = begin(Approval::Changes);
-    assert!(matches!(refused.next(), Need::Approve(Proposal::Plan)));
+    assert!(matches!(refused.next_need(), Need::Approve(Proposal::Plan)));
     refused.refuse().unwrap();
-    assert!(matches!(refused.next(), Need::Stopped(Stop::Refused)));
+    assert!(matches!(refused.next_need(), Need::Stopped(Stop::Refused)));
     // A change is refused.
     let mut own = begin(Approval::Changes);
-    own.next();
+    own.next_need();
     own.approve().unwrap();
     let away = ["-<cup> on_something(<table>)", "+<cup> inside_something(<fridge>)"];
     let mishaps = [(1, Mishap::Then(&away))];
     let mut real = Real::of(&own, &mishaps);
     loop {
-        match own.next() {
+        match own.next_need() {
             Need::Perform(order) => {
                 real.perform(&world, &order);
                 own.performed(order.number, None).unwrap();
@@ -281,16 +281,16 @@ fn nothing_that_was_not_approved_is_performed() {
     }
     assert_eq!(real.calls.len(), 1);
     assert!(
-        matches!(own.next(), Need::Approve(Proposal::Change(_))),
+        matches!(own.next_need(), Need::Approve(Proposal::Change(_))),
         "it is asked again"
     );
     own.refuse().unwrap();
-    assert!(matches!(own.next(), Need::Stopped(Stop::Refused)));
+    assert!(matches!(own.next_need(), Need::Stopped(Stop::Refused)));
     // Every step is asked about.
     let mut own = begin(Approval::EachStep);
     let (mut steps, mut real) = (0, Real::of(&own, &[]));
     loop {
-        match own.next() {
+        match own.next_need() {
             Need::Approve(Proposal::Step(_)) => {
                 steps += 1;
                 own.approve().unwrap();
@@ -312,13 +312,15 @@ fn nothing_that_was_not_approved_is_performed() {
 fn nothing_is_ordered_after_a_stop() {
     let world = kitchen();
     let mut own = execution(&world, "put(cup, shelf)", Watch::EachStep);
-    own.next();
+    own.next_need();
     own.observed(&Real::of(&own, &[]).observation(&world, &reports(&world)))
         .unwrap();
-    let Need::Perform(order) = own.next() else { panic!() };
+    let Need::Perform(order) = own.next_need() else {
+        panic!()
+    };
     own.take_events();
     own.stop("Ctrl-C");
-    assert!(matches!(own.next(), Need::Stopped(Stop::Requested(_))));
+    assert!(matches!(own.next_need(), Need::Stopped(Stop::Requested(_))));
     assert_eq!(own.performed(order.number, None), Err(ExecutionError::Ended));
     let events = own.take_events();
     assert!(matches!(&events[..], [Event::Stopped { under_way, .. }] if *under_way == [1]));
@@ -348,7 +350,7 @@ fn after_a_crash_an_unknown_step_is_observed_or_asked_about() {
                 apply(&world, &mut state, household.action(order.action), &order.arguments);
             }
             let mut again = Execution::resume(&household, &log[..length]).unwrap();
-            assert!(matches!(again.next(), Need::Observe), "{length}");
+            assert!(matches!(again.next_need(), Need::Observe), "{length}");
             let mut real = Real::of(&again, &[]);
             real.state = state;
             let end = real.run(&mut again);
@@ -380,21 +382,25 @@ fn a_step_that_no_observation_shows_is_asked_about() {
     let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, settings).unwrap();
     let real = Real::of(&own, &[]);
     let seen = real.observation(&world, &[]);
-    own.next();
+    own.next_need();
     own.observed(&seen).unwrap();
-    let Need::Perform(order) = own.next() else { panic!() };
+    let Need::Perform(order) = own.next_need() else {
+        panic!()
+    };
     assert_eq!(order.written(&world), "move-hand(<cup>)");
     let log = own.take_events();
     for (done, next) in [(true, "grasp(<cup>)"), (false, "move-hand(<cup>)")] {
         let mut again = Execution::resume(&household(), &log).unwrap();
-        assert!(matches!(again.next(), Need::Observe));
+        assert!(matches!(again.next_need(), Need::Observe));
         again.observed(&seen).unwrap();
-        let Need::Judge(order) = again.next() else { panic!() };
+        let Need::Judge(order) = again.next_need() else {
+            panic!()
+        };
         again.judged(order.number, done).unwrap();
-        let need = match again.next() {
+        let need = match again.next_need() {
             Need::Observe => {
                 again.observed(&seen).unwrap();
-                again.next()
+                again.next_need()
             }
             need => need,
         };

@@ -279,7 +279,7 @@ pub fn costs(case: &Case) -> Vec<Duration> {
     let (mut costs, mut spent) = (Vec::new(), Duration::ZERO);
     loop {
         let begun = Instant::now();
-        let need = execution.next();
+        let need = execution.next_need();
         let events = execution.take_events();
         spent += begun.elapsed();
         drop(events);
