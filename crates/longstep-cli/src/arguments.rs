@@ -12,7 +12,8 @@ use longstep::session::{RepairPolicy, Settings, Strategy};
 #[command(name = "longstep", version, arg_required_else_help = true, max_term_width = 80)]
 #[command(
     after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up, \
-13 clarifying question, 20 limit reached, 30 unreadable input, 40 model or network failed, 50 output not written."
+13 clarifying question, 20 limit reached, 30 unreadable input, 40 model or network failed, 50 run stopped, \
+51 robot failed, 60 output not written."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -32,6 +33,8 @@ pub(crate) enum Command {
     Verify(VerifyArguments),
     /// Make a plan valid with the cheapest edits
     Repair(RepairArguments),
+    /// Carry out a plan on a robot: monitor each step, and mend the plan when the world changes
+    Run(RunArguments),
     /// Print a verified plan in another format
     Export(ExportArguments),
     /// Find a shortest plan for a goal, without a language model
@@ -399,6 +402,78 @@ pub(crate) struct RepairArguments {
     /// Print one JSON object; plan, verify, repair, solve and compose share its schema
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A plan or an instruction, and the robot that carries it out.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("run").required(true).args(["what", "resume"])))]
+pub(crate) struct RunArguments {
+    /// Plan file, or an instruction in plain English (needs --env)
+    #[arg(value_name = "PLAN.json|INSTRUCTION")]
+    pub(crate) what: Option<String>,
+    /// Log of an interrupted run to resume: a step that was under way is observed, or you are asked
+    #[arg(long, value_name = "RUN.jsonl", conflicts_with_all = ["env", "goal", "rules", "skills", "log"])]
+    pub(crate) resume: Option<PathBuf>,
+    /// Robot: sim, sim:OPTION=VALUE,... or process:COMMAND [default with --resume: the robot of the run]
+    #[arg(long, value_name = "ROBOT")]
+    pub(crate) robot: Option<String>,
+    /// Environment file (the world before the plan) [default: the plan's own `environment_before`]
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: Option<PathBuf>,
+    /// Domain (the robot's actions): the name of a shipped domain, or a folder
+    #[arg(long, value_name = "DOMAIN", default_value = "household")]
+    pub(crate) domain: String,
+    /// File of rules that bind every plan, one a line: never opened(fridge)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) rules: Option<PathBuf>,
+    /// Goal of the plan file, which changes of the plan pursue [default: what the plan itself brings about]
+    #[arg(long, value_name = "GOAL")]
+    pub(crate) goal: Option<String>,
+    /// When to ask you: never, before the plan and each change of it, or also before each step
+    #[arg(long, value_enum, default_value_t = ApprovalArgument::Changes)]
+    pub(crate) approve: ApprovalArgument,
+    /// When to observe the world; in any case before the end
+    #[arg(long, value_enum, default_value_t = ObserveArgument::EachStep)]
+    pub(crate) observe: ObserveArgument,
+    /// Number of changes of the plan after which the run stops
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub(crate) changes: u32,
+    /// Values of skill parameters, by action and arguments
+    #[arg(long, value_name = "SKILLS.json")]
+    pub(crate) skills: Option<PathBuf>,
+    /// New file for the log of the run [default: a file beside the sessions]
+    #[arg(long, value_name = "RUN.jsonl")]
+    pub(crate) log: Option<PathBuf>,
+    /// Also save the environment after the run to a file
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) save_after: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    #[command(flatten)]
+    pub(crate) strategy: StrategyArguments,
+    /// Print the events as JSON, one a line
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// When a person is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ApprovalArgument {
+    /// Never
+    Never,
+    /// Before the first step, and before each change of the plan
+    Changes,
+    /// Also before each step
+    EachStep,
+}
+
+/// When the world is observed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ObserveArgument {
+    /// Before the first step and after each step
+    EachStep,
+    /// After a failed step
+    OnFailure,
 }
 
 #[derive(Debug, Args)]

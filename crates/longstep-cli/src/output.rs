@@ -20,7 +20,7 @@ pub(crate) use clap_error::parsed;
 pub(crate) use styled::{Line, Style};
 
 /// The exit code when stdout could not be written.
-pub(crate) const NOT_WRITTEN: u8 = 50;
+pub(crate) const NOT_WRITTEN: u8 = 60;
 
 /// Prints one line to stdout.
 macro_rules! print_line {

@@ -107,7 +107,7 @@ pub(crate) fn checked_instruction(text: &str) -> Result<&str> {
 }
 
 /// The answer in place of a plan.
-fn unhappy(failure: &NoPlan) -> Result<Answer> {
+pub(crate) fn unhappy(failure: &NoPlan) -> Result<Answer> {
     if let Some(answer) = failure.answer() {
         return Ok(answer.clone());
     }

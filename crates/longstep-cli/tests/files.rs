@@ -133,7 +133,7 @@ fn a_full_disk_under_stdout_is_an_error_and_no_panic() {
             .output()
             .unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(50), "{arguments:?}\n{stderr}");
+        assert_eq!(output.status.code(), Some(60), "{arguments:?}\n{stderr}");
         let said = "error: cannot write to standard output: no space left on device\n";
         assert!(
             stderr.contains(said) && !stderr.contains("panicked"),
@@ -174,7 +174,7 @@ fn a_reader_that_goes_away_ends_the_program_quietly() {
             .output()
             .unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(50), "{arguments:?}\n{stderr}");
+        assert_eq!(output.status.code(), Some(60), "{arguments:?}\n{stderr}");
         let ours = stderr
             .lines()
             .filter(|line| !line.starts_with("Report: ") && !line.starts_with("Resuming after"));
@@ -199,7 +199,7 @@ fn nothing_is_accepted_that_could_not_be_shown() {
         .take()
         .unwrap()
         .write_all(b"Put the cereal on the counter\n\nPut the cereal on the counter\n\n");
-    assert_eq!(child.wait().unwrap().code(), Some(50));
+    assert_eq!(child.wait().unwrap().code(), Some(60));
     let log = std::fs::read_to_string(home.path().join("state/longstep/sessions/pantry-1/session.jsonl")).unwrap();
     assert!(
         log.contains("\"instruction\"") && !log.contains("\"accept\",\"number\""),

@@ -12,6 +12,7 @@
 //! - [`goal`]: goals over the goal words of a domain. [`message`]: violations as sentences.
 //! - [`search`], [`repair`], [`schedule`], [`pddl`]: plans from goals, from invalid plans, for several actors, and from
 //!   PDDL problems.
+//! - [`cursor`], [`execution`]: a position in a verified plan; a plan that a robot carries out, monitored and mended.
 
 pub mod call;
 pub mod cursor;
@@ -19,6 +20,7 @@ pub mod diagnostic;
 pub mod domain;
 pub mod effort;
 pub mod environment;
+pub mod execution;
 pub mod goal;
 pub mod json;
 pub mod message;
@@ -28,5 +30,6 @@ pub mod plan;
 pub mod repair;
 pub mod schedule;
 pub mod search;
+pub mod skill;
 pub mod verify;
 pub mod visible;

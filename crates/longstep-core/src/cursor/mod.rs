@@ -5,12 +5,14 @@
 //! followed as the verifier followed them, so the predicted state at the end is one of the plan's endings.
 
 mod program;
+mod rest;
 #[cfg(test)]
 mod tests;
 
 use std::sync::Arc;
 
 use program::{Op, Program};
+pub use rest::Rest;
 
 use crate::model::{Fact, State, World, apply, ground};
 use crate::plan::{LaneItem, Step, StepId};
@@ -47,6 +49,8 @@ pub struct Cursor {
     plan: Arc<VerifiedPlan>,
     program: Arc<Program>,
     position: Position,
+    /// The position behind the last completed step, before the facts of conditions were looked up.
+    unsettled: Position,
     state: State,
     ready: Vec<StepId>,
     /// The step that [`Cursor::next`] returned and that is not completed.
@@ -103,6 +107,7 @@ impl Cursor {
             state: plan.world().state.clone(),
             plan: Arc::new(plan.clone()),
             program: Arc::new(program),
+            unsettled: position.clone(),
             position,
             ready: Vec::new(),
             current: None,
@@ -188,8 +193,17 @@ impl Cursor {
         self.current = None;
         self.position.completed += 1;
         self.pass(id);
+        self.unsettled = self.position.clone();
         self.settle();
         Ok(())
+    }
+
+    /// Replaces the predicted state by an observed one, and looks up the facts of conditions behind the last completed
+    /// step in it.
+    pub fn correct(&mut self, state: State) {
+        self.state = state;
+        self.position = self.unsettled.clone();
+        self.settle();
     }
 
     fn world(&self) -> &World {

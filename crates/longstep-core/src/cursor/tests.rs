@@ -186,6 +186,34 @@ fn ends_as_verified(world: &World, plan: Plan) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Checks the rest of the plan at every position of a run: it is valid there, and ends as the run can end.
+fn rests_are_valid(world: &World, plan: Plan, choices: &[usize]) -> Result<(), TestCaseError> {
+    let plan = verified(world, plan);
+    prop_assume!(plan.is_some());
+    let mut cursor = Cursor::new(&plan.unwrap());
+    for choice in choices {
+        let rest = cursor.rest().expect("no test is nested so deep");
+        let ready = cursor.ready().to_vec();
+        prop_assert_eq!(rest.steps.is_empty(), ready.is_empty());
+        let here = world.continued(cursor.state().clone());
+        let report = check(&here, rest.plan.clone(), &Purpose::default());
+        prop_assert!(report.violations.is_empty(), "{:?}: {:?}", rest, report.violations);
+        let own = endings(Cursor::new(&report.into_verified().unwrap()), 100, &mut 2_000);
+        let all = endings(cursor.clone(), 100, &mut 2_000);
+        if let (Some(own), Some(all)) = (own, all) {
+            prop_assert_eq!(own, all);
+        }
+        let Some(step) = ready.get(choice % ready.len().max(1)).copied() else {
+            break;
+        };
+        let outcomes = cursor.outcomes(step);
+        let known = outcomes.iter().find(|fact| cursor.state().holds(**fact)).copied();
+        let seen = known.or_else(|| outcomes.get(choice % outcomes.len().max(1)).copied());
+        cursor.complete(step, seen).unwrap();
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, max_global_rejects: 100_000, ..ProptestConfig::default() })]
 
@@ -206,5 +234,29 @@ proptest! {
         let world = world(&domain, 4, &lit);
         let lanes = Part::Lanes(vec![("left", left), ("right", right)]);
         ends_as_verified(&world, plan(&world, &[lanes]))?;
+    }
+
+    #[test]
+    fn the_rest_of_a_plan_is_a_plan(
+        parts in parts(),
+        lit in prop::collection::vec(1..=2usize, 0..=2),
+        choices in prop::collection::vec(0..6usize, 12),
+    ) {
+        let domain = domain();
+        let world = world(&domain, 2, &lit);
+        rests_are_valid(&world, plan(&world, &parts), &choices)?;
+    }
+
+    #[test]
+    fn the_rest_of_lanes_is_a_plan(
+        left in lane("left"),
+        right in lane("right"),
+        lit in prop::collection::vec(1..=4usize, 0..=3),
+        choices in prop::collection::vec(0..6usize, 12),
+    ) {
+        let domain = domain();
+        let world = world(&domain, 4, &lit);
+        let lanes = Part::Lanes(vec![("left", left), ("right", right)]);
+        rests_are_valid(&world, plan(&world, &[lanes]), &choices)?;
     }
 }

@@ -108,6 +108,8 @@ fn with_plain_words(semantics: Semantics) -> Domain {
                 senses: Vec::new(),
                 says: Template::pddl(&schema.name, schema.parameters.len()),
                 means: String::new(),
+                retries: 2,
+                skills: Vec::new(),
                 call: schema.name.clone(),
                 name: schema.name,
                 parameters: schema.parameters,

@@ -3,6 +3,7 @@
 mod goals;
 mod numbers;
 mod sensing;
+mod skills;
 mod values;
 
 use toml::Spanned;
@@ -404,6 +405,8 @@ impl Loader<'_> {
                 senses: self.senses(entry, schema),
                 says: self.template(&entry.says, &schema.parameters),
                 means: entry.means.clone(),
+                retries: self.retries(entry),
+                skills: self.skills(entry),
             });
         }
         actions

@@ -93,6 +93,19 @@ pub struct ActionEntry {
     pub senses: Vec<Text>,
     pub says: Text,
     pub means: String,
+    pub retries: Option<Spanned<u32>>,
+    #[serde(default)]
+    pub skill: Vec<SkillEntry>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkillEntry {
+    pub name: Text,
+    #[serde(rename = "type")]
+    pub kind: Text,
+    pub unit: Option<Text>,
+    pub from: Text,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,6 +1,7 @@
 //! Environments: states of the world in the paper's JSON, converted to and from facts.
 
 mod claim;
+mod observation;
 mod origin;
 mod read;
 mod statement;
@@ -18,6 +19,7 @@ pub use crate::model::{
     subject_of,
 };
 pub use claim::Claim;
+pub use observation::{Observation, ObservationError, Statements};
 pub use origin::Origin;
 pub use read::{parse, read};
 pub use write::{fact_of, write};

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::id;
 use super::{
-    Atom, Condition, Effect, EntityId, Fact, FunctionId, Lexicon, Number, NumericEffect, NumericExpression, Template,
-    ValueType,
+    Atom, Condition, Effect, EntityId, Fact, FunctionId, Lexicon, Number, NumericEffect, NumericExpression,
+    SkillParameter, Template, ValueType,
 };
 
 id!(
@@ -191,6 +191,10 @@ pub struct Action {
     pub says: Template,
     /// The description of the action, for models and persons.
     pub means: String,
+    /// The number of times that a step which failed is tried again.
+    pub retries: u32,
+    /// The parameters of the robot's skill: how a step is done, not what it does.
+    pub skills: Vec<SkillParameter>,
 }
 
 impl Action {

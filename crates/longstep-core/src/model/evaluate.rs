@@ -239,7 +239,7 @@ pub(crate) fn for_matching(
 
 impl<'a> Moment<'a> {
     fn state_of(self, initially: bool) -> &'a State {
-        if initially { &self.world.state } else { self.state }
+        if initially { self.world.initially() } else { self.state }
     }
 }
 
@@ -249,12 +249,13 @@ pub(crate) fn static_value(world: &World, condition: &Condition, bindings: &[Ent
     match condition {
         Condition::Atom { atom, holds, initially } => {
             let unchanging = *initially || !world.domain().words(atom.predicate).fluent;
-            unchanging.then(|| world.state.holds(ground(atom, bindings)) == *holds)
+            let state = if *initially { world.initially() } else { &world.state };
+            unchanging.then(|| state.holds(ground(atom, bindings)) == *holds)
         }
         Condition::Equal { left, right, holds } => {
             Some((grounded_term(*left, bindings) == grounded_term(*right, bindings)) == *holds)
         }
-        Condition::Number { test, initially: true } => Some(test.holds_in(&world.state, bindings)),
+        Condition::Number { test, initially: true } => Some(test.holds_in(world.initially(), bindings)),
         Condition::Number { test, .. } => test.fixed(
             Moment {
                 world,

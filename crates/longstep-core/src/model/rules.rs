@@ -15,7 +15,7 @@ pub fn broken_bindings(rule: &Rule, world: &World, state: &State) -> Vec<Binding
     // A binding violates the rule only if every negated atom of the alternatives holds.
     let mut partial = vec![vec![None; rule.variables.len()]];
     for (atom, initially) in parts.iter().flat_map(denied_atoms) {
-        partial = join(&partial, atom, if initially { &world.state } else { state });
+        partial = join(&partial, atom, if initially { world.initially() } else { state });
     }
     let mut broken = Vec::new();
     for bindings in partial {

@@ -49,6 +49,8 @@ pub struct World {
     by_kind: Arc<[Vec<EntityId>]>,
     /// The initial state, assumptions included.
     pub state: State,
+    /// The state in which the instruction was given, in a world that [continues](World::continued) another one.
+    origin: Option<Arc<State>>,
     /// The assumed facts of the state, with their reasons.
     pub(crate) assumed: Arc<rustc_hash::FxHashMap<Fact, AssumptionSource>>,
     /// The environment from which the world was read.
@@ -77,6 +79,7 @@ impl World {
             entities: entities.into(),
             by_identifier: Arc::new(by_identifier),
             state: State::default(),
+            origin: None,
             assumed: Arc::default(),
             environment: Arc::new(environment),
             prohibitions: Arc::default(),
@@ -101,6 +104,27 @@ impl World {
     /// The prohibitions in force.
     pub fn prohibitions(&self) -> &[Prohibition] {
         &self.prohibitions
+    }
+
+    /// The state that conditions mean by `initially`: the one in which the instruction was given.
+    pub fn initially(&self) -> &State {
+        self.origin.as_deref().unwrap_or(&self.state)
+    }
+
+    /// Returns the world in a later state of the same instruction: a plan for it is the rest of a plan.
+    ///
+    /// Events of the steps so far are facts of the state, and `initially` still means the state in which the instruction
+    /// was given. Assumed facts that no longer hold are forgotten.
+    #[must_use]
+    pub fn continued(&self, state: State) -> Self {
+        let mut world = self.clone();
+        let origin = world.origin.take();
+        world.origin = Some(origin.unwrap_or_else(|| Arc::new(self.state.clone())));
+        if self.assumed.keys().any(|fact| !state.holds(*fact)) {
+            Arc::make_mut(&mut world.assumed).retain(|fact, _| state.holds(*fact));
+        }
+        world.state = state;
+        world
     }
 
     /// Replaces the prohibitions in force.

@@ -129,16 +129,17 @@ fn most_choices(world: &World, condition: &Condition, slot: usize) -> Option<usi
             atom,
             holds: true,
             initially,
-        } if *initially || !world.domain().words(atom.predicate).fluent => Some(atom),
+        } if *initially || !world.domain().words(atom.predicate).fluent => Some((atom, *initially)),
         _ => None,
     });
-    let guards = guards.filter(|atom| atom.terms.contains(&Term::Variable(slot)));
-    let most = |atom: &Atom| {
+    let guards = guards.filter(|(atom, _)| atom.terms.contains(&Term::Variable(slot)));
+    let most = |(atom, initially): (&Atom, bool)| {
         let is_bound = |term: &Term| !matches!(term, Term::Variable(variable) if *variable >= slot);
         let bound: Vec<usize> = (0..atom.terms.len())
             .filter(|place| is_bound(&atom.terms[*place]))
             .collect();
-        let facts = world.state.of_predicate(atom.predicate);
+        let state = if initially { world.initially() } else { &world.state };
+        let facts = state.of_predicate(atom.predicate);
         effort::spend(1 + facts.len());
         let mut counts: FxHashMap<Vec<EntityId>, usize> = FxHashMap::default();
         for fact in facts {

@@ -20,6 +20,7 @@ pub use bind::bind;
 pub use bind::{Candidate, candidates};
 pub(crate) use bind::{bind_as_far, claimed_places};
 pub use bind_tree::bind_tree;
+pub(crate) use order::Progress;
 pub(crate) use reachability::possibly;
 pub use reachability::{can_apply, can_be_brought_about};
 pub use rules::Waiver;

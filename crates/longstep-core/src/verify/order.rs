@@ -174,3 +174,83 @@ impl<'a> Order<'a> {
         }
     }
 }
+
+/// Progress through the stages of a purpose while its plan is carried out.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Progress(Vec<Fact>);
+
+impl Progress {
+    /// Returns the progress in the initial state.
+    pub(crate) fn begun(world: &World, purpose: &Purpose) -> Self {
+        let mut progress = Self::default();
+        progress.advance(world, purpose, &world.state);
+        progress
+    }
+
+    /// Records what a state achieves.
+    pub(crate) fn advance(&mut self, world: &World, purpose: &Purpose, state: &State) {
+        if !purpose.stages.is_empty() {
+            let order = Order::new(world, purpose);
+            let mut state = self.added(state);
+            order.advance(world, &mut state);
+            self.0 = state.iter_from(order.predicates).collect();
+        }
+    }
+
+    /// Records a step, and what the state after it achieves.
+    pub(crate) fn step(
+        &mut self,
+        world: &World,
+        purpose: &Purpose,
+        states: (&State, &State),
+        action: &Action,
+        arguments: &[EntityId],
+    ) {
+        if purpose.stages.is_empty() {
+            return;
+        }
+        let order = Order::new(world, purpose);
+        let (before, mut after) = (self.added(states.0), self.added(states.1));
+        order.step(world, &before, action, &mut arguments.to_vec(), &mut after);
+        order.advance(world, &mut after);
+        self.0 = after.iter_from(order.predicates).collect();
+    }
+
+    fn added(&self, state: &State) -> State {
+        let mut state = state.clone();
+        for fact in &self.0 {
+            state.set(*fact, true);
+        }
+        state
+    }
+
+    /// Returns the stages of a purpose that are not complete, for the rest of its plan.
+    ///
+    /// Behind the first stage, an empty stage begins them, so that events count from now on: a condition on several
+    /// events of which one has happened is achieved anew.
+    pub(crate) fn remaining(&self, world: &World, purpose: &Purpose) -> Vec<Vec<Milestone>> {
+        let order = Order::new(world, purpose);
+        let is = |fact: &Fact| self.0.binary_search(fact).is_ok();
+        let is_complete = |stage: &Vec<Condition<'_>>| stage.iter().all(|condition| is(&condition.done));
+        let Some(current) = order.stages.iter().position(|stage| !is_complete(stage)) else {
+            return Vec::new();
+        };
+        let open = order.stages[current].iter().zip(&purpose.stages[current]);
+        let open = open
+            .filter(|(condition, _)| !is(&condition.done))
+            .map(|(condition, milestone)| {
+                let was_false = condition.open.as_ref().is_some_and(is);
+                Milestone {
+                    anew: milestone.anew && !was_false,
+                    ..milestone.clone()
+                }
+            });
+        let mut stages: Vec<Vec<Milestone>> = Vec::new();
+        if current > 0 {
+            stages.push(Vec::new());
+        }
+        stages.push(open.collect());
+        stages.extend(purpose.stages[current + 1..].iter().cloned());
+        stages
+    }
+}

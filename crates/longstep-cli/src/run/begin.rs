@@ -1,0 +1,115 @@
+//! The plan of a run: from a file, or from an instruction.
+
+use std::path::Path;
+
+use anyhow::Result;
+use longstep::report::{Answer, Status};
+use longstep::session::{Response, Session};
+use longstep_core::environment::World;
+use longstep_core::execution::{Aim, Settings};
+use longstep_core::skill::Skills;
+use longstep_core::verify::VerifiedPlan;
+use longstep_llm::{advance, read_text};
+use longstep_robot::{Robot, reports};
+
+use crate::arguments::{DraftArguments, RunArguments};
+use crate::ask::{self, Waiting};
+use crate::clock::stopwatch;
+use crate::draft::Draft;
+use crate::failure::Failure;
+use crate::{inputs, plan, show, solve};
+
+/// A plan and its purpose.
+pub(super) struct Begun {
+    pub(super) plan: VerifiedPlan,
+    pub(super) aim: Aim,
+}
+
+/// Returns the plan to run, or the exit code where there is none.
+pub(super) fn begin(arguments: &RunArguments, what: &str) -> Result<Result<Begun, u8>> {
+    match Path::new(what).is_file() {
+        true => of_file(arguments, Path::new(what)),
+        false => of_instruction(arguments, what),
+    }
+}
+
+fn of_file(arguments: &RunArguments, path: &Path) -> Result<Result<Begun, u8>> {
+    let draft = Draft::read(&DraftArguments {
+        plan: path.to_owned(),
+        env: arguments.env.clone(),
+        domain: arguments.domain.clone(),
+        rules: arguments.rules.clone(),
+    })?;
+    let assessment = draft.assessment();
+    let Some(plan) = assessment.verified() else {
+        let answer = assessment.verdict();
+        show::answer(&answer, show::Changes::Shown);
+        show::hint("only a verified plan is run; `longstep repair PLAN.json --save FILE` may mend it");
+        return Ok(Err(answer.status.exit_code()));
+    };
+    let aim = match &arguments.goal {
+        Some(goal) => Aim::Goal(goal.clone()),
+        None => Aim::Endings,
+    };
+    Ok(Ok(Begun { plan, aim }))
+}
+
+fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<Begun, u8>> {
+    let instruction = plan::checked_instruction(instruction)?;
+    let Some(env) = &arguments.env else {
+        return Err(Failure::unreadable(format!(
+            "there is no file `{instruction}`, and an instruction needs a world"
+        ))
+        .hint("pass the environment with `--env ENV.json`")
+        .into());
+    };
+    let domain = inputs::domain_with_prompt(&arguments.domain, arguments.strategy.prompt.as_deref())?;
+    let world = inputs::world(&domain, env, arguments.rules.as_deref())?;
+    let mut model = ask::model(&arguments.model.model, &arguments.model)?;
+    let settings = arguments.strategy.settings();
+    let mut session = Session::new(&arguments.domain, domain, world, settings, model.facts(), stopwatch);
+    session.instruct(instruction)?;
+    advance(&mut session, model.as_mut(), None, &mut Waiting::new())?;
+    let answer = match session.response() {
+        Response::Plan(proposal) => {
+            let aim = match &proposal.goal {
+                Some(goal) => Aim::Goal(goal.exact(session.world()).join(" & ")),
+                None => Aim::Endings,
+            };
+            let plan = proposal.plan.clone();
+            return Ok(Ok(Begun { plan, aim }));
+        }
+        Response::Consent(proposal) => {
+            let question = proposal.question.as_deref().unwrap_or_default();
+            proposal.answer.as_question(session.world(), question)
+        }
+        Response::NoPlan(failure) => plan::unhappy(failure)?,
+        Response::Question(question) => Answer::without_plan(Status::Question, session.world(), instruction, question),
+        _ => return Err(Failure::new("the session ended early", crate::exit_code::MODEL).into()),
+    };
+    let code = solve::finish(&answer, &[], &[], None, arguments.json)?;
+    Ok(Err(code))
+}
+
+/// Returns the settings of an execution on a robot.
+pub(super) fn settings(arguments: &RunArguments, robot: &dyn Robot, world: &World) -> Result<Settings> {
+    let domain = world.domain();
+    let skills = match &arguments.skills {
+        Some(path) => Skills::parse(domain, &path.display().to_string(), &read_text(path)?)?,
+        None => Skills::default(),
+    };
+    if !robot.describe().observes {
+        return Err(
+            Failure::unreadable("this robot does not observe, so its plan cannot be monitored")
+                .hint("let the robot's program declare `observes` and answer `observe`")
+                .into(),
+        );
+    }
+    Ok(Settings {
+        approval: arguments.approve.into(),
+        watch: arguments.observe.into(),
+        changes: arguments.changes,
+        reports: reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?,
+        skills,
+    })
+}

@@ -1,0 +1,152 @@
+//! The live view of a run, and its log.
+
+use std::collections::BTreeMap;
+
+use longstep_core::environment::World;
+use longstep_core::execution::{Event, Execution, Order, Proposal, Stop};
+use longstep_core::plan::outline;
+use longstep_core::verify::VerifiedPlan;
+use longstep_robot::{Feedback, RunLog, StopRequest, Watcher};
+
+use super::person::Person;
+use super::shown;
+use crate::output::{self, Style, print_line, remark};
+use crate::show;
+
+/// Prints events as they come, after they are on disk.
+pub(super) struct View {
+    log: RunLog,
+    person: Person,
+    json: bool,
+    /// The explanations of the orders under way.
+    under_way: BTreeMap<u64, String>,
+}
+
+impl View {
+    pub(super) fn new(log: RunLog, request: StopRequest, json: bool) -> Self {
+        Self {
+            log,
+            person: Person::new(request),
+            json,
+            under_way: BTreeMap::new(),
+        }
+    }
+
+    fn print(&mut self, world: &World, event: &Event) {
+        match event {
+            Event::Ordered {
+                order,
+                lane,
+                explanation,
+                ..
+            } => {
+                let lane = lane
+                    .as_ref()
+                    .map_or(String::new(), |lane| format!("{}: ", shown(world, lane)));
+                print_line!("{order:>4}  {lane}{explanation}");
+                self.under_way.insert(*order, format!("{lane}{explanation}"));
+            }
+            Event::Performed { order, outcome } => {
+                self.under_way.remove(order);
+                if let Some(outcome) = outcome {
+                    print_line!("{order:>4}  found: {outcome}");
+                } else if !self.under_way.is_empty() {
+                    print_line!("{order:>4}  done");
+                }
+            }
+            Event::Failed { order, why } => {
+                self.under_way.remove(order);
+                print_line!("{order:>4}  {} {why}", "failed:".red());
+            }
+            Event::Assessed { effect, because, steps } => assessed(effect, because, steps),
+            Event::Changed { steps, edits, .. } => {
+                for edit in edits {
+                    print_line!("      {} {edit}", "change:".yellow());
+                }
+                print_line!("      the rest of the plan is now:");
+                for step in steps {
+                    print_line!("        - {step}");
+                }
+            }
+            Event::Found { order } => print_line!("{order:>4}  was done before the interruption, as the world shows"),
+            _ => {}
+        }
+    }
+}
+
+fn assessed(effect: &str, because: &[String], steps: &[String]) {
+    for fact in because {
+        print_line!("      {} {fact}", "noticed:".yellow());
+    }
+    match effect {
+        "harmless" => {
+            if !because.is_empty() {
+                print_line!("      the plan still works");
+            }
+        }
+        "helpful" => print_line!("      skipped as needless: {}", steps.join(", ")),
+        "undone" => print_line!("      to be done again: {}", steps.join(", ")),
+        _ => print_line!("      the plan no longer works from here"),
+    }
+}
+
+impl Watcher for View {
+    fn record(&mut self, execution: &Execution, events: &[Event]) -> Result<(), String> {
+        self.log.append(events).map_err(|error| error.to_string())?;
+        for event in events {
+            if self.json {
+                output::json_line(event).map_err(|error| error.to_string())?;
+            } else {
+                self.print(execution.world(), event);
+            }
+        }
+        match output::failed() {
+            true => Err("the output can no longer be written".to_owned()),
+            false => Ok(()),
+        }
+    }
+
+    fn approve(&mut self, execution: &Execution, proposal: &Proposal) -> Option<bool> {
+        match proposal {
+            Proposal::Plan => {
+                if !self.json {
+                    steps(execution.plan());
+                }
+                self.person.decide("Run this plan?")
+            }
+            // Its steps were printed with the event.
+            Proposal::Change(_) => self.person.decide("Go on with this change?"),
+            Proposal::Step(order) => self.person.decide(&format!("Do this step: {}?", order.explanation)),
+            _ => None,
+        }
+    }
+
+    fn judge(&mut self, _: &Execution, order: &Order) -> Option<bool> {
+        let question = format!(
+            "Step {} was under way when the program ended: {}. Was it done?",
+            order.number, order.explanation
+        );
+        self.person.decide(&question)
+    }
+
+    fn feedback(&mut self, order: &Order, feedback: &Feedback) {
+        if let Some(text) = feedback.text.as_ref().filter(|_| !self.json) {
+            print_line!("{:>4}  {text}", order.number);
+        }
+    }
+}
+
+fn steps(plan: &VerifiedPlan) {
+    show::heading("Plan");
+    show::steps(&outline(plan.world(), plan.plan()), |_| false);
+    output::blank();
+}
+
+/// Prints how a run ended.
+pub(super) fn end(world: &World, stop: Option<&Stop>) {
+    output::blank();
+    match stop {
+        None => print_line!("{} the goal is reached in the observed world", "Done:".green().bold()),
+        Some(stop) => remark!("{} {}", "Stopped:".red().bold(), stop.sentence(world)),
+    }
+}

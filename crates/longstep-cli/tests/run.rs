@@ -1,0 +1,330 @@
+//! The program carries out plans on robots: in the simulator, and behind programs that hang, until a signal or a kill.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+
+mod common;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use common::{PANTRY, longstep};
+use serde_json::Value;
+use tempfile::TempDir;
+
+const GOAL: &str = "put(butter, counter) & closed(fridge)";
+
+/// A folder with a plan for [`GOAL`].
+struct Bench {
+    folder: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        let plan = folder.path().join("plan.json");
+        let solved = longstep(folder.path())
+            .args(["solve", "--goal", GOAL, "--env", PANTRY, "--save"])
+            .arg(&plan)
+            .output()
+            .unwrap();
+        assert_eq!(
+            solved.status.code(),
+            Some(0),
+            "{}",
+            String::from_utf8_lossy(&solved.stderr)
+        );
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn command(&self, log: &str, robot: &str, more: &[&str]) -> Command {
+        let mut command = longstep(self.folder.path());
+        command
+            .arg("run")
+            .arg(self.path("plan.json"))
+            .args(["--goal", GOAL, "--robot", robot]);
+        command.arg("--log").arg(self.path(log)).args(more);
+        command
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    fn events(&self, log: &str) -> Vec<Value> {
+        let text = fs::read_to_string(self.path(log)).unwrap();
+        // A line that a kill cut off is no event.
+        let complete = text.rfind('\n').map_or(0, |end| end + 1);
+        text[..complete]
+            .lines()
+            .skip(1)
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect()
+    }
+}
+
+fn ended(child: Child, limit: Duration) -> Output {
+    let id = child.id();
+    let watch = thread::spawn(move || child.wait_with_output().unwrap());
+    let begun = Instant::now();
+    while !watch.is_finished() {
+        if begun.elapsed() > limit {
+            kill(id, "KILL");
+            panic!("the program did not end");
+        }
+        thread::sleep(Duration::from_millis(2));
+    }
+    watch.join().unwrap()
+}
+
+fn kill(id: u32, signal: &str) {
+    let sent = Command::new("kill")
+        .arg(format!("-{signal}"))
+        .arg(id.to_string())
+        .status()
+        .unwrap();
+    assert!(sent.success());
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn a_plan_runs_in_the_simulator_whatever_happens() {
+    let bench = Bench::new();
+    for (index, robot) in [
+        "sim",
+        "sim:seed=3,faults=1,kinds=moved",
+        "sim:seed=5,faults=2,kinds=slips+fails",
+    ]
+    .iter()
+    .enumerate()
+    {
+        let log = format!("{index}.jsonl");
+        let output = bench
+            .command(&log, robot, &["--approve", "never", "--json"])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{robot}: {}", text(&output.stderr));
+        let lines = text(&output.stdout);
+        let last: Value = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
+        assert_eq!(last["event"], "done");
+        assert_eq!(
+            last["environment"]["object_states"]["<butter>"],
+            "on_something(<counter>)"
+        );
+        // What is printed is what is in the log.
+        let printed: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        assert_eq!(printed, bench.events(&log));
+    }
+}
+
+#[test]
+fn a_plan_that_nobody_approves_does_not_run() {
+    let bench = Bench::new();
+    for (index, answer) in ["", "n\n"].iter().enumerate() {
+        let log = format!("{index}.jsonl");
+        let mut command = bench.command(&log, "sim", &[]);
+        let mut child = command.stdin(Stdio::piped()).spawn().unwrap();
+        child.stdin.take().unwrap().write_all(answer.as_bytes()).unwrap();
+        let output = ended(child, Duration::from_secs(60));
+        assert_eq!(output.status.code(), Some(50), "{}", text(&output.stderr));
+        let events = bench.events(&log);
+        assert!(events.iter().all(|event| event["event"] != "ordered"), "{events:?}");
+    }
+    let mut child = bench
+        .command("yes.jsonl", "sim", &[])
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(b"what?\ny\n").unwrap();
+    assert_eq!(ended(child, Duration::from_secs(60)).status.code(), Some(0));
+}
+
+#[test]
+fn a_robot_that_is_none_is_an_error() {
+    let bench = Bench::new();
+    for robot in ["drone", "sim:faults=many", "process:", "process:/no/such/program"] {
+        let output = bench
+            .command("x.jsonl", robot, &["--approve", "never"])
+            .output()
+            .unwrap();
+        assert!(matches!(output.status.code(), Some(30 | 51)), "{robot}: {output:?}");
+        assert!(text(&output.stderr).contains("hint:"), "{robot}");
+    }
+}
+
+/// A robot whose steps never end, and which writes down when it is told to stop.
+const HANGING: &str = r#"
+import json, sys, time
+def answer(id, result):
+    print(json.dumps({"jsonrpc": "2.0", "id": id, "result": result}), flush=True)
+for line in sys.stdin:
+    message = json.loads(line)
+    method = message["method"]
+    if method == "initialize":
+        answer(message["id"], {"protocol": 1, "name": "hanging", "capabilities": {"observe": True}})
+    elif method == "observe":
+        answer(message["id"], {"states": {}})
+    elif method == "perform":
+        open(sys.argv[1], "w").write("performing")
+    elif method == "stop":
+        open(sys.argv[2], "w").write(repr(time.time()))
+        answer(message["id"], {})
+"#;
+
+/// Sends a signal while a step hangs; returns the time until the robot was told to stop.
+fn stopped(bench: &Bench, number: usize, signal: &str) -> Duration {
+    let file = |name: &str| bench.path(&format!("{name}-{number}"));
+    fs::write(bench.path("robot.py"), HANGING).unwrap();
+    let robot = format!(
+        "process:python3 {} {} {}",
+        bench.path("robot.py").display(),
+        file("performing").display(),
+        file("stopped").display()
+    );
+    let log = format!("signal-{number}.jsonl");
+    let child = bench.command(&log, &robot, &["--approve", "never"]).spawn().unwrap();
+    let begun = Instant::now();
+    while !file("performing").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the robot got no step");
+        thread::sleep(Duration::from_millis(2));
+    }
+    let sent = std::time::SystemTime::now()
+        .duration_since(std::time::UNIX_EPOCH)
+        .unwrap();
+    kill(child.id(), signal);
+    let output = ended(child, Duration::from_secs(60));
+    assert_eq!(output.status.code(), Some(50), "{}", text(&output.stderr));
+    let events = bench.events(&log);
+    let last = events.last().unwrap();
+    assert_eq!(
+        (&last["event"], &last["under_way"]),
+        (&"stopped".into(), &serde_json::json!([1]))
+    );
+    let at: f64 = fs::read_to_string(file("stopped")).unwrap().parse().unwrap();
+    Duration::from_secs_f64((at - sent.as_secs_f64()).max(0.0))
+}
+
+/// With `LONGSTEP_SIGNALS=100` this measures: the median of the times is printed.
+#[test]
+fn a_signal_stops_the_robot_while_a_step_hangs() {
+    let bench = Bench::new();
+    let count = std::env::var("LONGSTEP_SIGNALS")
+        .ok()
+        .and_then(|own| own.parse().ok())
+        .unwrap_or(3);
+    let signals = ["INT", "TERM", "HUP"];
+    let mut times: Vec<Duration> = (0..count)
+        .map(|number| stopped(&bench, number, signals[number % 3]))
+        .collect();
+    times.sort_unstable();
+    eprintln!(
+        "from signal to stop: median {:?}, most {:?}",
+        times[times.len() / 2],
+        times[times.len() - 1]
+    );
+}
+
+/// Checks a log: orders count up from 1 without a gap, and between two orders of the same step at a time when the first
+/// is unknown there is an observation or a decision of a person.
+fn check_log(events: &[Value]) {
+    let (mut orders, mut unknown): (u64, Option<String>) = (0, None);
+    let mut running: Option<String> = None;
+    for event in events {
+        match event["event"].as_str().unwrap() {
+            "ordered" => {
+                orders += 1;
+                assert_eq!(event["order"], orders);
+                let call = event["call"].as_str().unwrap().to_owned();
+                assert_ne!(unknown.as_ref(), Some(&call), "{call} twice without a look");
+                running = Some(call);
+            }
+            "performed" | "failed" => running = None,
+            "interrupted" => unknown = running.take(),
+            "observed" | "judged" => unknown = None,
+            _ => {}
+        }
+    }
+}
+
+fn killed_at(bench: &Bench, number: u64) {
+    let log = format!("killed-{number}.jsonl");
+    let state = bench.path(&format!("state-{number}"));
+    let robot = format!("sim:seed={number},pace=3,state={}", state.display());
+    let mut command = bench.command(&log, &robot, &["--approve", "never"]);
+    let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let mut wait = number.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 33;
+    wait %= 120;
+    thread::sleep(Duration::from_millis(wait));
+    // It may have ended.
+    let _ = Command::new("kill")
+        .args(["-KILL", &child.id().to_string()])
+        .stderr(Stdio::null())
+        .status();
+    ended(child, Duration::from_secs(60));
+    if !bench.path(&log).exists() || bench.events(&log).is_empty() {
+        return;
+    }
+    let before = bench.events(&log);
+    let ended_before = before.last().is_some_and(|event| event["event"] == "done");
+    let output = longstep(bench.folder.path())
+        .args(["run", "--resume"])
+        .arg(bench.path(&log))
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let after = bench.events(&log);
+    assert_eq!(after[..before.len()], before[..], "no event is lost");
+    check_log(&after);
+    if ended_before {
+        assert_eq!(output.status.code(), Some(30));
+    } else {
+        assert_eq!(output.status.code(), Some(0), "{number}: {}", text(&output.stderr));
+        assert_eq!(after.last().unwrap()["event"], "done");
+    }
+}
+
+/// With `LONGSTEP_KILLS=200` this kills at as many moments.
+#[test]
+fn a_killed_run_is_taken_up_again() {
+    let bench = Bench::new();
+    let count = std::env::var("LONGSTEP_KILLS")
+        .ok()
+        .and_then(|own| own.parse().ok())
+        .unwrap_or(6);
+    for number in 0..count {
+        killed_at(&bench, number);
+    }
+}
+
+#[test]
+fn a_log_that_is_none_is_an_error() {
+    let bench = Bench::new();
+    let resume = |path: &Path| {
+        longstep(bench.folder.path())
+            .args(["run", "--resume"])
+            .arg(path)
+            .output()
+            .unwrap()
+    };
+    for content in [
+        "",
+        "{}\n",
+        "{\"longstep_run\":1,\"robot\":\"sim\",\"domain\":\"household\"}\n",
+        "\u{0}\n",
+    ] {
+        fs::write(bench.path("bad.jsonl"), content).unwrap();
+        let output = resume(&bench.path("bad.jsonl"));
+        assert_eq!(output.status.code(), Some(30), "{content:?}: {}", text(&output.stderr));
+    }
+    assert_eq!(resume(&bench.path("none.jsonl")).status.code(), Some(30));
+}

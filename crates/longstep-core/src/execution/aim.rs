@@ -1,0 +1,112 @@
+//! The purpose of a plan that is carried out.
+
+use crate::goal::{self, GoalError};
+use crate::model::{Atom, Condition, Domain, Ending, Fact, State, Term, Wanted, World, state_word};
+use crate::verify::{Purpose, VerifiedPlan, Waiver, broken_at_end};
+
+/// Maximum number of facts in the purpose of a plan without a goal.
+const FACTS: usize = 2_000;
+
+/// The origin of the purpose that an execution pursues when the world changes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Aim {
+    /// A goal in the goal language, with its constraints.
+    Goal(String),
+    /// The changes that the plan itself brings about: for plans that were not made from a goal.
+    Endings,
+}
+
+impl Aim {
+    /// Returns the purpose of a plan. Prohibitions of the plan's world stay in force besides it.
+    ///
+    /// # Errors
+    ///
+    /// The error in the goal.
+    pub fn purpose(&self, plan: &VerifiedPlan) -> Result<Purpose, GoalError> {
+        match self {
+            Self::Goal(text) => {
+                let mut world = plan.world().clone();
+                world.add_values(text);
+                Ok(goal::parse(&world, text)?.purpose(&world))
+            }
+            Self::Endings => Ok(of_endings(plan)),
+        }
+    }
+}
+
+/// Returns the purpose that a run ends in one of the endings of a plan: the facts that the plan changes, as far as an
+/// environment can state them, and its events.
+fn of_endings(plan: &VerifiedPlan) -> Purpose {
+    let world = plan.world();
+    let mut sides: Vec<Vec<Condition>> = plan.endings().iter().map(|ending| changes(world, ending)).collect();
+    let wanted = match (sides.len(), sides.pop()) {
+        (1, Some(only)) => only.into_iter().map(achieved).collect(),
+        (_, last) => {
+            sides.extend(last);
+            let sides = sides.into_iter().map(Condition::And).collect();
+            vec![achieved(Condition::Or(sides))]
+        }
+    };
+    Purpose {
+        wanted,
+        waivers: waivers(plan),
+        ..Purpose::default()
+    }
+}
+
+fn achieved(condition: Condition) -> Wanted {
+    Wanted {
+        condition,
+        bindings: Vec::new(),
+    }
+}
+
+/// Returns the changes of a plan up to an ending, with the outcomes of sensing that lead to it.
+fn changes(world: &World, ending: &Ending) -> Vec<Condition> {
+    let domain = world.domain();
+    let counts = |fact: &Fact| {
+        let words = domain.words(fact.predicate());
+        words.event
+            || words.fluent && state_word(domain, fact.predicate()).is_some() && !domain.is_sensed(fact.predicate())
+    };
+    let differs = |from: &State, to: &State| -> Vec<Fact> {
+        from.iter().filter(|fact| counts(fact) && !to.holds(*fact)).collect()
+    };
+    let known = ending.when.iter().map(|fact| literal(domain, *fact, true));
+    let made = differs(&ending.after, &world.state);
+    let ended = differs(&world.state, &ending.after);
+    let made = made.into_iter().map(|fact| literal(domain, fact, true));
+    let ended = ended.into_iter().map(|fact| literal(domain, fact, false));
+    known.chain(made).chain(ended).take(FACTS).collect()
+}
+
+fn literal(domain: &Domain, fact: Fact, holds: bool) -> Condition {
+    Condition::Atom {
+        atom: Atom {
+            predicate: fact.predicate(),
+            terms: domain.arguments(fact).map(Term::Constant).collect(),
+        },
+        holds,
+        initially: false,
+    }
+}
+
+/// Returns waivers for the rules that the plan itself breaks at its end: its own purpose allowed that.
+fn waivers(plan: &VerifiedPlan) -> Vec<Waiver> {
+    let purpose = Purpose::default();
+    let mut waivers: Vec<Waiver> = Vec::new();
+    for ending in plan.endings() {
+        for broken in broken_at_end(plan.world(), &ending.after, &purpose) {
+            for entity in broken.bindings {
+                let waiver = Waiver {
+                    rule: broken.rule,
+                    entity,
+                };
+                if !waivers.contains(&waiver) {
+                    waivers.push(waiver);
+                }
+            }
+        }
+    }
+    waivers
+}

@@ -1,0 +1,194 @@
+//! The effect of a difference on the rest of a plan, and what follows from it.
+
+use super::need::{Effect, Stop};
+use super::{Event, Execution, ground};
+use crate::cursor::Rest;
+use crate::model::{Moment, Prohibition, State, StepPattern, World, apply, holds};
+use crate::plan::Plan;
+use crate::verify::{Purpose, VerifiedPlan, check};
+
+/// Maximum number of rests that are verified to see how many steps have become needless.
+const CANDIDATES: usize = 256;
+
+/// The rest of a plan that is valid from the observed world.
+struct Fitting {
+    plan: VerifiedPlan,
+    effect: Effect,
+    /// The steps that become needless, or that are repeated, as calls.
+    steps: Vec<String>,
+}
+
+impl Execution {
+    /// Sorts a difference, and continues with the rest of the plan, or with a change of it.
+    pub(super) fn assess(&mut self) {
+        self.suspicious = false;
+        let state = self.state().clone();
+        let here = self.here(state);
+        let purpose = self.rest_of_purpose();
+        let fitting = self.fitting(&here, &purpose);
+        if let Some(fitting) = &fitting
+            && fitting.effect == Effect::Undone
+            && let Some(step) = fitting.plan.steps().first()
+        {
+            // A step without its effects is a failure of that step; it may be one too many.
+            let step = ground(step);
+            self.count_failure(step.clone(), "it had no effect");
+            if self.is_forbidden(&step) {
+                return self.assess();
+            }
+        }
+        let effect = fitting.as_ref().map_or(Effect::Harmful, |fitting| fitting.effect);
+        let because = std::mem::take(&mut self.differences);
+        self.events.push(Event::assessed(
+            &self.world,
+            effect,
+            &because,
+            fitting.as_ref().map_or(&[], |fitting| &fitting.steps),
+        ));
+        match fitting {
+            Some(fitting) if effect == Effect::Harmless => {
+                drop(fitting);
+                self.confirm();
+            }
+            Some(fitting) => {
+                let failures = self.failures.clone();
+                self.install(&fitting.plan);
+                if effect == Effect::Undone {
+                    self.failures = failures;
+                }
+            }
+            None => self.change(&here, &purpose, because),
+        }
+    }
+
+    /// Returns the world of the rest of the plan, in which steps that failed too often are forbidden.
+    pub(super) fn here(&self, state: State) -> World {
+        let here = self.world.continued(state);
+        if self.forbidden.is_empty() {
+            return here;
+        }
+        let failed = self.forbidden.iter().map(|(step, why)| {
+            let call = super::event::written_step(&self.world, step.action, &step.arguments);
+            let pattern = StepPattern {
+                action: Some(step.action),
+                arguments: step.arguments.iter().copied().map(Some).collect(),
+                anywhere: None,
+            };
+            Prohibition::new(
+                format!("never {call}"),
+                format!("`{call}` cannot be done: {why}"),
+                None,
+                vec![pattern],
+            )
+        });
+        here.with_prohibitions(failed)
+    }
+
+    /// Returns the purpose of the rest of the plan.
+    pub(super) fn rest_of_purpose(&self) -> Purpose {
+        let stages = match self.purpose.stages.is_empty() {
+            true => Vec::new(),
+            false => self.progress.remaining(&self.world, &self.purpose),
+        };
+        Purpose {
+            stages,
+            ..self.purpose.clone()
+        }
+    }
+
+    /// Returns the rest of the plan that achieves the purpose from here: as much of it as possible is needless, as
+    /// little of it as possible is repeated.
+    fn fitting(&self, here: &World, purpose: &Purpose) -> Option<Fitting> {
+        let rest = self.cursor.rest()?;
+        let length = rest.plan.body().len();
+        let mut left = CANDIDATES;
+        for needless in (0..=length).rev() {
+            let Some(candidate) = rest.without_first(needless) else {
+                continue;
+            };
+            if let Some(plan) = valid(here, candidate, purpose, &mut left) {
+                let skipped = rest.plan.steps().len() - plan.steps().len();
+                return Some(Fitting {
+                    steps: calls(here, &rest.plan, 0..skipped),
+                    effect: match needless {
+                        0 => Effect::Harmless,
+                        _ => Effect::Helpful,
+                    },
+                    plan,
+                });
+            }
+        }
+        if self.since.is_empty() {
+            return None;
+        }
+        let before = self.checkpoint.rest()?;
+        let kept = match before.plan.is_sequence() {
+            true => self.since.len().min(before.plan.steps().len()),
+            false => 1,
+        };
+        (0..kept).rev().find_map(|from| {
+            let plan = valid(here, before.without_first(from)?, purpose, &mut left)?;
+            Some(Fitting {
+                steps: calls(here, &before.plan, from..kept),
+                effect: Effect::Undone,
+                plan,
+            })
+        })
+    }
+
+    /// Returns the rest of the plan as the draft of a change: with the last steps if their effects are missing.
+    pub(super) fn draft(&self) -> Plan {
+        let (now, before) = (self.cursor.rest(), self.checkpoint.rest());
+        let mut expected = self.checkpoint.state().clone();
+        let mut missing = false;
+        for step in &self.since {
+            let action = self.world.domain().action(step.action);
+            let changes = apply(&self.world, &mut expected, action, &step.arguments);
+            missing |= changes
+                .facts
+                .iter()
+                .any(|own| self.state().holds(own.fact) != own.holds);
+        }
+        let rest = match missing {
+            true => before.or(now),
+            false => now,
+        };
+        rest.map(|rest| rest.plan).unwrap_or_default()
+    }
+
+    /// Stops because no plan was found, with the steps that the robot cannot do.
+    pub(super) fn no_plan(&mut self, stop: impl FnOnce(Vec<String>) -> Stop) {
+        let failed = self.forbidden.iter().map(|(step, why)| {
+            let call = super::event::written_step(&self.world, step.action, &step.arguments);
+            format!("`{call}` cannot be done ({why})")
+        });
+        let stop = stop(failed.collect());
+        self.end(stop);
+    }
+}
+
+/// Returns the rest as a verified plan if it is one.
+fn valid(here: &World, rest: Rest, purpose: &Purpose, left: &mut usize) -> Option<VerifiedPlan> {
+    // Most rests fail at their first step, which is cheap to see.
+    if rest.plan.is_sequence()
+        && let Some(step) = rest.plan.steps().first()
+    {
+        let moment = Moment {
+            world: here,
+            state: &here.state,
+        };
+        let action = here.domain().action(step.action);
+        if !holds(moment, &action.precondition, &mut step.arguments.clone()) {
+            return None;
+        }
+    }
+    *left = left.checked_sub(1)?;
+    check(here, rest.plan, purpose).into_verified().ok()
+}
+
+fn calls(world: &World, plan: &Plan, steps: std::ops::Range<usize>) -> Vec<String> {
+    let steps = plan.steps()[steps].iter();
+    steps
+        .map(|step| super::event::written_step(world, step.action, &step.arguments))
+        .collect()
+}

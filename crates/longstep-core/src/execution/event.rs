@@ -1,0 +1,252 @@
+//! The events of an execution, one JSON object each.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::change::{Change, ChangeKind};
+use super::need::{Effect, Order};
+use super::{Aim, Approval, Settings, Watch};
+use crate::call::Call;
+use crate::environment::{Environment, Statements};
+use crate::model::{ActionId, Difference, EntityId, Fact, World, fact_text};
+use crate::plan::{Plan, Written, write_tree};
+use crate::verify::VerifiedPlan;
+
+/// The version of the log.
+pub(super) const FORMAT: u32 = 1;
+
+/// A plan in a log: its tree with all arguments, as in `task_tree` of a plan file.
+pub type PlanText = Value;
+
+/// An event of an execution.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "event", rename_all = "kebab-case")]
+#[non_exhaustive]
+#[expect(clippy::large_enum_variant, reason = "events are written one by one and not kept")]
+pub enum Event {
+    /// The execution began: everything that is needed to take it up again.
+    Began {
+        /// The version of the log.
+        format: u32,
+        /// The name of the domain.
+        domain: String,
+        /// The environment in which the plan begins.
+        environment: Environment,
+        /// The plan.
+        plan: PlanText,
+        /// The goal; none for a plan without one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        goal: Option<String>,
+        /// The constraints in force, in the goal language, with `true` for a standing one.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        constraints: Vec<(String, bool)>,
+        /// When a person is asked.
+        approval: Approval,
+        /// When the world is observed.
+        watch: Watch,
+        /// The number of changes after which the execution stops.
+        changes: u32,
+        /// The names of the predicates that observations list besides the states of entities.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        reports: Vec<String>,
+        /// The skills file.
+        #[serde(default, skip_serializing_if = "Value::is_null")]
+        skills: Value,
+    },
+    /// A person approved what was proposed last.
+    Approved,
+    /// A person refused what was proposed last.
+    Refused,
+    /// A robot is about to perform a step.
+    Ordered {
+        /// The number of the order.
+        order: u64,
+        /// The number of the step in the plan in force, from 1.
+        step: usize,
+        /// The hand, arm or robot.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lane: Option<String>,
+        /// The action with all its arguments.
+        call: String,
+        /// The step for a person.
+        explanation: String,
+    },
+    /// The robot says that it did a step.
+    Performed {
+        /// The number of the order.
+        order: u64,
+        /// The outcome of a sensing step.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        outcome: Option<String>,
+    },
+    /// The robot says that it could not do a step.
+    Failed {
+        /// The number of the order.
+        order: u64,
+        /// The robot's reason.
+        why: String,
+    },
+    /// The world was observed.
+    Observed {
+        /// The statements of the robot.
+        statements: Statements,
+    },
+    /// A difference between the expected and the observed world, and what follows from it.
+    Assessed {
+        /// `harmless`, `helpful`, `undone` or `harmful`.
+        effect: String,
+        /// The differing facts, as sentences.
+        because: Vec<String>,
+        /// The steps that are needless or repeated.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        steps: Vec<String>,
+    },
+    /// A change of the rest of the plan was found.
+    Changed {
+        /// How it was found.
+        kind: ChangeKind,
+        /// The new rest.
+        plan: PlanText,
+        /// Its steps, as sentences.
+        steps: Vec<String>,
+        /// The edits with their reasons.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        edits: Vec<String>,
+    },
+    /// The program ended while the execution went on; orders that were under way are unknown.
+    Interrupted {
+        /// The numbers of these orders.
+        under_way: Vec<u64>,
+    },
+    /// An observation shows that an interrupted order was done.
+    Found {
+        /// The number of the order.
+        order: u64,
+    },
+    /// A person decided whether an interrupted order was done.
+    Judged {
+        /// The number of the order.
+        order: u64,
+        /// True if it was done.
+        done: bool,
+    },
+    /// The execution stopped.
+    Stopped {
+        /// The reason.
+        why: String,
+        /// True if it follows from the observed world alone.
+        proven: bool,
+        /// The orders that were under way.
+        under_way: Vec<u64>,
+        /// The environment as far as it is known.
+        environment: Environment,
+    },
+    /// The purpose is achieved in the observed world.
+    Done {
+        /// The environment.
+        environment: Environment,
+    },
+}
+
+impl Event {
+    pub(super) fn began(plan: &VerifiedPlan, aim: &Aim, settings: &Settings) -> Self {
+        let world = plan.world();
+        let domain = world.domain();
+        let constraints = world.prohibitions().iter();
+        Self::Began {
+            format: FORMAT,
+            domain: domain.name.clone(),
+            environment: world.environment().clone(),
+            plan: plan_text(world, plan.plan()),
+            goal: match aim {
+                Aim::Goal(goal) => Some(goal.clone()),
+                Aim::Endings => None,
+            },
+            constraints: constraints.map(|own| (own.written.clone(), own.standing)).collect(),
+            approval: settings.approval,
+            watch: settings.watch,
+            changes: settings.changes,
+            reports: settings
+                .reports
+                .iter()
+                .map(|predicate| domain.predicate(*predicate).name.clone())
+                .collect(),
+            skills: settings.skills.source().clone(),
+        }
+    }
+
+    pub(super) fn ordered(world: &World, order: &Order) -> Self {
+        Self::Ordered {
+            order: order.number,
+            step: order.step.index() + 1,
+            lane: order.lane.map(|lane| world.entity(lane).identifier.clone()),
+            call: order.written(world),
+            explanation: order.explanation.clone(),
+        }
+    }
+
+    pub(super) fn performed(world: &World, order: u64, outcome: Option<Fact>) -> Self {
+        Self::Performed {
+            order,
+            outcome: outcome.map(|fact| written_outcome(world, fact)),
+        }
+    }
+
+    pub(super) fn assessed(world: &World, effect: Effect, because: &[Difference], steps: &[String]) -> Self {
+        Self::Assessed {
+            effect: effect.to_string(),
+            because: sentences(world, because),
+            steps: steps.to_vec(),
+        }
+    }
+
+    pub(super) fn changed(world: &World, change: &Change) -> Self {
+        let edit = |edit: &crate::repair::Edit| format!("{}: {}", edit.description(change.steps), edit.why);
+        Self::Changed {
+            kind: change.kind,
+            plan: plan_text(world, change.plan.plan()),
+            steps: change
+                .plan
+                .steps()
+                .iter()
+                .map(|step| step.explanation.clone())
+                .collect(),
+            edits: change.edits.iter().map(edit).collect(),
+        }
+    }
+}
+
+/// Returns the differing facts as sentences, at most twenty.
+pub(super) fn sentences(world: &World, differences: &[Difference]) -> Vec<String> {
+    let first = differences.iter().take(20);
+    first.map(|own| fact_text(world, own.fact, own.now_holds)).collect()
+}
+
+fn plan_text(world: &World, plan: &Plan) -> PlanText {
+    write_tree(&Written::of_plan(world, plan))
+}
+
+/// Writes an action with all its arguments, those that calls omit included.
+pub(super) fn written_step(world: &World, action: ActionId, arguments: &[EntityId]) -> String {
+    let call = Call {
+        name: world.domain().action(action).name.clone(),
+        arguments: arguments
+            .iter()
+            .map(|entity| world.entity(*entity).identifier.clone())
+            .collect(),
+    };
+    call.to_string()
+}
+
+/// Writes the outcome of a sensing step: `expired(<milk>)`.
+pub(super) fn written_outcome(world: &World, fact: Fact) -> String {
+    let domain = world.domain();
+    let call = Call {
+        name: domain.predicate(fact.predicate()).name.clone(),
+        arguments: domain
+            .arguments(fact)
+            .map(|entity| world.entity(entity).identifier.clone())
+            .collect(),
+    };
+    call.to_string()
+}

@@ -1,0 +1,184 @@
+//! What an execution needs next, and how it ends.
+
+use std::fmt;
+
+use super::change::Change;
+use crate::model::{ActionId, Difference, EntityId, Fact, World, fact_text};
+use crate::plan::StepId;
+use crate::search::WhyNot;
+
+/// The beginning of the sentence for [`Stop::Robot`].
+pub(super) const ROBOT_FAILED: &str = "the robot failed: ";
+
+/// The next input that an [`Execution`](super::Execution) needs.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Need {
+    /// A robot performs the step; then [`performed`](super::Execution::performed) or
+    /// [`failed`](super::Execution::failed).
+    Perform(Order),
+    /// As [`Need::Perform`], for a step that reveals one of its [`Order::outcomes`].
+    Sense(Order),
+    /// An observation; then [`observed`](super::Execution::observed).
+    Observe,
+    /// A decision of a person; then [`approve`](super::Execution::approve) or [`refuse`](super::Execution::refuse).
+    Approve(Proposal),
+    /// A person who knows whether a step that was under way at a crash was done; then
+    /// [`judged`](super::Execution::judged).
+    Judge(Order),
+    /// Nothing: the steps that are under way have to end first.
+    Wait,
+    /// Nothing: the purpose is achieved in the observed world.
+    Done,
+    /// Nothing: the execution has stopped.
+    Stopped(Stop),
+}
+
+/// A step that a robot is to perform.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Order {
+    /// The number of the order in the execution, from 1.
+    pub number: u64,
+    /// The step of the plan in force.
+    pub step: StepId,
+    /// The hand, arm or robot; none if the action has no actor.
+    pub lane: Option<EntityId>,
+    /// The action.
+    pub action: ActionId,
+    /// One entity for each parameter.
+    pub arguments: Vec<EntityId>,
+    /// The step for a person.
+    pub explanation: String,
+    /// The possible outcomes of a sensing step, of which exactly one holds; empty for other steps.
+    pub outcomes: Vec<Fact>,
+    /// The values of the skill parameters, by name.
+    pub skills: serde_json::Map<String, serde_json::Value>,
+}
+
+impl Order {
+    /// Writes the action with all its arguments: `attach(<cup>, <shelf>)`.
+    pub fn written(&self, world: &World) -> String {
+        super::event::written_step(world, self.action, &self.arguments)
+    }
+}
+
+/// A matter that a person decides.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Proposal {
+    /// The plan, before its first step.
+    Plan,
+    /// A change of the rest of the plan.
+    Change(Box<Change>),
+    /// One step, before it is performed.
+    Step(Order),
+}
+
+/// The reason of a stop.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Stop {
+    /// A person or the program asked for it.
+    Requested(String),
+    /// A person refused the plan, a change or a step.
+    Refused,
+    /// No plan achieves the purpose from the observed world: proven.
+    NoPlan {
+        /// The reasons.
+        why: WhyNot,
+        /// The steps that the robot cannot perform, and that no plan may contain, with the robot's reasons.
+        failed: Vec<String>,
+    },
+    /// No plan was found within the limits; one may exist.
+    GaveUp {
+        /// The limit.
+        why: String,
+        /// As in [`Stop::NoPlan`].
+        failed: Vec<String>,
+    },
+    /// The plan was changed as often as the settings allow.
+    TooManyChanges(u32),
+    /// The same world came about again with the same rest of the plan: another change would not help.
+    Repeated,
+    /// A constraint of the instruction, or a rule of the domain for every state, is broken in the observed world.
+    Broken {
+        /// The constraint as a sentence, or the name of the rule.
+        constraint: String,
+        /// The facts that differ from those that were expected.
+        because: Vec<Difference>,
+    },
+    /// The robot failed, not one of its steps.
+    Robot(String),
+}
+
+impl Stop {
+    /// Returns true if the stop follows from the observed world alone: no plan exists, or a constraint is broken.
+    pub fn is_proven(&self) -> bool {
+        matches!(self, Self::NoPlan { .. } | Self::Broken { .. })
+    }
+
+    /// The reason as a sentence.
+    pub fn sentence(&self, world: &World) -> String {
+        match self {
+            Self::Requested(why) => why.clone(),
+            Self::Refused => "a person did not approve it".to_owned(),
+            Self::NoPlan { why, failed } => {
+                let mut reasons = failed.clone();
+                // A step that cannot be done is among the prohibitions too.
+                let is_new = |own: &&String| {
+                    let call = own.strip_prefix("never ").unwrap_or(own);
+                    !failed.iter().any(|failed| failed.contains(call))
+                };
+                let prohibitions = why.prohibitions.iter().filter(is_new);
+                reasons.extend(prohibitions.map(|own| format!("`{own}` prevents a plan")));
+                let missing = why.missing.map(|(fact, holds)| fact_text(world, fact, holds));
+                reasons
+                    .extend(missing.map(|text| format!("it would need that {text}, and no action can make that so")));
+                let reasons = if reasons.is_empty() {
+                    String::new()
+                } else {
+                    format!(": {}", reasons.join("; "))
+                };
+                format!("no plan achieves the goal from here{reasons}")
+            }
+            Self::GaveUp { why, failed } => {
+                let failed: String = failed.iter().map(|own| format!("; {own}")).collect();
+                format!("no plan was found from here ({why}){failed}")
+            }
+            Self::TooManyChanges(changes) => format!("the plan was changed {changes} times already"),
+            Self::Repeated => "the same world came about again with the same rest of the plan".to_owned(),
+            Self::Broken { constraint, because } => {
+                let because: Vec<String> = because
+                    .iter()
+                    .map(|own| fact_text(world, own.fact, own.now_holds))
+                    .collect();
+                format!("a constraint no longer holds ({constraint}): {}", because.join(", "))
+            }
+            Self::Robot(why) => format!("{ROBOT_FAILED}{why}"),
+        }
+    }
+}
+
+/// How a difference between the expected and the observed world affects the rest of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effect {
+    /// The rest is valid from the observed world and achieves its purpose.
+    Harmless,
+    /// The first steps of the rest have become needless.
+    Helpful,
+    /// The last steps had no effect, and are repeated.
+    Undone,
+    /// The rest does not achieve its purpose from the observed world.
+    Harmful,
+}
+
+impl fmt::Display for Effect {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Harmless => "harmless",
+            Self::Helpful => "helpful",
+            Self::Undone => "undone",
+            Self::Harmful => "harmful",
+        })
+    }
+}

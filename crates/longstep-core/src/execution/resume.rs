@@ -1,0 +1,237 @@
+//! An execution that is taken up again from its log.
+
+use super::event::{FORMAT, written_outcome};
+use super::{Aim, BeginError, Event, Execution, ExecutionError, Settings};
+use crate::diagnostic::Diagnostics;
+use crate::environment;
+use crate::goal::{self, GoalError};
+use crate::json::Path;
+use crate::model::{Domain, PredicateId, Prohibition, World};
+use crate::plan::{PlanFile, TaskCohesion, TreeError, read_tree, resolve};
+use crate::skill::Skills;
+use crate::verify::{Purpose, VerifiedPlan, bind_tree, check};
+
+/// The reason why an execution cannot be taken up again.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResumeError {
+    /// The log does not begin with [`Event::Began`], or another version wrote it.
+    #[error("the log does not begin as this version writes it")]
+    Beginning,
+    /// The log is of another domain.
+    #[error("the log is of the domain `{0}`")]
+    Domain(String),
+    /// The domain has no such predicate.
+    #[error("the domain has no predicate `{0}`")]
+    Predicate(String),
+    /// The environment cannot be read.
+    #[error("the environment of the log cannot be read: {0}")]
+    Environment(Diagnostics),
+    /// The plan cannot be read.
+    #[error("the plan of the log cannot be read: {0}")]
+    Plan(#[from] TreeError),
+    /// The plan is not valid in the environment: the domain has changed.
+    #[error("the plan of the log is not valid any more: {0}")]
+    Invalid(String),
+    /// The skills cannot be read.
+    #[error("the skills of the log cannot be read: {0}")]
+    Skills(Diagnostics),
+    /// The execution cannot begin.
+    #[error(transparent)]
+    Begin(#[from] BeginError),
+    /// The goal or a constraint cannot be read.
+    #[error("the goal of the log cannot be read: {0}")]
+    Goal(#[from] GoalError),
+    /// An event does not follow from those before it: the domain or the program has changed, or the log is damaged.
+    #[error("event {0} of the log does not follow from those before it")]
+    Event(usize),
+    /// The execution has ended.
+    #[error("the execution has ended; there is nothing to resume")]
+    Ended,
+}
+
+impl Execution {
+    /// Takes up an execution again from its log.
+    ///
+    /// What was done is known. A step that was under way is unknown: the next need is an observation, which shows
+    /// whether it was done, or else a person is asked. Events that the log lacks are returned by
+    /// [`Execution::take_events`].
+    ///
+    /// # Errors
+    ///
+    /// A log that cannot be read, or whose execution has ended.
+    pub fn resume(domain: &Domain, log: &[Event]) -> Result<Self, ResumeError> {
+        let mut execution = Self::replay(domain, log)?;
+        if execution.is_ended() {
+            return Err(ResumeError::Ended);
+        }
+        let under_way = execution.running.iter().chain(&execution.interrupted);
+        let under_way = under_way.map(|order| order.number).collect();
+        execution.interrupt();
+        execution.events.push(Event::Interrupted { under_way });
+        Ok(execution)
+    }
+
+    /// Repeats the events of a log; the execution is where it was at the last of them.
+    ///
+    /// # Errors
+    ///
+    /// A log that cannot be read.
+    pub fn replay(domain: &Domain, log: &[Event]) -> Result<Self, ResumeError> {
+        let mut execution = begun(domain, log.first())?;
+        let mut repeated = execution.take_events();
+        for (index, event) in log.iter().enumerate().skip(1) {
+            execution.repeat(event, index, &mut repeated)?;
+            let known = repeated.len().min(log.len());
+            if repeated[..known] != log[..known] {
+                let first = (0..known).find(|index| repeated[*index] != log[*index]);
+                return Err(ResumeError::Event(first.unwrap_or(index) + 1));
+            }
+        }
+        if repeated.len() < log.len() {
+            return Err(ResumeError::Event(repeated.len() + 1));
+        }
+        execution.events = repeated.split_off(log.len());
+        Ok(execution)
+    }
+
+    /// Repeats one event. Events that follow from others are there already, or come with the next input.
+    fn repeat(&mut self, event: &Event, index: usize, repeated: &mut Vec<Event>) -> Result<(), ResumeError> {
+        let wrong = |_: ExecutionError| ResumeError::Event(index + 1);
+        if index < repeated.len() {
+            return Ok(());
+        }
+        match event {
+            Event::Approved | Event::Refused => {
+                self.next_need();
+                let decided = match event {
+                    Event::Approved => self.approve(),
+                    _ => self.refuse(),
+                };
+                decided.map_err(wrong)?;
+            }
+            Event::Performed { order, outcome } => {
+                let own = self.running.iter().find(|own| own.number == *order);
+                let outcomes = own.map(|own| own.outcomes.clone()).unwrap_or_default();
+                let is = |text: &String| {
+                    let mut outcomes = outcomes.iter().copied();
+                    outcomes.find(|fact| written_outcome(&self.world, *fact) == *text)
+                };
+                let outcome = outcome.as_ref().and_then(is);
+                self.performed(*order, outcome).map_err(wrong)?;
+            }
+            Event::Failed { order, why } => self.failed(*order, why).map_err(wrong)?,
+            Event::Observed { statements } => {
+                if !self.due && self.running.is_empty() && self.cursor.is_finished() {
+                    self.next_need();
+                }
+                self.observed(statements).map_err(wrong)?;
+            }
+            Event::Judged { order, done } => self.judged(*order, *done).map_err(wrong)?,
+            Event::Interrupted { under_way } => {
+                self.interrupt();
+                let under_way = under_way.clone();
+                self.events.push(Event::Interrupted { under_way });
+            }
+            Event::Stopped { why, .. } => match why.strip_prefix(super::need::ROBOT_FAILED) {
+                Some(why) => self.robot_failed(why),
+                None => self.stop(why),
+            },
+            _ => {
+                self.next_need();
+            }
+        }
+        repeated.append(&mut self.events);
+        Ok(())
+    }
+
+    /// Marks the orders under way as unknown, and has the world observed.
+    fn interrupt(&mut self) {
+        if self.is_ended() {
+            return;
+        }
+        self.interrupted.append(&mut self.running);
+        if let super::Phase::Judging(_) = self.phase {
+            self.phase = super::Phase::Active;
+        }
+        self.due = true;
+    }
+}
+
+/// Returns the execution that begins with this event.
+fn begun(domain: &Domain, event: Option<&Event>) -> Result<Execution, ResumeError> {
+    let Some(Event::Began {
+        format: FORMAT,
+        domain: name,
+        environment,
+        plan,
+        goal,
+        constraints,
+        approval,
+        watch,
+        changes,
+        reports,
+        skills,
+    }) = event
+    else {
+        return Err(ResumeError::Beginning);
+    };
+    if *name != domain.name {
+        return Err(ResumeError::Domain(name.clone()));
+    }
+    let predicate = |name: &String| {
+        let place = domain.predicates.iter().position(|own| own.name == *name);
+        place
+            .map(PredicateId::new)
+            .ok_or_else(|| ResumeError::Predicate(name.clone()))
+    };
+    let reports = reports.iter().map(predicate).collect::<Result<_, _>>()?;
+    let world =
+        environment::read(domain, environment, "log", "", &Path::default()).map_err(ResumeError::Environment)?;
+    let written = read_tree(plan, Vec::new(), &Path::key("plan"))?;
+    let file = PlanFile::from(TaskCohesion {
+        task_tree: Some(written),
+        ..TaskCohesion::default()
+    });
+    let mut world = file.world_of(&world).into_owned();
+    if let Some(goal) = goal {
+        world.add_values(goal);
+    }
+    let world = constrained(&world, constraints)?;
+    let plan = verified(&world, &file.task_cohesion)?;
+    let aim = match goal {
+        Some(goal) => Aim::Goal(goal.clone()),
+        None => Aim::Endings,
+    };
+    let settings = Settings {
+        approval: *approval,
+        watch: *watch,
+        changes: *changes,
+        reports,
+        skills: Skills::from_value(domain, skills.clone()).map_err(ResumeError::Skills)?,
+    };
+    Ok(Execution::new(&plan, &aim, settings)?)
+}
+
+fn constrained(world: &World, constraints: &[(String, bool)]) -> Result<World, ResumeError> {
+    let mut all: Vec<Prohibition> = Vec::new();
+    for (written, standing) in constraints {
+        let mut values = world.clone();
+        values.add_values(written);
+        let own = goal::parse(&values, written)?.purpose(&values).prohibitions;
+        let own = own.into_iter().map(|own| if *standing { own.standing() } else { own });
+        all.extend(own);
+    }
+    Ok(world.with_prohibitions(all))
+}
+
+fn verified(world: &World, cohesion: &TaskCohesion) -> Result<VerifiedPlan, ResumeError> {
+    let bound = bind_tree(world, &resolve(world, cohesion), None);
+    let invalid = |violations: &[crate::plan::Violation]| {
+        let messages: Vec<String> = violations.iter().map(|own| own.message(world, &[], None)).collect();
+        ResumeError::Invalid(messages.join("; "))
+    };
+    let (plan, _) = bound.map_err(|violations| invalid(&violations))?;
+    let report = check(world, plan, &Purpose::default());
+    report.into_verified().map_err(|report| invalid(&report.violations))
+}

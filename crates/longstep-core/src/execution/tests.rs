@@ -1,0 +1,410 @@
+use super::*;
+use crate::domain;
+use crate::environment::{self, EntityId, fact_of};
+use crate::goal;
+use crate::model::{Domain, apply};
+use crate::search::{Limits, Outcome, solve};
+use crate::verify::{VerifiedPlan, check};
+
+const KITCHEN: &str = r#"{"assets": ["<table>", "<shelf>", "<fridge>", "<bin>"],
+    "objects": ["<cup>", "<pen>", "<milk>", "<fridge_handle>"],
+    "object_states": {"<cup>": "on_something(<table>)", "<pen>": "on_something(<table>)",
+        "<milk>": "inside_something(<fridge>)", "<fridge_handle>": "closed()"}}"#;
+
+fn household() -> Domain {
+    domain::shipped("household").unwrap().unwrap()
+}
+
+fn kitchen() -> World {
+    environment::parse(&household(), "env.json", KITCHEN).unwrap()
+}
+
+fn plan(world: &World, text: &str) -> VerifiedPlan {
+    let goal = goal::parse(world, text).unwrap();
+    let outcome = solve(world, &goal.purpose(world), &Limits::default());
+    let Outcome::Solved { plan, .. } = outcome else {
+        panic!("{text}: {outcome:?}")
+    };
+    check(world, plan, &goal.purpose(world)).into_verified().unwrap()
+}
+
+fn fact(world: &World, text: &str) -> Fact {
+    if let Some(item) = text.strip_prefix("lifted ") {
+        let predicates = &world.domain().predicates;
+        let lifted = predicates.iter().position(|own| own.name == "lifted").unwrap();
+        return Fact::new(PredicateId::new(lifted), [world.find(item).unwrap()]);
+    }
+    let (subject, word) = text.split_once(' ').unwrap();
+    fact_of(world, world.find(subject).unwrap(), word).unwrap()
+}
+
+/// What happens at an order.
+#[derive(Debug, Clone, Copy)]
+enum Mishap<'a> {
+    /// The robot says that it cannot do the step.
+    Fails,
+    /// The robot says that it did the step, and nothing happened.
+    NoEffect,
+    /// These facts become true (`+`) and false (`-`) after the step.
+    Then(&'a [&'a str]),
+}
+
+/// A real world with a robot.
+struct Real<'a> {
+    state: State,
+    /// True if every step is observed, so that no order may be inapplicable.
+    watched: bool,
+    mishaps: &'a [(u64, Mishap<'a>)],
+    calls: Vec<String>,
+    log: Vec<Event>,
+}
+
+impl Real<'_> {
+    fn of<'a>(execution: &Execution, mishaps: &'a [(u64, Mishap<'a>)]) -> Real<'a> {
+        Real {
+            state: execution.state().clone(),
+            watched: execution.settings.watch == Watch::EachStep,
+            mishaps,
+            calls: Vec::new(),
+            log: Vec::new(),
+        }
+    }
+
+    fn observation(&self, world: &World, reports: &[PredicateId]) -> Statements {
+        let everything: Vec<EntityId> = world.entities().map(|(entity, _)| entity).collect();
+        Observation::statements(world, &self.state, &everything, reports)
+    }
+
+    /// Performs an order; returns false if it fails.
+    fn perform(&mut self, world: &World, order: &Order) -> bool {
+        let action = world.domain().action(order.action);
+        let moment = Moment {
+            world,
+            state: &self.state,
+        };
+        if !holds(moment, &action.precondition, &mut order.arguments.clone()) {
+            assert!(!self.watched, "{} is not applicable", order.written(world));
+            return false;
+        }
+        self.calls.push(order.written(world));
+        let mishap = self.mishaps.iter().find(|(number, _)| *number == order.number);
+        match mishap.map(|(_, mishap)| *mishap) {
+            Some(Mishap::Fails) => return false,
+            Some(Mishap::NoEffect) => {}
+            Some(Mishap::Then(facts)) => {
+                apply(world, &mut self.state, action, &order.arguments);
+                for text in facts {
+                    self.state.set(fact(world, &text[1..]), text.starts_with('+'));
+                }
+            }
+            None => {
+                apply(world, &mut self.state, action, &order.arguments);
+            }
+        }
+        true
+    }
+
+    /// Runs to the end.
+    fn run(&mut self, execution: &mut Execution) -> Need {
+        for _ in 0..500 {
+            let need = execution.next_need();
+            self.log.extend(execution.take_events());
+            let world = execution.world().clone();
+            match need {
+                Need::Perform(order) => {
+                    if self.perform(&world, &order) {
+                        execution.performed(order.number, None).unwrap();
+                    } else {
+                        execution.failed(order.number, "slipped").unwrap();
+                    }
+                }
+                Need::Observe => {
+                    let seen = self.observation(&world, &execution.settings.reports);
+                    execution.observed(&seen).unwrap();
+                }
+                Need::Approve(_) => execution.approve().unwrap(),
+                end => {
+                    self.log.extend(execution.take_events());
+                    return end;
+                }
+            }
+        }
+        panic!("no end: {:?}", self.calls)
+    }
+}
+
+fn reports(world: &World) -> Vec<PredicateId> {
+    let predicates = world.domain().predicates.iter().enumerate();
+    let hidden = predicates.filter(|(_, own)| ["hand-at", "lifted"].contains(&own.name.as_str()));
+    hidden.map(|(index, _)| PredicateId::new(index)).collect()
+}
+
+fn execution(world: &World, goal: &str, watch: Watch) -> Execution {
+    let settings = Settings {
+        approval: Approval::Never,
+        watch,
+        reports: reports(world),
+        ..Settings::default()
+    };
+    Execution::new(&plan(world, goal), &Aim::Goal(goal.to_owned()), settings).unwrap()
+}
+
+/// The effects of the differences, and the changes, of a log.
+fn assessments(log: &[Event]) -> Vec<String> {
+    let told = log.iter().filter_map(|event| match event {
+        Event::Assessed { effect, .. } => Some(effect.clone()),
+        Event::Changed { kind, .. } => Some(format!("{kind:?}")),
+        _ => None,
+    });
+    told.collect()
+}
+
+#[test]
+fn a_difference_is_sorted_and_mended() {
+    let world = kitchen();
+    // The plan for the cup: move-hand, grasp, detach, move-object, attach, release.
+    let away = ["-<cup> on_something(<table>)", "+<cup> inside_something(<fridge>)"];
+    let there = ["-<cup> on_something(<table>)", "+<cup> on_something(<shelf>)"];
+    let fell = ["-<cup> inside_hand()", "-lifted <cup>", "+<cup> on_something(<table>)"];
+    let moved = ["-<pen> on_something(<table>)", "+<pen> on_something(<shelf>)"];
+    for (mishaps, expected, steps) in [
+        (vec![], vec![], 6),
+        (vec![(2, Mishap::Then(&moved[..]))], vec!["harmless"], 6),
+        (vec![(3, Mishap::Fails)], vec!["harmless"], 7),
+        (vec![(2, Mishap::NoEffect)], vec!["undone"], 7),
+        (vec![(5, Mishap::NoEffect)], vec!["undone"], 7),
+        (vec![(1, Mishap::Then(&there[..]))], vec!["helpful"], 1),
+        (vec![(4, Mishap::Then(&fell[..]))], vec!["harmful", "Repaired"], 10),
+        (vec![(1, Mishap::Then(&away[..]))], vec!["harmful", "Repaired"], 15),
+    ] {
+        for watch in [Watch::EachStep, Watch::OnFailure] {
+            let mut execution = execution(&world, "put(cup, shelf)", watch);
+            let mut real = Real::of(&execution, &mishaps);
+            let end = real.run(&mut execution);
+            assert!(
+                matches!(end, Need::Done),
+                "{mishaps:?} {watch:?}: {end:?} {:?}",
+                real.calls
+            );
+            assert!(
+                real.state.holds(fact(&world, "<cup> on_something(<shelf>)")),
+                "{mishaps:?}"
+            );
+            if watch == Watch::EachStep {
+                let calls = &real.calls;
+                assert_eq!(assessments(&real.log), expected, "{mishaps:?}: {calls:?}");
+                assert_eq!(calls.len(), steps, "{mishaps:?}: {calls:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_step_that_keeps_failing_is_given_up_with_a_reason() {
+    let world = kitchen();
+    let mishaps: Vec<(u64, Mishap<'_>)> = (2..20).map(|order| (order, Mishap::Fails)).collect();
+    let mut execution = execution(&world, "put(cup, shelf)", Watch::EachStep);
+    let mut real = Real::of(&execution, &mishaps);
+    let Need::Stopped(stop) = real.run(&mut execution) else {
+        panic!("{:?}", real.calls)
+    };
+    assert!(stop.is_proven());
+    let sentence = stop.sentence(&world);
+    assert!(
+        sentence.contains("`grasp(<cup>)` cannot be done (slipped)"),
+        "{sentence}"
+    );
+    assert_eq!(
+        real.calls,
+        ["move-hand(<cup>)", "grasp(<cup>)", "grasp(<cup>)", "grasp(<cup>)"]
+    );
+}
+
+#[test]
+fn a_constraint_holds_for_the_change_too() {
+    // The cup ends up in the fridge, which may not be opened.
+    let world = kitchen();
+    let goal = "put(cup, shelf) & never opened(fridge)";
+    let away = ["-<cup> on_something(<table>)", "+<cup> inside_something(<fridge>)"];
+    let mishaps = [(1, Mishap::Then(&away))];
+    let mut own = execution(&world, goal, Watch::EachStep);
+    let mut real = Real::of(&own, &mishaps);
+    let Need::Stopped(stop) = real.run(&mut own) else {
+        panic!("{:?}", real.calls)
+    };
+    let sentence = stop.sentence(&world);
+    assert!(stop.is_proven() && sentence.contains("never open"), "{sentence}");
+    assert_eq!(real.calls.len(), 1);
+    // Somebody else opens it.
+    let opened = ["-<fridge_handle> closed()", "+<fridge_handle> open()"];
+    let mishaps = [(1, Mishap::Then(&opened))];
+    let mut own = execution(&world, goal, Watch::EachStep);
+    let end = Real::of(&own, &mishaps).run(&mut own);
+    assert!(matches!(end, Need::Stopped(Stop::Broken { .. })), "{end:?}");
+}
+
+#[test]
+fn nothing_that_was_not_approved_is_performed() {
+    let world = kitchen();
+    let settings = |approval| Settings {
+        approval,
+        reports: reports(&world),
+        ..Settings::default()
+    };
+    let aim = Aim::Goal("put(cup, shelf)".to_owned());
+    let plan = plan(&world, "put(cup, shelf)");
+    let begin = |approval| Execution::new(&plan, &aim, settings(approval)).unwrap();
+    let mut refused = begin(Approval::Changes);
+    assert!(matches!(refused.next_need(), Need::Approve(Proposal::Plan)));
+    refused.refuse().unwrap();
+    assert!(matches!(refused.next_need(), Need::Stopped(Stop::Refused)));
+    // A change is refused.
+    let mut own = begin(Approval::Changes);
+    own.next_need();
+    own.approve().unwrap();
+    let away = ["-<cup> on_something(<table>)", "+<cup> inside_something(<fridge>)"];
+    let mishaps = [(1, Mishap::Then(&away))];
+    let mut real = Real::of(&own, &mishaps);
+    loop {
+        match own.next_need() {
+            Need::Perform(order) => {
+                real.perform(&world, &order);
+                own.performed(order.number, None).unwrap();
+            }
+            Need::Observe => own.observed(&real.observation(&world, &reports(&world))).unwrap(),
+            Need::Approve(Proposal::Change(change)) => {
+                assert!(!change.edits.is_empty());
+                break;
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert_eq!(real.calls.len(), 1);
+    assert!(
+        matches!(own.next_need(), Need::Approve(Proposal::Change(_))),
+        "it is asked again"
+    );
+    own.refuse().unwrap();
+    assert!(matches!(own.next_need(), Need::Stopped(Stop::Refused)));
+    // Every step is asked about.
+    let mut own = begin(Approval::EachStep);
+    let (mut steps, mut real) = (0, Real::of(&own, &[]));
+    loop {
+        match own.next_need() {
+            Need::Approve(Proposal::Step(_)) => {
+                steps += 1;
+                own.approve().unwrap();
+            }
+            Need::Approve(_) => own.approve().unwrap(),
+            Need::Perform(order) => {
+                real.perform(&world, &order);
+                own.performed(order.number, None).unwrap();
+            }
+            Need::Observe => own.observed(&real.observation(&world, &reports(&world))).unwrap(),
+            Need::Done => break,
+            other => panic!("{other:?}"),
+        }
+    }
+    assert_eq!((steps, real.calls.len()), (6, 6));
+}
+
+#[test]
+fn nothing_is_ordered_after_a_stop() {
+    let world = kitchen();
+    let mut own = execution(&world, "put(cup, shelf)", Watch::EachStep);
+    own.next_need();
+    own.observed(&Real::of(&own, &[]).observation(&world, &reports(&world)))
+        .unwrap();
+    let Need::Perform(order) = own.next_need() else {
+        panic!()
+    };
+    own.take_events();
+    own.stop("Ctrl-C");
+    assert!(matches!(own.next_need(), Need::Stopped(Stop::Requested(_))));
+    assert_eq!(own.performed(order.number, None), Err(ExecutionError::Ended));
+    let events = own.take_events();
+    assert!(matches!(&events[..], [Event::Stopped { under_way, .. }] if *under_way == [1]));
+}
+
+/// Crashes after every event of a run, and takes it up again.
+#[test]
+fn after_a_crash_an_unknown_step_is_observed_or_asked_about() {
+    let world = kitchen();
+    let household = household();
+    let fell = ["-<cup> inside_hand()", "-lifted <cup>", "+<cup> on_something(<table>)"];
+    let mishaps = [(4, Mishap::Then(&fell[..]))];
+    let mut whole = execution(&world, "put(cup, shelf)", Watch::EachStep);
+    let mut real = Real::of(&whole, &mishaps);
+    real.run(&mut whole);
+    let log = real.log;
+    assert!(log.len() > 20, "{}", log.len());
+    // Through its JSON, as a file has it.
+    let lines: Vec<String> = log.iter().map(|event| serde_json::to_string(event).unwrap()).collect();
+    let log: Vec<Event> = lines.iter().map(|line| serde_json::from_str(line).unwrap()).collect();
+    for length in 1..log.len() {
+        // The state of the real world at that moment, with and without the step under way.
+        for was_done in [false, true] {
+            let before = Execution::replay(&household, &log[..length]).unwrap();
+            let mut state = before.state().clone();
+            if let (true, [order]) = (was_done, before.running()) {
+                apply(&world, &mut state, household.action(order.action), &order.arguments);
+            }
+            let mut again = Execution::resume(&household, &log[..length]).unwrap();
+            assert!(matches!(again.next_need(), Need::Observe), "{length}");
+            let mut real = Real::of(&again, &[]);
+            real.state = state;
+            let end = real.run(&mut again);
+            assert!(
+                matches!(end, Need::Done),
+                "{length} {was_done}: {end:?} {:?}",
+                real.calls
+            );
+            assert!(real.state.holds(fact(&world, "<cup> on_something(<shelf>)")));
+        }
+    }
+    assert_eq!(Execution::resume(&household, &log).err(), Some(ResumeError::Ended));
+    let mut damaged = log.clone();
+    damaged.remove(3);
+    assert!(matches!(
+        Execution::resume(&household, &damaged),
+        Err(ResumeError::Event(_))
+    ));
+}
+
+#[test]
+fn a_step_that_no_observation_shows_is_asked_about() {
+    let world = kitchen();
+    let settings = Settings {
+        approval: Approval::Never,
+        ..Settings::default()
+    };
+    let aim = Aim::Goal("put(cup, shelf)".to_owned());
+    let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, settings).unwrap();
+    let real = Real::of(&own, &[]);
+    let seen = real.observation(&world, &[]);
+    own.next_need();
+    own.observed(&seen).unwrap();
+    let Need::Perform(order) = own.next_need() else {
+        panic!()
+    };
+    assert_eq!(order.written(&world), "move-hand(<cup>)");
+    let log = own.take_events();
+    for (done, next) in [(true, "grasp(<cup>)"), (false, "move-hand(<cup>)")] {
+        let mut again = Execution::resume(&household(), &log).unwrap();
+        assert!(matches!(again.next_need(), Need::Observe));
+        again.observed(&seen).unwrap();
+        let Need::Judge(order) = again.next_need() else {
+            panic!()
+        };
+        again.judged(order.number, done).unwrap();
+        let need = match again.next_need() {
+            Need::Observe => {
+                again.observed(&seen).unwrap();
+                again.next_need()
+            }
+            need => need,
+        };
+        let Need::Perform(order) = need else { panic!("{need:?}") };
+        assert_eq!((order.written(&world).as_str(), order.number), (next, 2));
+    }
+}

@@ -1,0 +1,311 @@
+//! Seeded runs in the simulator over the scenes and goals of the shipped suites.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use longstep_core::environment::{Moment, State, World, holds};
+use longstep_core::execution::{Aim, Approval, Event, Execution, Need, Order as Wanted, Proposal, Settings, Stop};
+use longstep_core::search::{Limits, Outcome, solve};
+use longstep_core::verify::{Purpose, VerifiedPlan, check};
+use longstep_core::{domain, environment, goal, schedule};
+use longstep_robot::{
+    Progress, Robot, Scope, Sim, SimCounts, SimOptions, StopRequest, Watcher, drive, order_of, reports,
+};
+
+/// A goal of a suite in its scene, with a plan.
+pub struct Case {
+    pub name: String,
+    pub goal: String,
+    pub world: World,
+    pub purpose: Purpose,
+    pub plan: VerifiedPlan,
+}
+
+/// Reads the goals of the suites with these names that have a plan in the initial world of their scene.
+pub fn cases(suites: &[&str]) -> Vec<Case> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../suites");
+    suites
+        .iter()
+        .flat_map(|suite| of_suite(&root.join(suite), suite))
+        .collect()
+}
+
+fn toml_at(path: &Path) -> toml::Table {
+    fs::read_to_string(path).unwrap().parse().unwrap()
+}
+
+fn of_suite(folder: &Path, suite: &str) -> Vec<Case> {
+    let settings = toml_at(&folder.join("suite.toml"));
+    let domain = domain::shipped(settings["domain"].as_str().unwrap()).unwrap().unwrap();
+    let mut files: Vec<PathBuf> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    files.retain(|path| path.extension().is_some_and(|own| own == "toml") && !path.ends_with("suite.toml"));
+    files.sort();
+    let mut cases = Vec::new();
+    for file in files {
+        let table = toml_at(&file);
+        for case in table.get("case").and_then(toml::Value::as_array).into_iter().flatten() {
+            let (Some(id), Some(scene)) = (case["id"].as_str(), case["scene"].as_str()) else {
+                continue;
+            };
+            let path = folder.join("scenes").join(format!("{scene}.json"));
+            let text = fs::read_to_string(path).unwrap();
+            let world = environment::parse(&domain, scene, &text).unwrap();
+            let steps = case.get("steps").and_then(toml::Value::as_array);
+            let goals = [case.clone()].into_iter().chain(steps.into_iter().flatten().cloned());
+            let goals = goals.filter_map(|own| Some(own.get("goal")?.as_str()?.to_owned()));
+            for (index, goal) in goals.enumerate() {
+                cases.extend(solved(&world, &format!("{suite}/{id}/{}", index + 1), &goal));
+            }
+        }
+    }
+    cases
+}
+
+/// Returns the case if its goal has a plan with at least one step.
+pub fn solved(world: &World, name: &str, text: &str) -> Option<Case> {
+    let mut world = world.clone();
+    world.add_values(text);
+    let purpose = goal::parse(&world, text).ok()?.purpose(&world);
+    let Outcome::Solved { plan, .. } = solve(&world, &purpose, &Limits::default()) else {
+        return None;
+    };
+    let plan = check(&world, plan, &purpose).into_verified().ok()?;
+    (!plan.steps().is_empty()).then(|| Case {
+        name: name.to_owned(),
+        goal: text.to_owned(),
+        world,
+        purpose,
+        plan,
+    })
+}
+
+/// Approves everything, and checks that nothing is ordered that was not approved.
+#[derive(Default)]
+pub struct Approving {
+    open: bool,
+    pub unapproved: u32,
+    pub changes: u32,
+    pub skipped: u32,
+    pub events: Vec<Event>,
+}
+
+impl Watcher for Approving {
+    fn record(&mut self, _: &Execution, events: &[Event]) -> Result<(), String> {
+        for event in events {
+            match event {
+                Event::Began { .. } => self.open = true,
+                Event::Changed { .. } => {
+                    self.open = true;
+                    self.changes += 1;
+                }
+                Event::Approved => self.open = false,
+                Event::Ordered { .. } => self.unapproved += u32::from(self.open),
+                Event::Assessed { effect, .. } => self.skipped += u32::from(effect == "helpful"),
+                _ => {}
+            }
+        }
+        self.events.extend_from_slice(events);
+        Ok(())
+    }
+
+    fn approve(&mut self, _: &Execution, _: &Proposal) -> Option<bool> {
+        Some(true)
+    }
+
+    fn judge(&mut self, _: &Execution, _: &Wanted) -> Option<bool> {
+        None
+    }
+}
+
+/// The end of a run.
+pub struct Run {
+    pub stop: Option<Stop>,
+    /// True if the goal holds in the simulated world.
+    pub reached: bool,
+    pub counts: SimCounts,
+    pub watcher: Approving,
+}
+
+/// Runs a case with this number of mishaps.
+pub fn monitored(case: &Case, seed: u64, faults: u32) -> Run {
+    let mut sim = sim(case, seed, faults, "");
+    let settings = Settings {
+        approval: Approval::Changes,
+        reports: reports(&sim, &case.world).unwrap(),
+        ..Settings::default()
+    };
+    let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
+    let mut watcher = Approving::default();
+    let request = StopRequest::of(&sim);
+    let stop = drive(&mut execution, &mut sim, &mut watcher, &request);
+    Run {
+        stop,
+        reached: is_reached(case, sim.state()),
+        counts: sim.counts(),
+        watcher,
+    }
+}
+
+/// Runs a case step by step without looking: each step of the plan is ordered once, until one fails.
+pub fn plain(case: &Case, seed: u64, faults: u32) -> bool {
+    let mut sim = sim(case, seed, faults, "");
+    let (mut cursor, mut seen) = (case.plan.cursor(), None);
+    let mut number = 0;
+    while let Ok(Some(step)) = cursor.next(seen) {
+        number += 1;
+        let own = cursor.step(step);
+        let wanted = Wanted {
+            number,
+            step,
+            lane: None,
+            action: own.action,
+            arguments: own.arguments.clone(),
+            explanation: String::new(),
+            outcomes: cursor.outcomes(step),
+            skills: serde_json::Map::new(),
+        };
+        let handle = sim.start(&order_of(&case.world, &wanted)).unwrap();
+        let end = loop {
+            match sim.poll(handle).unwrap() {
+                Progress::Running(_) => {}
+                end => break end,
+            }
+        };
+        match end {
+            Progress::Done { outcome } => seen = outcome.map(|index| wanted.outcomes[index]),
+            _ => return false,
+        }
+    }
+    is_reached(case, sim.state())
+}
+
+fn sim(case: &Case, seed: u64, faults: u32, more: &str) -> Sim {
+    let horizon = case.plan.steps().len();
+    let options: SimOptions = format!("seed={seed},faults={faults},horizon={horizon}{more}")
+        .parse()
+        .unwrap();
+    Sim::new(case.world.clone(), &options).unwrap()
+}
+
+/// Returns true if the goal and the rules hold in a state of the case's world.
+pub fn is_reached(case: &Case, state: &State) -> bool {
+    let world = case.world.continued(state.clone());
+    let moment = Moment { world: &world, state };
+    let wanted = case.purpose.at_end(world.domain());
+    wanted
+        .iter()
+        .all(|own| holds(moment, &own.condition, &mut own.bindings.clone()))
+}
+
+/// Returns plans with lanes for pairs of goals of the suite `two-arms`, at most this many.
+pub fn lanes(count: usize) -> Vec<Case> {
+    let single = cases(&["two-arms"]);
+    let mut found: Vec<Case> = Vec::new();
+    let mut known = BTreeSet::new();
+    for distance in 1..single.len() {
+        for (index, one) in single.iter().enumerate() {
+            let other = &single[(index + distance) % single.len()];
+            let both = format!("{} & {}", one.goal, other.goal);
+            let same_scene = one.world.environment() == other.world.environment();
+            if found.len() == count || !same_scene || !known.insert(both.clone()) {
+                continue;
+            }
+            let Some(mut case) = solved(&one.world, &both, &both) else {
+                continue;
+            };
+            if let Some(shared) = schedule::share(&case.world, &case.plan, &case.purpose) {
+                case.plan = shared.plan;
+                found.push(case);
+            }
+        }
+    }
+    found
+}
+
+/// The end of a run of lanes.
+pub struct LaneRun {
+    pub as_promised: bool,
+    pub counts: SimCounts,
+    /// The largest number of orders under way at the same time.
+    pub together: usize,
+    pub stop: Option<Stop>,
+}
+
+/// Runs a plan with lanes, with steps of random lengths.
+pub fn in_lanes(case: &Case, seed: u64, faults: u32) -> LaneRun {
+    struct Counting(usize);
+    impl Watcher for Counting {
+        fn record(&mut self, execution: &Execution, _: &[Event]) -> Result<(), String> {
+            self.0 = self.0.max(execution.running().len());
+            Ok(())
+        }
+        fn approve(&mut self, _: &Execution, _: &Proposal) -> Option<bool> {
+            Some(true)
+        }
+        fn judge(&mut self, _: &Execution, _: &Wanted) -> Option<bool> {
+            None
+        }
+    }
+    let mut sim = sim(case, seed, faults, ",ticks=20");
+    let settings = Settings {
+        reports: reports(&sim, &case.world).unwrap(),
+        ..Settings::default()
+    };
+    let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
+    let (mut watcher, request) = (Counting(0), StopRequest::of(&sim));
+    let stop = drive(&mut execution, &mut sim, &mut watcher, &request);
+    LaneRun {
+        as_promised: case.plan.endings().iter().any(|ending| ending.after == *sim.state()),
+        counts: sim.counts(),
+        together: watcher.0,
+        stop,
+    }
+}
+
+/// Returns the time that the execution itself takes for each step of a run without mishaps.
+pub fn costs(case: &Case) -> Vec<Duration> {
+    let mut sim = sim(case, 0, 0, "");
+    let settings = Settings {
+        approval: Approval::Never,
+        reports: reports(&sim, &case.world).unwrap(),
+        ..Settings::default()
+    };
+    let mut execution = Execution::new(&case.plan, &Aim::Goal(case.goal.clone()), settings).unwrap();
+    let (mut costs, mut spent) = (Vec::new(), Duration::ZERO);
+    loop {
+        let begun = Instant::now();
+        let need = execution.next_need();
+        let events = execution.take_events();
+        spent += begun.elapsed();
+        drop(events);
+        match need {
+            Need::Perform(order) | Need::Sense(order) => {
+                let handle = sim.start(&order_of(&case.world, &order)).unwrap();
+                let outcome = loop {
+                    match sim.poll(handle).unwrap() {
+                        Progress::Running(_) => {}
+                        Progress::Done { outcome } => break outcome.map(|index| order.outcomes[index]),
+                        Progress::Failed { reason } => panic!("{reason}"),
+                    }
+                };
+                costs.push(spent);
+                let begun = Instant::now();
+                execution.performed(order.number, outcome).unwrap();
+                spent = begun.elapsed();
+            }
+            Need::Observe => {
+                let seen = sim.observe(&Scope::All).unwrap().into();
+                let begun = Instant::now();
+                execution.observed(&seen).unwrap();
+                spent += begun.elapsed();
+            }
+            Need::Done => return costs,
+            other => panic!("{other:?}"),
+        }
+    }
+}

@@ -1,0 +1,322 @@
+//! An execution driven on a robot.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use longstep_core::environment::World;
+use longstep_core::execution::{Event, Execution, Need, Order as Wanted, Proposal, Stop};
+use longstep_core::model::PredicateId;
+
+use crate::error::RobotError;
+use crate::observation::Scope;
+use crate::order::{ArgumentValue, Order};
+use crate::robot::{Feedback, Handle, Progress, Robot, StopSwitch};
+
+/// The longest wait between two looks at the robot and at the request to stop.
+const WAIT: Duration = Duration::from_millis(20);
+
+/// The people and the log beside a run.
+pub trait Watcher {
+    /// Keeps events. The robot is not asked to move before this returns.
+    ///
+    /// # Errors
+    ///
+    /// The reason why an event could not be kept: the run stops then.
+    fn record(&mut self, execution: &Execution, events: &[Event]) -> Result<(), String>;
+
+    /// Decides about a proposal; none to stop.
+    fn approve(&mut self, execution: &Execution, proposal: &Proposal) -> Option<bool>;
+
+    /// Decides whether a step that was under way at a crash was done; none to stop.
+    fn judge(&mut self, execution: &Execution, order: &Wanted) -> Option<bool>;
+
+    /// Takes the feedback of a step that is under way.
+    fn feedback(&mut self, _: &Wanted, _: &Feedback) {}
+}
+
+/// A request to stop a run, from any thread. Clones stop the same run.
+#[derive(Debug, Clone)]
+pub struct StopRequest {
+    requested: Arc<AtomicBool>,
+    switch: StopSwitch,
+}
+
+impl StopRequest {
+    /// Returns the request for runs on this robot.
+    pub fn of(robot: &dyn Robot) -> Self {
+        Self {
+            requested: Arc::default(),
+            switch: robot.stop_switch(),
+        }
+    }
+
+    /// Stops the robot before anything else, then the run.
+    pub fn stop(&self) {
+        // The flag first, which takes no time: an error of the robot that the switch causes is known to follow from it.
+        self.requested.store(true, Ordering::SeqCst);
+        self.switch.press();
+    }
+
+    /// Returns true after a request.
+    pub fn is_requested(&self) -> bool {
+        self.requested.load(Ordering::SeqCst)
+    }
+}
+
+/// An order that the robot performs, or that waits until the robot can take it.
+struct Running {
+    wanted: Wanted,
+    handle: Option<Handle>,
+}
+
+/// Returns the predicates that a robot reports besides the states of entities.
+///
+/// # Errors
+///
+/// The name of a predicate that the domain does not have.
+pub fn reports(robot: &dyn Robot, world: &World) -> Result<Vec<PredicateId>, RobotError> {
+    let predicates = &world.domain().predicates;
+    let find = |name: &String| {
+        let place = predicates.iter().position(|own| own.name == *name);
+        place.map(PredicateId::new).ok_or_else(|| RobotError::Protocol {
+            reason: format!("it reports `{name}`, which is no predicate of this domain"),
+        })
+    };
+    robot.reports().iter().map(find).collect()
+}
+
+/// Runs an execution on a robot until it is done or stopped; returns the reason of a stop. The robot is stopped first.
+pub fn drive(
+    execution: &mut Execution,
+    robot: &mut dyn Robot,
+    watcher: &mut dyn Watcher,
+    request: &StopRequest,
+) -> Option<Stop> {
+    let mut driver = Driver {
+        execution,
+        robot,
+        watcher,
+        request,
+        running: Vec::new(),
+    };
+    driver.run()
+}
+
+struct Driver<'a> {
+    execution: &'a mut Execution,
+    robot: &'a mut dyn Robot,
+    watcher: &'a mut dyn Watcher,
+    request: &'a StopRequest,
+    running: Vec<Running>,
+}
+
+impl Driver<'_> {
+    fn run(&mut self) -> Option<Stop> {
+        loop {
+            if self.request.is_requested() {
+                // The switch has stopped the robot already; this waits for its confirmation.
+                let confirmed = self.robot.stop();
+                self.execution.stop(match confirmed {
+                    Ok(()) => "stopped at a request",
+                    Err(_) => "stopped at a request; the robot did not confirm it",
+                });
+            }
+            let need = self.execution.next_need();
+            if !self.record() {
+                continue;
+            }
+            match need {
+                Need::Perform(order) | Need::Sense(order) => {
+                    self.running.push(Running {
+                        wanted: order,
+                        handle: None,
+                    });
+                    self.start();
+                }
+                Need::Observe => self.observe(),
+                Need::Approve(proposal) => match self.watcher.approve(self.execution, &proposal) {
+                    // Refused by the execution only if nothing is proposed, which was asked for just now.
+                    Some(true) => drop(self.execution.approve()),
+                    Some(false) => self.refuse(),
+                    None => self.request.stop(),
+                },
+                Need::Judge(order) => match self.watcher.judge(self.execution, &order) {
+                    Some(done) => {
+                        if let Err(error) = self.execution.judged(order.number, done) {
+                            self.fail(&error.to_string());
+                        }
+                    }
+                    None => self.request.stop(),
+                },
+                Need::Wait => self.wait(),
+                Need::Done => return None,
+                Need::Stopped(stop) => {
+                    // Nothing is under way unless the robot was stopped before; a second stop does nothing.
+                    if !self.running.is_empty() {
+                        drop(self.robot.stop());
+                    }
+                    return Some(stop);
+                }
+                other => self.fail(&format!("unexpected need: {other:?}")),
+            }
+        }
+    }
+
+    /// Has the new events kept. Returns false if that failed: then the execution has stopped, and nothing moves.
+    fn record(&mut self) -> bool {
+        let events = self.execution.take_events();
+        if events.is_empty() {
+            return true;
+        }
+        let Err(why) = self.watcher.record(self.execution, &events) else {
+            return true;
+        };
+        let was_ended = self.execution.is_ended();
+        drop(self.robot.stop());
+        self.execution
+            .robot_failed(&format!("the log could not be written: {why}"));
+        // A log that fails for good must not keep the run alive.
+        drop(self.execution.take_events());
+        was_ended
+    }
+
+    fn refuse(&mut self) {
+        drop(self.robot.stop());
+        drop(self.execution.refuse());
+    }
+
+    /// Stops everything because the robot failed.
+    fn fail(&mut self, why: &str) {
+        drop(self.robot.stop());
+        if !self.request.is_requested() {
+            self.execution.robot_failed(why);
+        }
+    }
+
+    /// Starts the orders that the robot can take now.
+    fn start(&mut self) {
+        let limit = self.robot.describe().parallel;
+        for index in 0..self.running.len() {
+            let busy = self.running.iter().filter(|own| own.handle.is_some()).count();
+            if self.running[index].handle.is_some() || busy >= limit {
+                continue;
+            }
+            let order = order_of(self.execution.world(), &self.running[index].wanted);
+            match self.robot.start(&order) {
+                Ok(handle) => self.running[index].handle = Some(handle),
+                Err(error) if error.is_final() => return self.fail(&error.to_string()),
+                Err(error) => {
+                    let number = self.running.remove(index).wanted.number;
+                    return self.failed(number, &error.to_string());
+                }
+            }
+        }
+    }
+
+    fn failed(&mut self, number: u64, why: &str) {
+        if let Err(error) = self.execution.failed(number, why)
+            && !self.execution.is_ended()
+        {
+            self.fail(&error.to_string());
+        }
+    }
+
+    fn observe(&mut self) {
+        match self.robot.observe(&Scope::All) {
+            Ok(observation) => {
+                if let Err(error) = self.execution.observed(&observation.into()) {
+                    self.fail(&error.to_string());
+                }
+            }
+            Err(error) => self.fail(&error.to_string()),
+        }
+    }
+
+    /// Polls the orders under way until one of them ends.
+    fn wait(&mut self) {
+        self.start();
+        let mut ended = Vec::new();
+        for index in 0..self.running.len() {
+            let Some(handle) = self.running[index].handle else {
+                continue;
+            };
+            match self.robot.poll(handle) {
+                Ok(Progress::Running(feedback)) => {
+                    if let Some(feedback) = feedback {
+                        self.watcher.feedback(&self.running[index].wanted, &feedback);
+                    }
+                }
+                Ok(end) => ended.push((index, end)),
+                Err(error) => return self.fail(&error.to_string()),
+            }
+        }
+        if ended.is_empty() {
+            return self.robot.wait(WAIT);
+        }
+        for (index, end) in ended.into_iter().rev() {
+            let wanted = self.running.remove(index).wanted;
+            match end {
+                Progress::Done { outcome } => {
+                    let outcome = outcome.and_then(|outcome| wanted.outcomes.get(outcome).copied());
+                    if let Err(error) = self.execution.performed(wanted.number, outcome) {
+                        return self.fail(&error.to_string());
+                    }
+                }
+                Progress::Failed { reason } => self.failed(wanted.number, &reason),
+                Progress::Running(_) => {}
+            }
+        }
+    }
+}
+
+/// Returns a step as a robot receives it.
+pub fn order_of(world: &World, wanted: &Wanted) -> Order {
+    let domain = world.domain();
+    let identifiers = wanted
+        .arguments
+        .iter()
+        .map(|entity| world.entity(*entity).identifier.clone());
+    let step = usize::try_from(wanted.number).unwrap_or(usize::MAX);
+    let mut order = Order::new(step, &domain.action(wanted.action).name, identifiers);
+    order.lane = wanted.lane.map(|lane| world.entity(lane).identifier.clone());
+    order.skills = wanted.skills.clone();
+    order.outcomes = wanted
+        .outcomes
+        .iter()
+        .map(|fact| {
+            let words = domain
+                .arguments(*fact)
+                .map(|entity| world.entity(entity).identifier.as_str());
+            let name = domain.predicate(fact.predicate()).name.as_str();
+            let words: Vec<&str> = [name].into_iter().chain(words).collect();
+            format!("({})", words.join(" "))
+        })
+        .collect();
+    for (argument, entity) in wanted.arguments.iter().enumerate() {
+        let entity = world.entity(*entity);
+        if entity.is_value {
+            order.values.push(value(argument, &entity.identifier));
+        }
+    }
+    order
+}
+
+/// Returns a value as a number with its unit, or as a text: `180 s`, `"Good morning"`.
+fn value(argument: usize, written: &str) -> ArgumentValue {
+    let mut value = ArgumentValue {
+        argument,
+        number: None,
+        unit: None,
+        text: None,
+    };
+    let (number, unit) = written.split_once(' ').unwrap_or((written, ""));
+    match number.parse::<f64>() {
+        Ok(number) => {
+            value.number = Some(number);
+            value.unit = (!unit.is_empty()).then(|| unit.to_owned());
+        }
+        Err(_) => value.text = Some(written.trim_matches('"').to_owned()),
+    }
+    value
+}

@@ -1,0 +1,121 @@
+//! Errors of robots.
+
+use std::time::Duration;
+
+use crate::robot::Handle;
+
+/// An error of a robot. A step that failed is no error: see [`Progress::Failed`](crate::Progress::Failed).
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// The robot cannot be started or reached.
+    #[error("cannot start the robot `{robot}`: {reason}")]
+    Unreachable {
+        /// The robot, as the user named it.
+        robot: String,
+        /// The error of the operating system or of the connection.
+        reason: String,
+    },
+    /// The robot speaks another version of the protocol.
+    #[error("the robot speaks protocol version {found}, but version {expected} is required")]
+    Incompatible {
+        /// The version of this program.
+        expected: u64,
+        /// The version of the robot.
+        found: String,
+    },
+    /// The robot has no such action. Nothing was sent.
+    #[error("the robot cannot perform `{action}`")]
+    Unsupported {
+        /// The name of the action.
+        action: String,
+    },
+    /// The robot performs as many orders as it can. Nothing was sent.
+    #[error("the robot is busy: it performs at most {limit} orders at the same time")]
+    Busy {
+        /// [`Description::parallel`](crate::Description::parallel).
+        limit: usize,
+    },
+    /// An order cannot be written as a message. Nothing was sent.
+    #[error("step {step} cannot be sent: {reason}")]
+    InvalidOrder {
+        /// The number of the step.
+        step: usize,
+        /// The reason.
+        reason: String,
+    },
+    /// No order with this handle is under way: it was never started, or its end was reported already.
+    #[error("no order {} is under way", .0.number())]
+    UnknownHandle(Handle),
+    /// The robot has no observations. Nothing was sent.
+    #[error("the robot does not observe")]
+    NoObservation,
+    /// The robot is gone: its program ended, or its connection closed.
+    #[error("the robot is gone: {reason}{}", last_words(.messages))]
+    Gone {
+        /// How it ended.
+        reason: String,
+        /// The last lines that it wrote to its standard error; empty if there are none.
+        messages: String,
+    },
+    /// The robot did not answer in time.
+    #[error("the robot did not answer within {} s: {what}", .limit.as_secs_f64())]
+    TimedOut {
+        /// What it did not answer: `step 4`, `observe`.
+        what: String,
+        /// The timeout.
+        limit: Duration,
+    },
+    /// The robot broke the protocol: it sent what is no message, or a message that nothing asked for.
+    #[error("the robot broke the protocol: {reason}")]
+    Protocol {
+        /// What it sent, shortened, and what was expected.
+        reason: String,
+    },
+    /// The robot refused a request that is not a step.
+    #[error("the robot refused `{method}`: {reason}")]
+    Refused {
+        /// The request.
+        method: String,
+        /// The robot's message.
+        reason: String,
+    },
+    /// The robot was stopped, so that nothing more is sent to it.
+    #[error("the robot was stopped")]
+    Stopped,
+}
+
+fn last_words(messages: &str) -> String {
+    match messages {
+        "" => String::new(),
+        lines => format!("; its last messages:\n{lines}"),
+    }
+}
+
+impl RobotError {
+    /// Returns true if the robot is stopped and accepts nothing more. After other errors it is as it was before the
+    /// call.
+    pub fn is_final(&self) -> bool {
+        !matches!(
+            self,
+            Self::Unsupported { .. }
+                | Self::Busy { .. }
+                | Self::InvalidOrder { .. }
+                | Self::UnknownHandle(_)
+                | Self::NoObservation
+                | Self::Refused { .. }
+        )
+    }
+
+    /// Returns the next step for the user, if there is one.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Unreachable { .. } => Some("check the command, and that the program can be run"),
+            Self::Incompatible { .. } => Some("update the robot's program or longstep"),
+            Self::Unsupported { .. } => Some("plan without this action, or add it to the robot's program"),
+            Self::TimedOut { .. } => Some("if the step takes that long, raise `timeouts` in the robot's `initialize`"),
+            Self::Protocol { .. } => Some("docs/robots.md describes the messages of a robot"),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! Robots for Longstep.
+//!
+//! A [`Robot`] performs one step of a verified plan at a time in each lane, reports how the step ended, and observes the
+//! world. This crate moves robots; it does not decide what they do: an [`Order`] comes from an execution, which checks
+//! the step against the observed world.
+//!
+//! Key types:
+//!
+//! - [`Robot`]: the interface of every robot. No method but [`Robot::observe`] and [`Robot::stop`] waits for the robot.
+//! - [`Order`]: one step as a robot receives it. [`Progress`]: the state of a step that was started.
+//! - [`Observation`]: what a robot saw, in the words of an environment file.
+//! - [`drive`]: runs an execution on a robot. [`Sim`]: a simulated robot with seeded mishaps. [`RunLog`]: the log of a run.
+//! - [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
+//! - [`process::Process`]: a robot behind another program, in any language.
+//!
+//! Usage:
+//!
+//! 1. Open a robot and read its [`Robot::describe`]: actions it lacks are found before anything moves.
+//! 2. Give its [`Robot::stop_switch`] to whatever handles signals.
+//! 3. [`Robot::start`] an order, then [`Robot::poll`] it until it is [`Progress::Done`] or [`Progress::Failed`].
+//! 4. [`Robot::observe`] the world.
+//! 5. After an error that [`RobotError::is_final`], the robot is stopped already and accepts nothing more.
+
+mod description;
+mod drive;
+mod error;
+mod observation;
+mod order;
+/// Process groups and pipes that do not block are those of Unix.
+#[cfg(unix)]
+pub mod process;
+mod robot;
+mod run_log;
+mod sim;
+
+pub use description::{Description, Timeouts};
+pub use drive::{StopRequest, Watcher, drive, order_of, reports};
+pub use error::RobotError;
+pub use observation::{Observation, Scope};
+pub use order::{ArgumentValue, Order};
+pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
+pub use run_log::{RunHeader, RunLog, RunLogError};
+pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};

@@ -1,0 +1,240 @@
+//! The program of a robot: its process group, its pipes, its end.
+
+use std::io::{Read, Write};
+use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::Path;
+use std::process::{ChildStderr, ChildStdin, ChildStdout, Stdio};
+use std::time::Duration;
+
+use longstep_core::visible;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
+
+use crate::error::RobotError;
+
+/// The last bytes of standard error that are kept for messages.
+const MESSAGES_LIMIT: usize = 4096;
+
+/// The most that one look reads from a pipe. Pipes hold 64 KiB, and at most 1 MiB without privileges, so one look reads
+/// everything that was written before it.
+const LOOK_LIMIT: usize = 1 << 20;
+
+/// A program in a process group of its own, so that its end ends its children, and a Ctrl-C in the terminal does not
+/// reach it before its `stop`.
+#[derive(Debug)]
+pub(super) struct Child {
+    process: std::process::Child,
+    input: Option<ChildStdin>,
+    output: Option<ChildStdout>,
+    errors: Option<ChildStderr>,
+    messages: Vec<u8>,
+    /// The end of the program; none while it runs.
+    ended: Option<String>,
+}
+
+impl Child {
+    /// Starts a program, with handles to wait for what it writes.
+    pub(super) fn spawn(words: &[String], folder: Option<&Path>) -> Result<(Self, Watched), RobotError> {
+        let unreachable = |error: std::io::Error| RobotError::Unreachable {
+            robot: visible::line(&words.join(" ")).into_owned(),
+            reason: error.to_string(),
+        };
+        let program = words.first().map_or("", String::as_str);
+        let mut command = std::process::Command::new(program);
+        command.args(&words[words.len().min(1)..]);
+        command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(0);
+        if let Some(folder) = folder {
+            command.current_dir(folder);
+        }
+        let mut process = command.spawn().map_err(unreachable)?;
+        let (input, output, errors) = (process.stdin.take(), process.stdout.take(), process.stderr.take());
+        let mut child = Self {
+            process,
+            input,
+            output,
+            errors,
+            messages: Vec::new(),
+            ended: None,
+        };
+        match child.unblock().and_then(|()| child.watched()) {
+            Ok(watched) => Ok((child, watched)),
+            Err(error) => {
+                child.end();
+                Err(unreachable(error))
+            }
+        }
+    }
+
+    /// Makes reading and writing return at once.
+    fn unblock(&self) -> std::io::Result<()> {
+        let pipes = [
+            self.input.as_ref().map(AsFd::as_fd),
+            self.output.as_ref().map(AsFd::as_fd),
+            self.errors.as_ref().map(AsFd::as_fd),
+        ];
+        for pipe in pipes.into_iter().flatten() {
+            rustix::io::ioctl_fionbio(pipe, true)?;
+        }
+        Ok(())
+    }
+
+    fn watched(&self) -> std::io::Result<Watched> {
+        let output = self
+            .output
+            .as_ref()
+            .map(|pipe| pipe.as_fd().try_clone_to_owned())
+            .transpose()?;
+        let errors = self
+            .errors
+            .as_ref()
+            .map(|pipe| pipe.as_fd().try_clone_to_owned())
+            .transpose()?;
+        Ok(Watched(output.into_iter().chain(errors).collect()))
+    }
+
+    /// Appends what the program wrote to its standard output. Returns false at its end.
+    pub(super) fn read(&mut self, bytes: &mut Vec<u8>) -> bool {
+        match &mut self.output {
+            Some(output) => {
+                let is_open = read_available(output, |piece| bytes.extend_from_slice(piece));
+                if !is_open {
+                    self.output = None;
+                }
+                is_open
+            }
+            None => false,
+        }
+    }
+
+    /// Keeps the last messages of its standard error.
+    pub(super) fn read_messages(&mut self) {
+        let messages = &mut self.messages;
+        let mut keep = |piece: &[u8]| {
+            messages.extend_from_slice(piece);
+            let excess = messages.len().saturating_sub(MESSAGES_LIMIT);
+            messages.drain(..excess);
+        };
+        if let Some(errors) = &mut self.errors
+            && !read_available(errors, &mut keep)
+        {
+            self.errors = None;
+        }
+    }
+
+    /// Returns the last messages for people, whole lines where there are several.
+    pub(super) fn messages(&mut self) -> String {
+        self.read_messages();
+        let text = String::from_utf8_lossy(&self.messages);
+        let whole = match text.split_once('\n') {
+            Some((_, rest)) if self.messages.len() == MESSAGES_LIMIT && !rest.is_empty() => rest,
+            _ => &text,
+        };
+        visible::block(whole.trim_end()).into_owned()
+    }
+
+    /// Writes the beginning of `bytes` and removes it, as much as the pipe takes.
+    ///
+    /// # Errors
+    ///
+    /// The program does not read any more.
+    pub(super) fn write(&mut self, bytes: &mut Vec<u8>) -> std::io::Result<()> {
+        while !bytes.is_empty() {
+            let Some(input) = &mut self.input else {
+                return Err(std::io::ErrorKind::BrokenPipe.into());
+            };
+            match input.write(bytes) {
+                Ok(count) => drop(bytes.drain(..count)),
+                Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => return Ok(()),
+                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// Closes its standard input.
+    pub(super) fn close_input(&mut self) {
+        self.input = None;
+    }
+
+    /// Returns how the program ended; none while it runs. Its process is not reaped, so its group keeps its number.
+    pub(super) fn exit(&mut self) -> Option<&str> {
+        if self.ended.is_none() {
+            let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+            if let Ok(Some(status)) = waitid(WaitId::Pid(self.pid()), options) {
+                self.ended = Some(match (status.exit_status(), status.terminating_signal()) {
+                    (Some(code), _) => format!("its program ended with exit code {code}"),
+                    (None, Some(signal)) => format!("its program was ended by signal {signal}"),
+                    (None, None) => "its program ended".to_owned(),
+                });
+            }
+        }
+        self.ended.as_deref()
+    }
+
+    /// Ends the program with its children, and reaps it.
+    pub(super) fn end(&mut self) {
+        (self.input, self.output) = (None, None);
+        // The only error is that the group is gone already.
+        let _gone = kill_process_group(self.pid(), Signal::KILL);
+        if let Ok(status) = self.process.wait()
+            && self.ended.is_none()
+        {
+            self.ended = Some(format!(
+                "its program was ended by signal {}",
+                status.signal().unwrap_or_default()
+            ));
+        }
+        self.read_messages();
+    }
+
+    fn pid(&self) -> Pid {
+        Pid::from_child(&self.process)
+    }
+}
+
+/// Calls `use_piece` for everything that can be read at once. Returns false at the end of the pipe.
+fn read_available(pipe: &mut impl Read, mut use_piece: impl FnMut(&[u8])) -> bool {
+    let mut piece = [0; 16 << 10];
+    let mut total = 0;
+    while total < LOOK_LIMIT {
+        match pipe.read(&mut piece) {
+            Ok(0) => return false,
+            Ok(count) => {
+                use_piece(&piece[..count]);
+                total += count;
+            }
+            Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => return true,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+            Err(_) => return false,
+        }
+    }
+    true
+}
+
+/// The pipes that a program writes to.
+#[derive(Debug)]
+pub(super) struct Watched(Vec<OwnedFd>);
+
+impl Watched {
+    /// Waits until there is something to read, or the time is over.
+    pub(super) fn wait(&self, limit: Duration) {
+        let mut pipes: Vec<PollFd<'_>> = self.0.iter().map(|pipe| PollFd::new(pipe, PollFlags::IN)).collect();
+        let limit = Timespec {
+            tv_sec: limit.as_secs().cast_signed(),
+            tv_nsec: limit.subsec_nanos().into(),
+        };
+        let result = poll(&mut pipes, Some(&limit));
+        // A closed pipe is always ready: without a pause, the wait would be a busy loop.
+        let is_closed =
+            |pipe: &PollFd<'_>| pipe.revents().contains(PollFlags::HUP) && !pipe.revents().contains(PollFlags::IN);
+        if result.is_err() || pipes.iter().any(is_closed) {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}

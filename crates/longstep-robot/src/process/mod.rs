@@ -1,0 +1,335 @@
+//! Robots behind another program, which speaks JSON-RPC 2.0 over its standard input and output: one object a line.
+//!
+//! `docs/robots.md` describes the messages. Invariants:
+//!
+//! - Before an order is sent, everything that the robot wrote until then is read. An order never follows a message that
+//!   breaks the protocol.
+//! - The first failure stops the robot: `stop` is sent, later orders are not, and the error stays the same.
+//! - The program and its children are ended at the latest one stop timeout after a stop, and again one after that.
+//! - Everything that is read has a bound: a line, the feedback of a step, the messages on standard error.
+
+mod child;
+mod lines;
+mod link;
+mod message;
+
+use std::path::PathBuf;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use longstep_core::environment::Environment;
+use serde_json::json;
+
+use child::{Child, Watched};
+use link::{Link, Reply};
+use message::{initialized, observed};
+
+use crate::description::Description;
+use crate::error::RobotError;
+use crate::observation::{Observation, Scope};
+use crate::order::Order;
+use crate::robot::{Handle, Progress, Robot, StopSwitch};
+
+pub use message::{LINE_LIMIT, PROTOCOL_VERSION};
+
+/// The time between two looks at timeouts and at the state of the program. Messages are read as they come.
+const TICK: Duration = Duration::from_millis(20);
+
+/// The program of a robot.
+#[derive(Debug, Clone)]
+pub struct Command {
+    /// The program and its arguments.
+    words: Vec<String>,
+    folder: Option<PathBuf>,
+    domain: Option<String>,
+    environment: Option<Environment>,
+    startup: Duration,
+}
+
+impl Command {
+    /// Reads a command line: words with the quotes of a shell, without variables and pipes.
+    ///
+    /// ```
+    /// use longstep_robot::process::Command;
+    /// assert!(Command::parse("python3 'my robot.py' --speed 2").is_ok());
+    /// let error = Command::parse("python3 'my robot.py").unwrap_err();
+    /// assert_eq!(
+    ///     error.to_string(),
+    ///     "cannot start the robot `python3 'my robot.py`: a quote or a backslash at its end is not complete"
+    /// );
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// An empty command, and a quote that does not end.
+    pub fn parse(text: &str) -> Result<Self, RobotError> {
+        let unreachable = |reason: &str| RobotError::Unreachable {
+            robot: longstep_core::visible::line(text).into_owned(),
+            reason: reason.to_owned(),
+        };
+        let words =
+            shlex::split(text).ok_or_else(|| unreachable("a quote or a backslash at its end is not complete"))?;
+        if words.is_empty() {
+            return Err(unreachable("it names no program"));
+        }
+        Ok(Self::new(words))
+    }
+
+    /// Returns the command with these words; the first is the program.
+    pub fn new<W: Into<String>>(words: impl IntoIterator<Item = W>) -> Self {
+        Self {
+            words: words.into_iter().map(Into::into).collect(),
+            folder: None,
+            domain: None,
+            environment: None,
+            startup: Duration::from_secs(30),
+        }
+    }
+
+    /// Runs the program in this folder.
+    #[must_use]
+    pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.folder = Some(folder.into());
+        self
+    }
+
+    /// Sends the domain's name and the environment in which the plan begins with `initialize`. Simulators build their
+    /// scene from it.
+    #[must_use]
+    pub fn scene(mut self, domain: &str, environment: Environment) -> Self {
+        (self.domain, self.environment) = (Some(domain.to_owned()), Some(environment));
+        self
+    }
+
+    /// Sets the timeout for the answer to `initialize`, at most a day; 30 seconds without this.
+    #[must_use]
+    pub fn startup(mut self, limit: Duration) -> Self {
+        self.startup = limit.min(Duration::from_secs(86_400));
+        self
+    }
+
+    /// Starts the program and initializes the robot.
+    ///
+    /// # Errors
+    ///
+    /// A program that cannot be started, that ends or that does not answer, another protocol version, and an answer that
+    /// breaks the protocol. The program is ended then.
+    pub fn open(self) -> Result<Process, RobotError> {
+        let (child, watched) = Child::spawn(&self.words, self.folder.as_deref())?;
+        let shared = Arc::new(Shared {
+            link: Mutex::new(Link::new(child)),
+            changed: Condvar::new(),
+        });
+        let watcher = Arc::clone(&shared);
+        let thread = std::thread::Builder::new().spawn(move || watch(&watcher, &watched));
+        let thread = thread.map_err(|error| {
+            shared.lock().kill();
+            RobotError::Unreachable {
+                robot: self.words.join(" "),
+                reason: error.to_string(),
+            }
+        })?;
+        let mut process = Process {
+            description: Description::new(self.words.first().map_or("", String::as_str)),
+            shared,
+            thread: Some(thread),
+        };
+        let mut parameters = json!({
+            "protocol": PROTOCOL_VERSION,
+            "client": { "name": "longstep", "version": env!("CARGO_PKG_VERSION") },
+        });
+        if let Some(domain) = &self.domain {
+            parameters["domain"] = json!(domain);
+        }
+        if let Some(environment) = &self.environment {
+            parameters["environment"] = json!(environment);
+        }
+        let answer = process.ask("initialize", &parameters, self.startup)?;
+        let read = answer
+            .map_err(|refusal| refusal.into_error("initialize"))
+            .and_then(initialized);
+        match read {
+            Ok(description) => {
+                process.lock().timeouts = description.timeouts.clone();
+                process.description = description;
+                Ok(process)
+            }
+            Err(error) => Err(process.failed(error)),
+        }
+    }
+}
+
+/// A robot behind another program; see [`Command`].
+///
+/// Dropping it sends `shutdown` and waits for the program's end, at most as long as the timeout for stops. It sends
+/// `stop` before if orders are under way.
+///
+/// ```no_run
+/// use longstep_robot::process::Command;
+/// use longstep_robot::{Order, Progress, Robot};
+///
+/// let mut robot = Command::parse("python3 robot.py")?.open()?;
+/// let handle = robot.start(&Order::new(1, "grasp", ["<cup>"]))?;
+/// loop {
+///     match robot.poll(handle)? {
+///         Progress::Running(feedback) => println!("{feedback:?}"),
+///         Progress::Done { .. } => break,
+///         Progress::Failed { reason } => { println!("{reason}"); break }
+///     }
+///     robot.wait(std::time::Duration::from_millis(100));
+/// }
+/// # Ok::<(), longstep_robot::RobotError>(())
+/// ```
+#[derive(Debug)]
+pub struct Process {
+    description: Description,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    link: Mutex<Link>,
+    /// Signalled after every look at the program.
+    changed: Condvar,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Link> {
+        self.link.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Releases the lock until something changed, or the time is over.
+    fn pause<'a>(&self, link: MutexGuard<'a, Link>, limit: Duration) -> MutexGuard<'a, Link> {
+        self.changed
+            .wait_timeout(link, limit)
+            .unwrap_or_else(PoisonError::into_inner)
+            .0
+    }
+}
+
+/// Reads what the program writes and enforces timeouts, until the program ended.
+fn watch(shared: &Shared, watched: &Watched) {
+    loop {
+        {
+            let mut link = shared.lock();
+            link.tick(Instant::now());
+            shared.changed.notify_all();
+            if link.is_ended() {
+                return;
+            }
+        }
+        watched.wait(TICK);
+    }
+}
+
+impl Process {
+    fn lock(&self) -> MutexGuard<'_, Link> {
+        self.shared.lock()
+    }
+
+    /// Sends a request and waits for its answer.
+    fn ask(
+        &self,
+        method: &'static str,
+        parameters: &serde_json::Value,
+        limit: Duration,
+    ) -> Result<Result<serde_json::Value, message::Refusal>, RobotError> {
+        let mut link = self.lock();
+        let id = link.request(method, parameters, limit)?;
+        loop {
+            if let Some(answer) = link.take_answer(id)? {
+                return Ok(answer);
+            }
+            link = self.shared.pause(link, TICK);
+        }
+    }
+
+    /// Stops the robot for an error and returns the error.
+    fn failed(&self, error: RobotError) -> RobotError {
+        self.lock().fail(error)
+    }
+}
+
+impl Robot for Process {
+    fn describe(&self) -> &Description {
+        &self.description
+    }
+
+    fn start(&mut self, order: &Order) -> Result<Handle, RobotError> {
+        let mut link = self.lock();
+        link.check()?;
+        if !self.description.can_perform(&order.action) {
+            let action = order.action.clone();
+            return Err(RobotError::Unsupported { action });
+        }
+        let limit = self.description.parallel;
+        if link.orders() >= limit {
+            return Err(RobotError::Busy { limit });
+        }
+        let timeout = self.description.timeouts.of_action(&order.action);
+        link.order(order, timeout).map(Handle::new)
+    }
+
+    fn poll(&mut self, handle: Handle) -> Result<Progress, RobotError> {
+        let mut link = self.lock();
+        link.tick(Instant::now());
+        match link.take(handle.number())? {
+            Some(Reply::Feedback(feedback)) => Ok(Progress::Running(Some(feedback))),
+            Some(Reply::Order(progress)) => Ok(progress),
+            Some(Reply::Answer(_)) | None => Err(RobotError::UnknownHandle(handle)),
+            Some(Reply::Waiting) => Ok(Progress::Running(None)),
+        }
+    }
+
+    fn observe(&mut self, scope: &Scope) -> Result<Observation, RobotError> {
+        self.lock().check()?;
+        if !self.description.observes {
+            return Err(RobotError::NoObservation);
+        }
+        let parameters = match scope {
+            Scope::All => json!({}),
+            Scope::Entities(entities) => json!({ "entities": entities }),
+        };
+        match self.ask("observe", &parameters, self.description.timeouts.observe)? {
+            Ok(value) => observed(value).map_err(|error| self.failed(error)),
+            Err(refusal) => {
+                let error = refusal.into_error("observe");
+                Err(if error.is_final() { self.failed(error) } else { error })
+            }
+        }
+    }
+
+    fn stop(&mut self) -> Result<(), RobotError> {
+        let mut link = self.lock();
+        link.fail(RobotError::Stopped);
+        loop {
+            if let Some(result) = link.stopped() {
+                return result;
+            }
+            link = self.shared.pause(link, TICK);
+        }
+    }
+
+    fn stop_switch(&self) -> StopSwitch {
+        let shared = Arc::clone(&self.shared);
+        StopSwitch::new(move || {
+            shared.lock().fail(RobotError::Stopped);
+        })
+    }
+
+    fn wait(&mut self, limit: Duration) {
+        drop(self.shared.pause(self.lock(), limit));
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.lock().close();
+        if let Some(thread) = self.thread.take() {
+            // The thread ends with the program, which is ended by force after its timeouts.
+            drop(thread.join());
+        }
+    }
+}
