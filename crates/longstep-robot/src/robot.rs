@@ -86,8 +86,8 @@ pub trait Robot: Send {
     ///
     /// # Errors
     ///
-    /// Without an effect: an action that the robot lacks, and more orders than it performs at the same time.
-    /// Otherwise the robot is stopped.
+    /// The order was not sent: the robot lacks the action, performs as many orders as it can, or is stopped. A failure
+    /// after sending is an error of [`Robot::poll`].
     fn start(&mut self, order: &Order) -> Result<Handle, RobotError>;
 
     /// Returns the state of a step that was started. Never waits. The handle ends with [`Progress::Done`] or
