@@ -10,12 +10,14 @@ from scene import CORRIDOR
 from world import CLOSED, OPEN, REACH, home
 
 SPEED = 0.8
-# The hand is stopped by something if it is this far behind its target.
-BLOCKED = 0.05
+# The hand is stopped by something if it is this far behind its target, or pressed this deep into something.
+BLOCKED, PRESSED = 0.05, 0.003
 # An item is above its place by this much before it is put down.
 HOVER = 0.06
 # The height over what stands in front of a place that is reached from the front.
 RAISE = 0.08
+# The way after which a slip happens, so that it is in the air if the step is long enough.
+SLIP = 0.25
 # The distance that a tool rubs along a surface.
 STROKE = 0.3
 
@@ -31,17 +33,17 @@ class Stopped(Exception):
 class Hand:
     """Moves the hand through a world."""
 
-    def __init__(self, world, stopped, report):
-        self.world, self.stopped, self.report = world, stopped, report
+    def __init__(self, world, stopped):
+        self.world, self.stopped = world, stopped
         self.target = home()
         world.data.mocap_pos[0] = self.target
         world.data.qpos[world.hand_joint():][:3] = self.target
         world.step(50)
         # The way back out of the place at which the hand is: points, the nearest last.
         self.way_back = []
-        self.slip_now = False
+        # The place from which a slip is counted; none if there is none to come.
+        self.slip_from = None
         self.wiped, self.adjusted = set(), set()
-        self.spots = {}
 
     # --- movements ---
 
@@ -51,14 +53,20 @@ class Hand:
             raise Stopped()
         self.world.step(count)
         held = self.world.held
-        if held is not None and self.slip_now:
-            # A fault on purpose: the fingers open, and nobody is told.
-            self.slip_now = False
-            self.world.detach()
+        if held is not None and self.slip_from is not None and self.moved() > SLIP:
+            self.slip()
         elif held is not None and not self.world.holds(held):
             self.world.detach()
             self.settle()
             raise Failure(f"{held} was torn out of the hand")
+
+    def moved(self):
+        return float(np.linalg.norm(self.world.hand() - self.slip_from))
+
+    def slip(self):
+        """A fault on purpose: the fingers open. Nothing is told; what follows is measured."""
+        self.slip_from = None
+        self.world.detach()
 
     def settle(self):
         """Waits until nothing moves, at most three simulated seconds."""
@@ -76,8 +84,9 @@ class Hand:
             self.world.data.mocap_pos[0] = self.target
             self.advance()
             behind = float(np.linalg.norm(self.world.hand() - self.target))
-            if behind > BLOCKED:
-                self.target = self.world.hand()
+            if behind > BLOCKED or self.world.pressed() > PRESSED:
+                back = (begin - end) / max(1e-6, float(np.linalg.norm(end - begin)))
+                self.target = self.world.hand() + back * min(0.02, float(np.linalg.norm(self.world.hand() - begin)))
                 self.world.data.mocap_pos[0] = self.target
                 self.advance(50)
                 raise Failure(f"{what} is blocked {float(np.linalg.norm(end - self.target)) * 100:.0f} cm before its goal")
@@ -325,10 +334,12 @@ class Hand:
             "adjust-by-rotate": lambda name: self.adjust(name, share), "adjust-by-slide": lambda name: self.adjust(name, share),
             "close-by-rotate": self.close, "close-by-slide": self.close,
         }
-        if order["action"] not in actions:
-            raise Failure(f"this robot has no action {order['action']}")
+        if len(arguments) != ACTIONS.get(order["action"]):
+            raise Failure(f"this robot has no action {order['action']} with {len(arguments)} arguments")
         actions[order["action"]](*arguments)
 
 
-ACTIONS = ["move-hand", "move-object", "grasp", "release", "detach", "attach", "wipe", "open-by-rotate", "open-by-slide",
-           "adjust-by-rotate", "adjust-by-slide", "close-by-rotate", "close-by-slide"]
+# The actions with the numbers of their arguments.
+ACTIONS = {"move-hand": 1, "move-object": 2, "grasp": 1, "release": 1, "detach": 2, "attach": 2, "wipe": 2,
+           "open-by-rotate": 1, "open-by-slide": 1, "adjust-by-rotate": 1, "adjust-by-slide": 1, "close-by-rotate": 1,
+           "close-by-slide": 1}

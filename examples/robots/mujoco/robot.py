@@ -32,13 +32,14 @@ def read(messages, stopped):
     for line in sys.stdin:
         try:
             message = json.loads(line)
-        except ValueError:
+            request = message["id"], message["method"], message.get("params", {})
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
             # A line that was cut is followed by a stop.
             stopped.set()
             continue
-        if message["method"] == "stop":
+        if request[1] == "stop":
             stopped.set()
-        messages.put(message)
+        messages.put(request)
     stopped.set()
     messages.put(None)
 
@@ -59,29 +60,28 @@ class Robot:
         if environment is None:
             raise ValueError("there is no environment: give one with --env")
         self.world = World(Scene(environment))
-        self.hand = Hand(self.world, self.stopped, None)
+        self.hand = Hand(self.world, self.stopped)
         if self.options.pictures:
             from pictures import Strip
             self.strip = Strip(self.world, self.options.pictures)
             self.strip.add("the beginning")
         send(id=id, result={"protocol": 1, "name": "mujoco hand", "timeouts": {"perform": 60, "observe": 10, "stop": 5},
-                            "capabilities": {"actions": ACTIONS, "observe": True}})
+                            "capabilities": {"actions": list(ACTIONS), "observe": True}})
 
     def perform(self, id, order):
         failure = None
         slips = self.options.slip == order["step"]
         if slips:
             self.options.slip = None
-            self.hand.slip_now = True
+            self.hand.slip_from = self.world.hand()
         try:
             self.hand.perform(order)
         except Failure as error:
             failure = str(error)
-        except TypeError:
-            failure = f"{order['action']} does not take {len(order['arguments'])} arguments"
         if slips:
-            # What fell comes to rest before it is measured.
-            self.hand.slip_now = False
+            # A step that was too short for it slips at its end. What fell comes to rest before it is measured.
+            if self.hand.slip_from is not None:
+                self.hand.slip()
             self.hand.settle()
         if self.strip:
             self.strip.add(f"{order['step']} {order['action']} {' '.join(order['arguments'])}")
@@ -108,8 +108,8 @@ class Robot:
     def serve(self):
         messages = queue.Queue()
         threading.Thread(target=read, args=(messages, self.stopped), daemon=True).start()
-        while (message := messages.get()) is not None:
-            id, method, params = message["id"], message["method"], message.get("params", {})
+        while (request := messages.get()) is not None:
+            id, method, params = request
             if method == "stop":
                 send(id=id, result={})
             elif method == "shutdown":

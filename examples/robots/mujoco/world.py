@@ -207,6 +207,18 @@ class World:
         """True if the hand is closed around an item or handle, and it has not left the hand."""
         return self.held == name and float(np.linalg.norm(self.offset(name) - self.grip)) < 0.05
 
+    def pressed(self):
+        """How deep the hand, or what it holds, is pressed into something, in metres: the sense of touch."""
+        own = {self.body("hand")}
+        if self.held in self.scene.items:
+            own.add(self.body(bare(self.held)))
+        depth = 0.0
+        for contact in self.data.contact[: self.data.ncon]:
+            bodies = {int(self.model.geom_bodyid[geom]) for geom in contact.geom}
+            if len(bodies & own) == 1:
+                depth = max(depth, -contact.dist)
+        return depth
+
     # --- measured facts ---
 
     def contacts(self, name):
