@@ -244,9 +244,7 @@ class Hand:
     def turn(self, name, goal, speed=0.4):
         """Moves a handle along its joint until the door or drawer is open to a share of its range."""
         self.need(name)
-        world, handle = self.world, self.world.scene.handles.get(name)
-        if handle is None:
-            raise Failure(f"{name} is no handle")
+        world, handle = self.world, self.world.scene.handles[name]
         begin = world.fraction(name)
         joint = mujoco.mj_name2id(world.model, mujoco.mjtObj.mjOBJ_JOINT, handle.joint)
         length = float(world.model.jnt_range[joint][1])
@@ -287,14 +285,15 @@ class Hand:
     def open(self, name, share):
         if self.world.fraction(name) > OPEN:
             raise Failure(f"{name} is open already")
-        self.turn(name, share)
+        handle = self.world.scene.handles[name]
+        self.turn(name, share or (handle.wide if handle.slides else handle.narrow))
 
     def adjust(self, name, share):
-        now = self.world.fraction(name)
+        now, handle = self.world.fraction(name), self.world.scene.handles[name]
         if now < CLOSED:
             raise Failure(f"{name} is closed")
         # Without a share to aim at, wider where there is room for it.
-        self.turn(name, share if share is not None else now + 0.3 if now < 0.65 else now - 0.4)
+        self.turn(name, share or (handle.wide if now < (handle.narrow + handle.wide) / 2 else handle.narrow))
 
     def close(self, name):
         if self.world.fraction(name) < CLOSED:
@@ -330,10 +329,12 @@ class Hand:
         actions = {
             "move-hand": self.move_hand, "move-object": self.move_object, "grasp": self.grasp, "release": self.release,
             "detach": self.pick_up, "attach": self.put_down, "wipe": self.wipe,
-            "open-by-rotate": lambda name: self.open(name, share or 0.6), "open-by-slide": lambda name: self.open(name, share or 0.9),
+            "open-by-rotate": lambda name: self.open(name, share), "open-by-slide": lambda name: self.open(name, share),
             "adjust-by-rotate": lambda name: self.adjust(name, share), "adjust-by-slide": lambda name: self.adjust(name, share),
             "close-by-rotate": self.close, "close-by-slide": self.close,
         }
+        if "-by-" in order["action"] and arguments[:1] != [] and arguments[0] not in self.world.scene.handles:
+            raise Failure(f"{arguments[0]} is no handle")
         if len(arguments) != ACTIONS.get(order["action"]):
             raise Failure(f"this robot has no action {order['action']} with {len(arguments)} arguments")
         actions[order["action"]](*arguments)

@@ -9,7 +9,9 @@ WOOD, METAL, WHITE, GLASS = (0.62, 0.48, 0.34), (0.45, 0.48, 0.52), (0.88, 0.89,
 CORRIDOR = -1.15
 APART, BESIDE = 0.45, 0.04
 # Degrees and metres.
-DOOR_RANGE, DRAWER_RANGE = 110, 0.24
+DOOR_RANGE, DRAWER_RANGE = 110, 0.3
+# The shares of these ranges that are narrow and wide. Also the narrow ones leave room for the hand and what it carries.
+DOOR_SHARES, DRAWER_SHARES = (0.75, 0.95), (0.7, 0.95)
 
 
 class Place:
@@ -27,6 +29,7 @@ class Handle:
 
     def __init__(self, name, body, joint, reach, slides):
         self.name, self.body, self.joint, self.reach, self.slides = name, body, joint, reach, slides
+        self.narrow, self.wide = DRAWER_SHARES if slides else DOOR_SHARES
 
 
 def statements(environment, name):

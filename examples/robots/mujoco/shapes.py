@@ -31,10 +31,10 @@ def bare(name):
 
 
 def says(name, words):
-    """True if one of the words is a word of the name: `trash_bin` has `bin`, `table1` has `table`."""
-    parts = bare(name).rstrip("0123456789").rstrip("_").split("_")
-    joined = "_" + "_".join(parts) + "_"
-    return any("_" + word + "_" in joined for word in words)
+    """True if the name ends with one of the words: `trash_bin` with `bin`, `table1` with `table`, `wall_shelf` not with
+    `wall`."""
+    text = "_" + bare(name).rstrip("0123456789").rstrip("_")
+    return any(text.endswith("_" + word) for word in words)
 
 
 def owner(name, entities):

@@ -99,7 +99,7 @@ class World:
             words = [word for word, _ in statements(environment, name)]
             if "open" in words:
                 identifier = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, handle.joint)
-                self.data.qpos[self.joint(handle)] = 0.6 * self.model.jnt_range[identifier][1]
+                self.data.qpos[self.joint(handle)] = handle.narrow * self.model.jnt_range[identifier][1]
         mujoco.mj_forward(self.model, self.data)
         waiting = list(self.scene.items)
         while waiting:
