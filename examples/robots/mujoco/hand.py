@@ -40,7 +40,7 @@ class Hand:
         world.data.qpos[world.hand_joint():][:3] = self.target
         world.step(50)
         # The way back out of the place at which the hand is: points, the nearest last.
-        self.way_back = []
+        self.way_back, self.is_above = [], False
         # The place from which a slip is counted; none if there is none to come.
         self.slip_from = None
         self.wiped, self.adjusted = set(), set()
@@ -93,9 +93,13 @@ class Hand:
         self.advance(60)
 
     def leave(self):
-        """Moves back out of the place at which the hand is, into the corridor."""
+        """Moves back out of the place at which the hand is, into the corridor. What hangs from the hand clears the rim of
+        the place too."""
+        held, hang = self.world.held, 0.0
+        if self.is_above and held in self.world.scene.items:
+            hang = float(self.world.hand()[2] - self.world.extents(held)[0][2])
         while self.way_back:
-            self.go(self.way_back[-1])
+            self.go(self.way_back[-1] + np.array([0, 0, hang]), what=held or "the hand")
             self.way_back.pop()
         if self.target[1] > CORRIDOR + 0.01:
             self.go([self.target[0], CORRIDOR, self.target[2]])
@@ -108,7 +112,7 @@ class Hand:
         self.go([self.target[0], CORRIDOR, max(self.target[2], above)])
         self.go([x, CORRIDOR, max(self.target[2], above)])
         self.go(outside)
-        self.way_back = [outside]
+        self.way_back, self.is_above = [outside], approach == "top"
         if approach == "straight":
             self.go(point, what=what)
         else:

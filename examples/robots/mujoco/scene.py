@@ -11,7 +11,7 @@ APART, BESIDE = 0.45, 0.04
 # Degrees and metres.
 DOOR_RANGE, DRAWER_RANGE = 110, 0.3
 # The shares of these ranges that are narrow and wide. Also the narrow ones leave room for the hand and what it carries.
-DOOR_SHARES, DRAWER_SHARES = (0.75, 0.95), (0.7, 0.95)
+DOOR_SHARES, DRAWER_SHARES = (0.72, 0.88), (0.7, 0.95)
 
 
 class Place:
