@@ -59,7 +59,7 @@ class Scene:
         self.environment = environment
         self.assets = list(environment.get("assets", []))
         self.objects = list(environment.get("objects", []))
-        self.places, self.handles, self.items = {}, {}, {}
+        self.places, self.handles, self.items, self.boards = {}, {}, {}, {}
         self.bodies, self.equalities, self.free = [], [], []
         self.extent = {}
         entities = self.assets + self.objects
@@ -148,26 +148,37 @@ class Scene:
             self.places[name] = Place(body, (-half + 0.05, -half + 0.05, 0), (half - 0.05, half - 0.05, 0.3), WALL, "top", True,
                                       interior=((-half, -half, 0), (half, half, 0.3)))
         elif says(name, shapes.PANES) or "UPRIGHT" in properties(self.environment, name):
-            self.add(name, (x, 0.1, 0), [box((-half, 0, 0.35), (half, 0.03, 1.0), GLASS), box((-half, 0, 0), (half, 0.03, 0.35), WHITE)])
+            pane = [box((-half, 0, 0.35), (half, 0.03, 1.0), GLASS), box((-half, 0, 0), (half, 0.03, 0.35), WHITE)]
+            self.add(name, (x, 0.1, 0), pane)
             self.places[name] = Place(body, (-half + 0.1, -0.2, 0.5), (half - 0.1, 0, 0.9), 0, "front", False, upright=True)
         else:
-            legs = [box((sx * (half - 0.02) - 0.02, sy * 0.23 - 0.02, 0), (sx * (half - 0.02) + 0.02, sy * 0.23 + 0.02, TABLE_HEIGHT - 0.03), WOOD)
-                    for sx in (-1, 1) for sy in (-1, 1)]
-            self.add(name, (x, 0, 0), legs + [box((-half, -0.25, TABLE_HEIGHT - 0.03), (half, 0.25, TABLE_HEIGHT), WOOD)])
-            self.places[name] = Place(body, (-half + 0.06, -0.21, TABLE_HEIGHT), (half - 0.06, 0.19, TABLE_HEIGHT + 0.3), TABLE_HEIGHT, "top", "CONTAINER" in properties(self.environment, name))
+            self.table(name, x, half)
         self.extent[name] = (x - half, x + half)
+
+    def table(self, name, x, half):
+        """Builds a table: the shape of everything that has no other one."""
+        under = TABLE_HEIGHT - 0.03
+        corners = [(sx * (half - 0.02), sy * 0.23) for sx in (-1, 1) for sy in (-1, 1)]
+        legs = [box((x - 0.02, y - 0.02, 0), (x + 0.02, y + 0.02, under), WOOD) for x, y in corners]
+        self.add(name, (x, 0, 0), legs + [box((-half, -0.25, under), (half, 0.25, TABLE_HEIGHT), WOOD)])
+        low, high = (-half + 0.06, -0.21, TABLE_HEIGHT), (half - 0.06, 0.19, TABLE_HEIGHT + 0.3)
+        container = "CONTAINER" in properties(self.environment, name)
+        self.places[name] = Place(bare(name), low, high, TABLE_HEIGHT, "top", container)
 
     def cabinet(self, name, handle, x, half):
         """Builds a box with a hinged door: a fridge, an oven, a cupboard."""
         body, depth, low, high = bare(name), 0.25, 0.3, 0.85
         shell = [
-            box((-half, -depth, 0), (half, depth, low), WHITE), box((-half, -depth, high), (half, depth, high + 0.02), WHITE),
-            box((-half, -depth, low), (-half + 0.02, depth, high), WHITE), box((half - 0.02, -depth, low), (half, depth, high), WHITE),
+            box((-half, -depth, 0), (half, depth, low), WHITE),
+            box((-half, -depth, high), (half, depth, high + 0.02), WHITE),
+            box((-half, -depth, low), (-half + 0.02, depth, high), WHITE),
+            box((half - 0.02, -depth, low), (half, depth, high), WHITE),
             box((-half, depth - 0.02, low), (half, depth, high), WHITE),
         ]
         width, grip = 2 * half, 2 * half - 0.06
         door = (f'<body name="{bare(handle)}" pos="{-half:.4f} {-depth - 0.012:.4f} {(low + high) / 2:.4f}">'
-                f'<joint name="{bare(handle)}" type="hinge" axis="0 0 -1" range="0 {DOOR_RANGE}" damping="0.6" frictionloss="0.4" armature="0.02"/>'
+                f'<joint name="{bare(handle)}" type="hinge" axis="0 0 -1" range="0 {DOOR_RANGE}" damping="0.6" '
+                'frictionloss="0.4" armature="0.02"/>'
                 + box((0, -0.01, -0.275), (width, 0.01, 0.275), WHITE, extra='mass="1.5"')
                 + geom("capsule", (grip, -0.06, 0), (0.01, 0.08), METAL, NOTHING, 'mass="0.1"') + "</body>")
         self.add(name, (x, 0, 0), shell, door)
@@ -180,15 +191,17 @@ class Scene:
         depth, low, high = 0.25, 0.3, 0.5
         tray = f"{bare(name)}_tray"
         shell = [
-            box((-half, -depth, 0), (half, depth, low - 0.01), WOOD), box((-half, -depth, high), (half, depth, high + 0.02), WOOD),
-            box((-half, -depth, low - 0.01), (-half + 0.02, depth, high), WOOD), box((half - 0.02, -depth, low - 0.01), (half, depth, high), WOOD),
+            box((-half, -depth, 0), (half, depth, low - 0.01), WOOD),
+            box((-half, -depth, high), (half, depth, high + 0.02), WOOD),
+            box((-half, -depth, low - 0.01), (-half + 0.02, depth, high), WOOD),
+            box((half - 0.02, -depth, low - 0.01), (half, depth, high), WOOD),
         ]
         inner = half - 0.03
         parts = tub((inner, depth - 0.02), 0.12, (0.75, 0.62, 0.45), FURNITURE, 'mass="0.2"')
         front = box((-half, -depth - 0.005, -0.01), (half, -depth + 0.012, 0.2), WOOD, extra='mass="0.3"')
         grip = geom("capsule", (0, -depth - 0.055, 0.1), (0.01, 0.05), METAL, NOTHING, 'mass="0.1" euler="0 90 0"')
-        body = (f'<body name="{tray}" pos="0 0 {low:.4f}"><joint name="{bare(handle)}" type="slide" axis="0 -1 0" range="0 {DRAWER_RANGE}" '
-                f'damping="6" frictionloss="2"/>{"".join(parts)}{front}{grip}</body>')
+        body = (f'<body name="{tray}" pos="0 0 {low:.4f}"><joint name="{bare(handle)}" type="slide" axis="0 -1 0" '
+                f'range="0 {DRAWER_RANGE}" damping="6" frictionloss="2"/>{"".join(parts)}{front}{grip}</body>')
         self.add(name, (x, 0, 0), shell, body)
         self.handles[handle] = Handle(handle, tray, bare(handle), (0, -depth - 0.055, 0.1), True)
         self.places[name] = Place(tray, (-inner + 0.05, -depth + 0.06, 0), (inner - 0.05, -depth + 0.17, 0.2), WALL, "top", True,
@@ -206,18 +219,20 @@ class Scene:
         below.high = (below.high[0], -0.06, below.high[2])
         self.extent[name] = (x - half, x + half)
         covered = any(self.board_above(other) == name for other in self.assets)
-        self.places[name] = Place(bare(name), (-half + 0.06, -0.09, 0.02), (half - 0.06, 0.05, SHELF_GAP), 0.02, "front" if covered else "top", False)
-        self.boards = getattr(self, "boards", {})
+        low, high = (-half + 0.06, -0.09, 0.02), (half - 0.06, 0.05, SHELF_GAP)
+        self.places[name] = Place(bare(name), low, high, 0.02, "front" if covered else "top", False)
         self.boards[name] = (x, 0.11, z, half)
 
     def upper_board(self, name, below):
         """Builds the upper board of a shelf on two sides."""
-        if below in getattr(self, "boards", {}):
+        if below in self.boards:
             x, y, z, half = self.boards[below]
         else:
             (left, right), place = self.extent[below], self.places[below]
             x, y, z, half = (left + right) / 2, 0.11, place.surface, (right - left) / 2
-            place.approach, place.low, place.high = "front", (place.low[0], -0.0, place.low[2]), (place.high[0], 0.15, place.high[2])
+            # The lower board is reached from the front now, and only under the upper one.
+            place.approach = "front"
+            place.low, place.high = (place.low[0], 0.0, place.low[2]), (place.high[0], 0.15, place.high[2])
         sides = [box((side * half - 0.01, -0.12, 0.02), (side * half + 0.01, 0.12, SHELF_GAP), WHITE) for side in (-1, 1)]
         self.add(name, (x, y, z), sides + [box((-half, -0.12, SHELF_GAP), (half, 0.12, SHELF_GAP + 0.02), WHITE)])
         self.extent[name] = (x - half, x + half)
@@ -236,13 +251,16 @@ class Scene:
             self.items[name] = item
             body = bare(name)
             self.free.append(f'<body name="{body}" pos="0 0 -5"><freejoint name="{body}"/>{"".join(item.geoms)}</body>')
-            self.equalities.append(f'<weld name="grasp_{body}" body1="hand" body2="{body}" active="false" solref="0.01 1"/>')
+            self.equalities.append(
+                f'<weld name="grasp_{body}" body1="hand" body2="{body}" active="false" solref="0.01 1"/>')
             if item.container or says(name, shapes.PLATES) or "BASE" in properties(self.environment, name):
                 x, y, z = item.half
                 top = WALL if item.container else z
                 self.places[name] = Place(body, (-x + 0.05, -y + 0.05, top), (x - 0.05, y - 0.05, top + 0.2), top, "top", item.container)
         for handle in self.handles.values():
-            self.equalities.append(f'<connect name="grasp_{bare(handle.name)}" body1="hand" body2="{handle.body}" anchor="0 0 0" active="false" solref="0.01 1"/>')
+            self.equalities.append(
+                f'<connect name="grasp_{bare(handle.name)}" body1="hand" body2="{handle.body}" anchor="0 0 0" '
+                'active="false" solref="0.01 1"/>')
 
     def mjcf(self):
         """The model."""
