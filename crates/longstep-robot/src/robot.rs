@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::description::Description;
 use crate::error::RobotError;
 use crate::observation::{Observation, Scope};
-use crate::order::Order;
+use crate::order::{Handle, Order};
 
 /// The longest default wait between two polls.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -122,22 +122,6 @@ pub trait Robot: Send {
     /// Waits until a poll may have something new, at most `limit` long. May return early.
     fn wait(&mut self, limit: Duration) {
         std::thread::sleep(limit.min(PAUSE));
-    }
-}
-
-/// An order that was started.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Handle(u64);
-
-impl Handle {
-    /// Returns the handle with a number that is unique for the robot.
-    pub fn new(number: u64) -> Self {
-        Self(number)
-    }
-
-    /// Returns its number.
-    pub fn number(self) -> u64 {
-        self.0
     }
 }
 
