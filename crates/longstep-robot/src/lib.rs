@@ -32,5 +32,5 @@ mod robot;
 pub use description::{Description, Timeouts};
 pub use error::RobotError;
 pub use observation::{Observation, Scope};
-pub use order::{ArgumentValue, Handle, Order};
-pub use robot::{Feedback, Progress, Robot, StopSwitch};
+pub use order::{ArgumentValue, Order};
+pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};

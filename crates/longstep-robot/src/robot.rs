@@ -8,7 +8,9 @@ use serde_json::Value;
 use crate::description::Description;
 use crate::error::RobotError;
 use crate::observation::{Observation, Scope};
-use crate::order::{Handle, Order};
+use crate::order::Order;
+
+pub use crate::order::Handle;
 
 /// The longest default wait between two polls.
 const PAUSE: Duration = Duration::from_millis(5);
