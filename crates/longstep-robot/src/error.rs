@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::robot::Handle;
+use crate::order::Handle;
 
 /// An error of a robot. A step that failed is no error: see [`Progress::Failed`](crate::Progress::Failed).
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

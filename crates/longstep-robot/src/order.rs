@@ -1,4 +1,4 @@
-//! One step as a robot receives it.
+//! One step as a robot receives it, and its handle once it is started.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -67,5 +67,21 @@ impl Order {
             skills: Map::new(),
             outcomes: Vec::new(),
         }
+    }
+}
+
+/// An order that was started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Handle(u64);
+
+impl Handle {
+    /// Returns the handle with a number that is unique for the robot.
+    pub fn new(number: u64) -> Self {
+        Self(number)
+    }
+
+    /// Returns its number.
+    pub fn number(self) -> u64 {
+        self.0
     }
 }

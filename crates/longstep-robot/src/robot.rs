@@ -10,6 +10,8 @@ use crate::error::RobotError;
 use crate::observation::{Observation, Scope};
 use crate::order::Order;
 
+pub use crate::order::Handle;
+
 /// The longest default wait between two polls.
 const PAUSE: Duration = Duration::from_millis(5);
 
@@ -86,8 +88,8 @@ pub trait Robot: Send {
     ///
     /// # Errors
     ///
-    /// Without an effect: an action that the robot lacks, and more orders than it performs at the same time.
-    /// Otherwise the robot is stopped.
+    /// The order was not sent: the robot lacks the action, performs as many orders as it can, or is stopped. A failure
+    /// after sending is an error of [`Robot::poll`].
     fn start(&mut self, order: &Order) -> Result<Handle, RobotError>;
 
     /// Returns the state of a step that was started. Never waits. The handle ends with [`Progress::Done`] or
@@ -128,22 +130,6 @@ pub trait Robot: Send {
     /// Waits until a poll may have something new, at most `limit` long. May return early.
     fn wait(&mut self, limit: Duration) {
         std::thread::sleep(limit.min(PAUSE));
-    }
-}
-
-/// An order that was started.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Handle(u64);
-
-impl Handle {
-    /// Returns the handle with a number that is unique for the robot.
-    pub fn new(number: u64) -> Self {
-        Self(number)
-    }
-
-    /// Returns its number.
-    pub fn number(self) -> u64 {
-        self.0
     }
 }
 

@@ -163,7 +163,6 @@ impl Link {
         };
         self.requests.insert(id, request);
         self.write();
-        self.check()?;
         Ok(id)
     }
 

@@ -28,8 +28,8 @@ use message::{initialized, observed};
 use crate::description::Description;
 use crate::error::RobotError;
 use crate::observation::{Observation, Scope};
-use crate::order::Order;
-use crate::robot::{Handle, Progress, Robot, StopSwitch};
+use crate::order::{Handle, Order};
+use crate::robot::{Progress, Robot, StopSwitch};
 
 pub use message::{LINE_LIMIT, PROTOCOL_VERSION};
 
