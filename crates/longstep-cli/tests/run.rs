@@ -1,6 +1,6 @@
 //! The program carries out plans on robots: in the simulator, and behind programs that hang, until a signal or a kill.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+#![allow(clippy::disallowed_macros, clippy::unwrap_used, clippy::panic, missing_docs)]
 
 mod common;
 
