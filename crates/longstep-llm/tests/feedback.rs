@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use longstep::dialogue::{Dialogue, GoalDialogue, GoalInput, Round};
+use longstep::dialogue::{ConditionMark, Dialogue, GoalDialogue, GoalInput, Round};
 use longstep::domain::Domain;
 use longstep::feedback::{self, Amended, FeedbackDialogue, FeedbackInput, StepWish, Wish, amend};
 use longstep::goal::{self, Understanding};
@@ -163,6 +163,7 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
                 world: &world,
                 instruction: text("instruction"),
                 rounds: &rounds,
+                condition: ConditionMark::Unknown,
                 kind: model.constraint_kind(),
             });
             let understood = converse(model, &mut dialogue, &mut |_: Progress| {});

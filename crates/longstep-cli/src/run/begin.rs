@@ -69,7 +69,8 @@ fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<
     let settings = arguments.strategy.settings();
     let mut session = Session::new(&arguments.domain, domain, world, settings, model.facts(), stopwatch);
     session.instruct(instruction)?;
-    advance(&mut session, model.as_mut(), None, &mut Waiting::new())?;
+    let mut waiting = Waiting::new(model.name());
+    advance(&mut session, model.as_mut(), None, &mut waiting)?;
     let answer = match session.response() {
         Response::Plan(proposal) => {
             let aim = match &proposal.goal {
