@@ -278,8 +278,10 @@ fn without_a_model(files: &Files) -> Vec<Case> {
         cases.push(case(&["domain", "check", domain, "--json", "--strict"]));
     }
     cases.push(case(&["domain", "list"]));
-    cases.push(case(&["domain", "new", &path(&format!("{NAME} new"))]));
-    cases.push(case(&["domain", "new", &path(&format!("{NAME} new"))]));
+    // On a terminal, it asks questions without `--starter`.
+    for _ in 0..2 {
+        cases.push(case(&["domain", "new", &path(&format!("{NAME} new")), "--starter"]));
+    }
     for command in ["pull", "path"] {
         cases.push(case(&["model", command, HOSTILE]));
     }

@@ -16,7 +16,7 @@ tags = ["easy"]
 [[case]]
 id = "comb"
 scene = "desk"
-says = "Shelve the comb."
+says = "Put the comb on the shelf."
 expect = "question"
 "#;
 const DESK: &str = r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>", "<cup>"],

@@ -140,6 +140,11 @@ impl Answers {
 
     /// Returns the meaning and an example problem.
     pub(super) fn blueprint(&self) -> Result<(Blueprint, String), Diagnostics> {
+        if self.kind.is_empty() || self.action.is_empty() {
+            let finding = Diagnostic::whole("the answers", "a domain needs a kind of things and an action");
+            let hint = "add `[[kind]] name = \"box\"` and `[[action]] words = \"pick up a box\"`";
+            return Err(Diagnostics(vec![finding.hint(hint)]));
+        }
         let mut reader = AnswerReader::new(self)?;
         let pddl = reader.pddl();
         let lexicon = Vec::new();
@@ -253,12 +258,6 @@ impl<'a> AnswerReader<'a> {
             return Err(whole(
                 "there are too many answers",
                 "describe at most 200 actions and kinds",
-            ));
-        }
-        if answers.kind.is_empty() || answers.action.is_empty() {
-            return Err(whole(
-                "a domain needs a kind of things and an action",
-                "add `[[kind]] name = \"box\"` and `[[action]] words = \"pick up a box\"`",
             ));
         }
         let kinds: Vec<Vec<String>> = answers.kind.iter().map(|kind| plain(&kind.name)).collect();
