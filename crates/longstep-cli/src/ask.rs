@@ -76,10 +76,7 @@ impl Waiting {
     /// Returns the forecast of the last request for a whole plan.
     pub(crate) fn forecast(&self) -> Option<ForecastAnswer> {
         let (forecast, time) = self.forecast.as_ref()?;
-        Some(ForecastAnswer::new(
-            forecast,
-            time.map(|time| time.as_secs_f64().round()),
-        ))
+        Some(forecast.answer(time.map(|time| time.as_secs_f64().round())))
     }
 
     /// Says before a call what will not fit and what will take long.

@@ -1,6 +1,7 @@
 //! The tokens that a request of the direct strategy will take, known before it is sent.
 
 use super::PartCost;
+use crate::report::ForecastAnswer;
 
 /// Tokens of a correction: the violations of a plan as sentences, with the request for a new one.
 const CORRECTION_TOKENS: u64 = 400;
@@ -46,6 +47,17 @@ impl Forecast {
     /// Returns false if a round of correction may exceed the context.
     pub fn correction_fits(&self) -> bool {
         self.context.is_none_or(|context| self.correction <= context)
+    }
+
+    /// Returns the forecast with an estimate of the time, as it is printed.
+    pub fn answer(&self, seconds: Option<f64>) -> ForecastAnswer {
+        ForecastAnswer {
+            prompt_tokens: self.prompt,
+            answer_tokens: self.usual_answer,
+            context: self.context,
+            correction_fits: self.correction_fits(),
+            seconds,
+        }
     }
 }
 

@@ -6,7 +6,6 @@ use longstep_core::model::{Number, entries_of, entry_of_number};
 use serde::Serialize;
 
 use crate::coverage::{self, Coverage, Gap, Role};
-use crate::dialogue::Forecast;
 use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, GoalFact, Group};
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
@@ -302,19 +301,6 @@ pub struct ForecastAnswer {
     pub correction_fits: bool,
     /// Estimated seconds, from the model's measured speed; none if no speed is known.
     pub seconds: Option<f64>,
-}
-
-impl ForecastAnswer {
-    /// Creates the answer from a forecast and an estimate of the time.
-    pub fn new(forecast: &Forecast, seconds: Option<f64>) -> Self {
-        Self {
-            prompt_tokens: forecast.prompt,
-            answer_tokens: forecast.usual_answer,
-            context: forecast.context,
-            correction_fits: forecast.correction_fits(),
-            seconds,
-        }
-    }
 }
 
 /// Durations in milliseconds.
