@@ -29,7 +29,7 @@ steps = [{ says = 'Shelve the cup.', goal = 'put(cup, shelf)' }, { says = 'Put t
 [[case]]
 id = 'comb'
 scene = 'desk'
-says = 'Shelve the comb.'
+says = 'Put the comb on the shelf.'
 expect = 'question'
 ";
 
