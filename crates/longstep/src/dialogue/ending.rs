@@ -10,6 +10,9 @@ use crate::goal::{AND, ELSE, JOINT};
 /// Likelihood below which an answer is a guess, in thousandths of a nat (docs/evaluation.md has the measurement).
 const GUESS: i64 = -3700;
 
+/// The same for an instruction without any name of the environment, where nothing else speaks for the answer.
+const UNNAMED_GUESS: i64 = -1500;
+
 /// The likelihoods of an answer that ends after one of its goals.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Endings {
@@ -26,8 +29,9 @@ impl Endings {
     }
 
     /// Returns true if a model finds the answer so unlikely that it is a guess.
-    pub(super) fn is_guess(&self) -> bool {
-        self.likelihood() < GUESS
+    pub(super) fn is_guess(&self, names_entities: bool) -> bool {
+        let least = if names_entities { GUESS } else { UNNAMED_GUESS };
+        self.likelihood() < least
     }
 
     /// Counts the next reply of an answer, which has the given length without it. Returns the length of the answer that

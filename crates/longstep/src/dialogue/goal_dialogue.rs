@@ -388,7 +388,8 @@ impl GoalDialogue {
     /// Returns true if the model finds its first answer, or a further goal, unlikely. Goals with conditions are never called a
     /// guess.
     fn is_guess(&self, goal: &Goal) -> bool {
-        (self.is_first || self.is_further()) && self.endings.is_guess() && !depends(goal)
+        let names_entities = !self.correction.mentions.entities.is_empty();
+        (self.is_first || self.is_further()) && self.endings.is_guess(names_entities) && !depends(goal)
     }
 
     fn understood(&self, goal: Goal) -> Understanding {
