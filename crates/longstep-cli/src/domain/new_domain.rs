@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &NewDomainArguments) -> Result<()> {
         let new = domain::from_answers(&answers)?;
         return finish(folder, new, vec![("answers.toml".to_owned(), text)]);
     }
-    let asks = arguments.ask || (std::io::stdin().is_terminal() && std::io::stderr().is_terminal());
+    let asks = arguments.ask || std::io::stdin().is_terminal();
     if asks && !arguments.starter {
         let answers = questions::answers(&name)?;
         let new = domain::from_answers(&answers)?;
