@@ -243,6 +243,9 @@ pub(crate) struct PlanArguments {
     /// Print the prompt and the tokens of its parts instead of calling the model
     #[arg(long, conflicts_with_all = ["save", "json"])]
     pub(crate) explain_prompt: bool,
+    /// Print how the instruction was understood: the model's answers with their likelihoods, and the reason for a question
+    #[arg(long)]
+    pub(crate) explain: bool,
     /// Let hands, arms or robots work in parallel where that saves time
     #[arg(long)]
     pub(crate) parallel: bool,

@@ -1,6 +1,6 @@
-//! `--explain-prompt`: the request to a model, and the tokens of its parts.
+//! `--explain-prompt`: the request to a model, and the tokens of its parts. `--explain`: how an instruction was understood.
 
-use longstep::dialogue::{Explanation, Message, Role};
+use longstep::dialogue::{Explanation, Message, Reading, Role};
 
 use crate::output::{self, Style, print_line};
 use crate::show;
@@ -45,6 +45,17 @@ pub(crate) fn show(explanation: &Explanation, messages: &[Message], dropped: usi
         output::blank();
         show::heading(&format!("{}. {role}", number + 1));
         output::quotation(&message.text);
+    }
+}
+
+/// Prints the answers of the model that were weighed, with the natural logarithms of their probabilities.
+pub(crate) fn readings(readings: &[Reading]) {
+    show::heading("How it was understood");
+    if readings.is_empty() {
+        print_line!("  by the model alone: nothing was weighed");
+    }
+    for line in readings.iter().flat_map(Reading::lines) {
+        print_line!("  {line}");
     }
 }
 

@@ -11,7 +11,7 @@ use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::failure::{Failure, LIMIT, MODEL};
 use crate::solve;
-use crate::{explain, inputs, lanes};
+use crate::{explain, inputs, lanes, output};
 
 /// Limit for the length of an instruction, in characters.
 const INSTRUCTION_LIMIT: usize = 2000;
@@ -75,6 +75,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
             let mut answer = Answer::without_plan(Status::Question, session.world(), instruction, question);
             let (usage, milliseconds) = session.cost();
             answer.usage = usage.into();
+            answer.readings = session.readings().to_vec();
             answer.timings_ms.model = milliseconds;
             (answer, Vec::new())
         }
@@ -84,6 +85,10 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<u8> {
     answer.forecast = waiting.forecast();
     answer.timings_ms.model += opened;
     answer.timings_ms.total = stopwatch() - started;
+    if arguments.explain && !arguments.json {
+        explain::readings(&answer.readings);
+        output::blank();
+    }
     solve::finish(&answer, &goal, &shown, arguments.save.as_deref(), arguments.json)
 }
 

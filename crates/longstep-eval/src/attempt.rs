@@ -3,6 +3,7 @@
 //! An [`Attempt`] is one line of `results.jsonl` and depends on the requests and replies alone, so repeating a run
 //! gives the same bytes. Values that depend on the machine are in a [`Timing`], in a separate file.
 
+use longstep::dialogue::Reading;
 use longstep::report::{EditAnswer, Status};
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +57,9 @@ pub struct Attempt {
     pub understood: Vec<String>,
     /// The clarifying question, if there is one.
     pub question: String,
+    /// How the instruction was understood: the answers of the model that were weighed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub readings: Vec<Reading>,
     /// The model's replies, one a call.
     pub replies: Vec<String>,
     /// The feedback to the model between its replies.

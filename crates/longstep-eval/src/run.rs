@@ -177,6 +177,7 @@ impl Observed<'_> {
             claim_right: None,
             understood: understood.collect(),
             question: self.question().unwrap_or_default().to_owned(),
+            readings: self.session.readings().to_vec(),
             replies: Vec::new(),
             corrections: Vec::new(),
             plan: self.lines(plan),

@@ -11,11 +11,15 @@ use longstep_llm::{ModelError, create_private_folder, plain_reason};
 use super::{Chat, Next, screen};
 use crate::failure::Failure;
 use crate::output::print_line;
-use crate::{ask, inputs, output, show};
+use crate::{ask, explain, inputs, output, show};
 
-const COMMANDS: [(&str, &str); 10] = [
+const COMMANDS: [(&str, &str); 11] = [
     ("/plan", "show the current plan, or the last accepted one"),
     ("/why STEP", "show what a step achieves, and what would fail without it"),
+    (
+        "/explain",
+        "show how your last words were understood, and why there is a question",
+    ),
     ("/env", "show the current world"),
     ("/undo", "undo the last accepted plan, or cancel the current one"),
     (
@@ -50,6 +54,7 @@ impl Chat<'_> {
         match word {
             "plan" => screen::plan(&self.session),
             "why" => self.why(rest)?,
+            "explain" => explain::readings(self.session.readings()),
             "env" => screen::environment(&self.session),
             "rules" => self.rules(rest)?,
             "undo" => self.undo()?,

@@ -6,6 +6,7 @@ use super::markup::escaped;
 use super::words::{amount, duration, expected, several};
 use crate::attempt::{Attempt, Edit, PlanLine, Timing};
 use crate::folder::Results;
+use longstep::dialogue::Reading;
 
 /// The id of an attempt on the page.
 pub(super) fn id(place: usize) -> String {
@@ -50,6 +51,7 @@ pub(super) fn article(results: &Results, place: usize, attempt: &Attempt) -> Str
     ));
     parts.push(plan(&attempt.plan));
     parts.push(list("What repair changed", attempt.edits.iter().map(edit)));
+    parts.push(readings(attempt));
     parts.push(dialogue(attempt));
     format!(
         "<article class=\"attempt\" id=\"{}\">{}<p class=\"back\"><a href=\"#grid\">Back to the \
@@ -154,6 +156,18 @@ fn edit(edit: &Edit) -> String {
         edit.at + 1,
         escaped(&edit.why)
     )
+}
+
+/// The answers of the model that were weighed.
+fn readings(attempt: &Attempt) -> String {
+    let lines: Vec<String> = attempt.readings.iter().flat_map(Reading::lines).collect();
+    match lines.is_empty() {
+        true => String::new(),
+        false => format!(
+            "<h4>How it was understood</h4><pre>{}</pre>",
+            escaped(&lines.join("\n"))
+        ),
+    }
 }
 
 /// The model's replies and the feedback, alternating.

@@ -69,6 +69,7 @@ pub(crate) fn right(case: &str, trial: u32) -> Attempt {
         claim_right: None,
         understood: vec![format!("{case} is done")],
         question: String::new(),
+        readings: Vec::new(),
         replies: vec!["{}".to_owned()],
         corrections: Vec::new(),
         plan: Vec::new(),

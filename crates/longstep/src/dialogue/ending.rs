@@ -20,6 +20,13 @@ pub(super) struct Endings {
     sum: i64,
     /// The likeliest answer with an end: its likelihood and length in bytes.
     best: Option<(i64, usize)>,
+    /// True if the model gave a likelihood.
+    is_weighed: bool,
+}
+
+/// Returns the likelihood below which an answer is a guess.
+pub(super) fn least(names_entities: bool) -> i64 {
+    if names_entities { GUESS } else { UNNAMED_GUESS }
 }
 
 impl Endings {
@@ -28,10 +35,9 @@ impl Endings {
         self.best.map_or(self.sum, |(best, _)| best.max(self.sum))
     }
 
-    /// Returns true if a model finds the answer so unlikely that it is a guess.
-    pub(super) fn is_guess(&self, names_entities: bool) -> bool {
-        let least = if names_entities { GUESS } else { UNNAMED_GUESS };
-        self.likelihood() < least
+    /// Returns [`Self::likelihood`], if the model gave any.
+    pub(super) fn weighed(&self) -> Option<i64> {
+        self.is_weighed.then(|| self.likelihood())
     }
 
     /// Counts the next reply of an answer, which has the given length without it. Returns the length of the answer that
@@ -45,6 +51,7 @@ impl Endings {
             }
         }
         self.sum += likelihood.text;
+        self.is_weighed = true;
         self.best.filter(|(best, _)| *best > self.sum).map(|(_, length)| length)
     }
 }

@@ -54,7 +54,7 @@ impl GoalDialogue {
     ) -> Result<FittedDialogue, PromptError> {
         let fitted = || Self::fitted_within(input, context, counter);
         let mut fitted = effort::within(EFFORT, fitted).result?;
-        fitted.dialogue.begin();
+        fitted.dialogue.look();
         if fitted.dialogue.is_exhausted() {
             return Err(PromptError::TooMuchWork);
         }

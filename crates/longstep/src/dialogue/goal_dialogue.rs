@@ -3,14 +3,14 @@
 use serde::Deserialize;
 
 use super::answer_grammar::question_in;
-use super::ending::Endings;
+use super::ending::{Endings, least};
 use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
 use super::query::plain_line;
 use super::tries::Tries;
 use super::{
-    ChatRequest, ConstraintKind, Dialogue, DialogueError, PartCost, Reply, Role, Round, TokenCounter, Transcript,
-    object, scene,
+    Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, Doubt, PartCost, Reading, ReadingOf, Reply, Role,
+    Round, TokenCounter, Transcript, nats, object, scene,
 };
 use crate::coverage::{Gap, Mark};
 use crate::effort;
@@ -58,6 +58,10 @@ pub struct GoalDialogue {
     exhausted: bool,
     /// The parts of the instruction that the answer of a server quotes as not represented.
     left_out: Vec<(String, Gap)>,
+    /// The answers so far.
+    candidates: Vec<Candidate>,
+    /// The reason why the chosen answer is a question.
+    doubt: Option<Doubt>,
 }
 
 /// Whether an instruction has a condition, such as "if the milk is sour", as a [screening](super::ScreeningDialogue) marks
@@ -109,7 +113,7 @@ impl GoalDialogue {
     /// no answer any more.
     pub fn new(input: GoalInput<'_>) -> Self {
         let mut dialogue = Self::before(input);
-        dialogue.begin();
+        dialogue.look();
         dialogue
     }
 
@@ -154,12 +158,9 @@ impl GoalDialogue {
             further: None,
             exhausted: shown.exhausted,
             left_out: Vec::new(),
+            candidates: Vec::new(),
+            doubt: None,
         }
-    }
-
-    /// Enumerates the possible goals.
-    pub(super) fn begin(&mut self) {
-        self.look();
     }
 
     /// Takes the words of the last round for a wish beside the goals that they were said about: the answer goes on from
@@ -248,7 +249,7 @@ impl GoalDialogue {
     }
 
     /// Enumerates the possible next goals, within a work budget.
-    fn look(&mut self) {
+    pub(super) fn look(&mut self) {
         // A goal that holds now may be undone by the goals before it; a search decides.
         let search = if self.preceding.is_empty() { 0 } else { search::EFFORT };
         let found = effort::within(effort::OPERATION + search, || self.offers());
@@ -300,7 +301,8 @@ impl GoalDialogue {
 
     fn supply_part(&mut self, reply: &Reply) -> Result<Option<Understanding>, DialogueError> {
         if let Some(question) = question_in(&self.transcript.answer) {
-            return Ok(Some(Understanding::Question(question.to_owned())));
+            let question = question.to_owned();
+            return Ok(Some(self.asks(question, reply.likelihood.map(|reply| reply.text))));
         }
         let before = self.transcript.answer.len() - reply.text.len();
         let likelihood = reply.likelihood;
@@ -342,7 +344,7 @@ impl GoalDialogue {
         }
         let answer: Answer = object(text)?;
         if !answer.question.trim().is_empty() {
-            return Ok(Some(Understanding::Question(answer.question.trim().to_owned())));
+            return Ok(Some(self.asks(answer.question.trim().to_owned(), None)));
         }
         let left_out = answer.not_represented.into_iter().take(GOAL_LIMIT);
         self.left_out = left_out.map(|part| (plain_line(&part.text), part.kind)).collect();
@@ -358,12 +360,14 @@ impl GoalDialogue {
             true => Goal::default(),
             false => goal::parse(&self.world, &parts.join(" & "))?,
         };
+        self.weigh(&goal);
         Ok(Some(self.understood(goal)))
     }
 
     /// Ends an answer. A guess is followed by another try, and so is an answer that the person has rejected.
     fn done(&mut self) -> Option<Understanding> {
         let goal = Goal::from(std::mem::take(&mut self.facts));
+        self.weigh(&goal);
         let again = match self.correction.rejected.contains(&goal.facts) {
             true => self.tries.refuse(&goal),
             false => self.is_guess(&goal) && self.tries.again(&self.endings, &goal),
@@ -388,15 +392,62 @@ impl GoalDialogue {
     /// Returns true if the model finds its first answer, or a further goal, unlikely. Goals with conditions are never called a
     /// guess.
     fn is_guess(&self, goal: &Goal) -> bool {
-        let names_entities = !self.correction.mentions.entities.is_empty();
-        (self.is_first || self.is_further()) && self.endings.is_guess(names_entities) && !depends(goal)
+        let least = self.least().filter(|_| !depends(goal));
+        least.is_some_and(|least| self.endings.likelihood() < least)
     }
 
-    fn understood(&self, goal: Goal) -> Understanding {
-        let is_guess = self.is_guess(&goal);
-        match understand_mentions(&self.world, &self.correction.mentions, goal) {
-            Understanding::Goal(goal) if is_guess => Understanding::Question(guess(&self.world, &goal)),
+    /// Returns the likelihood below which an answer is a guess; none if no answer is.
+    fn least(&self) -> Option<i64> {
+        let names_entities = !self.correction.mentions.entities.is_empty();
+        (self.is_first || self.is_further()).then(|| least(names_entities))
+    }
+
+    fn understood(&mut self, goal: Goal) -> Understanding {
+        let text = goal.everyday(&self.world).join(goal::JOINT);
+        if let Some(candidate) = self.candidates.iter_mut().find(|candidate| candidate.text == text) {
+            candidate.chosen = true;
+        }
+        let (is_guess, is_empty) = (self.is_guess(&goal), goal.is_empty());
+        let understanding = match understand_mentions(&self.world, &self.correction.mentions, goal) {
+            Understanding::Goal(goal) if is_guess => {
+                self.doubt = Some(Doubt::Unlikely);
+                return Understanding::Question(guess(&self.world, &goal));
+            }
             understanding => understanding,
+        };
+        self.doubt = match &understanding {
+            Understanding::Goal(_) => None,
+            Understanding::Which(_) => Some(Doubt::Several),
+            Understanding::Question(_) if is_empty => Some(Doubt::NoGoal),
+            Understanding::Question(_) => Some(Doubt::Unnamed),
+        };
+        understanding
+    }
+
+    /// Ends an answer that is a question of the model.
+    fn asks(&mut self, question: String, likelihood: Option<i64>) -> Understanding {
+        let mut candidate = Candidate::new(question.clone(), likelihood);
+        candidate.chosen = true;
+        self.candidates.push(candidate);
+        self.doubt = Some(Doubt::Asks);
+        Understanding::Question(question)
+    }
+
+    /// Notes an answer.
+    fn weigh(&mut self, goal: &Goal) {
+        let text = goal.everyday(&self.world).join(goal::JOINT);
+        self.candidates.push(Candidate::new(text, self.endings.weighed()));
+    }
+
+    /// Returns the answers that were weighed, for words that were read.
+    pub fn reading(&self, of: ReadingOf, words: &str) -> Reading {
+        let is_weighed = self.candidates.iter().any(|candidate| candidate.likelihood.is_some());
+        Reading {
+            of,
+            words: words.to_owned(),
+            candidates: self.candidates.clone(),
+            least: self.least().filter(|_| is_weighed).map(nats),
+            doubt: self.doubt,
         }
     }
 }

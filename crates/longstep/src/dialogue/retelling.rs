@@ -5,7 +5,10 @@
 //! tells whether it knew what it was doing.
 
 use super::screening::fixed_turns;
-use super::{ChatRequest, ConstraintKind, Dialogue, DialogueError, Reply, Role, Transcript, plain_line};
+use super::{
+    Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, Doubt, Reading, ReadingOf, Reply, Role,
+    Transcript, nats, plain_line,
+};
 use crate::environment::World;
 
 /// The task in the first paragraph; then examples, each with its answer in the last line.
@@ -35,6 +38,8 @@ const LENGTH: usize = 300;
 pub struct RetellingDialogue {
     instruction: String,
     transcript: Transcript,
+    /// The plain English, as a reading.
+    reading: Reading,
 }
 
 impl RetellingDialogue {
@@ -43,10 +48,23 @@ impl RetellingDialogue {
         let instruction = plain_line(instruction);
         let mut transcript = Transcript::new(ConstraintKind::Grammar, fixed_turns(PROMPT));
         transcript.push(Role::User, question_of(world, &instruction));
+        let reading = Reading {
+            of: ReadingOf::Retelling,
+            words: instruction.clone(),
+            candidates: Vec::new(),
+            least: Some(nats(SURE)),
+            doubt: None,
+        };
         Self {
             instruction,
             transcript,
+            reading,
         }
+    }
+
+    /// Returns what the model said, with its likelihood.
+    pub fn reading(&self) -> &Reading {
+        &self.reading
     }
 }
 
@@ -69,6 +87,10 @@ impl Dialogue for RetellingDialogue {
         let text = plain_line(&reply.text);
         let is_sure = reply.likelihood.is_some_and(|likelihood| likelihood.text >= SURE);
         let is_new = !letters(&text).is_empty() && letters(&text) != letters(&self.instruction);
+        let mut candidate = Candidate::new(text.clone(), reply.likelihood.map(|likelihood| likelihood.text));
+        candidate.chosen = is_sure && is_new;
+        self.reading.doubt = (!is_sure).then_some(Doubt::Unlikely);
+        self.reading.candidates.push(candidate);
         Ok(Some((is_sure && is_new).then_some(text)))
     }
 

@@ -9,6 +9,7 @@ use crate::coverage::{self, Coverage, Gap, Role};
 use crate::environment::{self, Claim, Environment, State, Voice, World};
 use crate::goal::{Goal, GoalFact, Group};
 use crate::plan::{self, OutlineLine, PlanFile, Step, TaskCohesion};
+use crate::reading::Reading;
 use crate::repair::Edit;
 use crate::schedule::Compacted;
 use crate::usage::Usage;
@@ -88,6 +89,9 @@ pub struct Answer {
     pub not_represented: Vec<GapAnswer>,
     /// Assumptions behind the verdict, and goals that were left out.
     pub assumptions: Vec<String>,
+    /// How the instruction was understood: the answers of the model that were weighed; empty without a model.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub readings: Vec<Reading>,
     /// The state of knowledge at the end of the search; none if the plan does not come from one.
     pub search: Option<SearchAnswer>,
     /// The tokens and the time of a request for a whole plan, as they were foreseen; absent for the goal strategy.
@@ -349,6 +353,7 @@ impl Answer {
             coverage: Vec::new(),
             not_represented: Vec::new(),
             assumptions: Vec::new(),
+            readings: Vec::new(),
             search: None,
             forecast: None,
             usage: UsageAnswer::default(),

@@ -200,6 +200,7 @@ impl Session {
             }
             What::Retelling(mut dialogue) => {
                 let text = dialogue.supply(reply).ok().flatten().flatten();
+                turn.readings.push(dialogue.reading().clone());
                 self.retold(turn, text);
             }
             What::Goal(goal) => self.goal_reply(turn, goal, reply),

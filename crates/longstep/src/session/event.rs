@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::Settings;
-use crate::dialogue::{Likelihood, Message, Role, Usage};
+use crate::dialogue::{Likelihood, Message, Reading, Role, Usage};
 use crate::environment::Environment;
 use crate::plan::PlanFile;
 
@@ -119,6 +119,9 @@ pub enum Event {
     Question {
         /// Its text.
         text: String,
+        /// The readings that led to it.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        readings: Vec<Reading>,
     },
     /// The person's answer to a question.
     Answer {

@@ -6,8 +6,8 @@ use super::retold::Open;
 use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
 use crate::coverage::{self, Coverage, Gap};
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, DialogueError, FittedDialogue, GoalDialogue, GoalInput, OverBudget,
-    Prepared, PromptError, Reply, Round, TokenCounter, plain_line,
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, Doubt, FittedDialogue, GoalDialogue, GoalInput, OverBudget,
+    Prepared, PromptError, ReadingOf, Reply, Round, TokenCounter, plain_line,
 };
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
@@ -143,6 +143,12 @@ impl Session {
                 self.stage = Stage::Asking(turn, Asking::new(What::Goal(Some(fitted))));
             }
             Ok(Some(understood)) => {
+                let of = match turn.is_forbidding() {
+                    true => ReadingOf::Prohibition,
+                    false => ReadingOf::Wish,
+                };
+                let words = plain_line(&self.spelled_out(&turn));
+                turn.readings.push(fitted.dialogue.reading(of, &words));
                 self.world.share_values(fitted.dialogue.world());
                 let of_server = self.model.kind == ConstraintKind::JsonSchema;
                 if of_server {
@@ -182,7 +188,7 @@ impl Session {
     }
 
     /// Plans for a goal.
-    pub(super) fn pursue(&mut self, turn: Turn, mut goal: Goal) {
+    pub(super) fn pursue(&mut self, mut turn: Turn, mut goal: Goal) {
         let world = &self.world;
         let limits = self.settings.effort.map_or(self.limits, Limits::from);
         let instruction = &turn.instruction;
@@ -204,20 +210,29 @@ impl Session {
         let forgets = turn.forgets_prohibition(&goal);
         let coverage = turn.coverage(world, &goal, solution.plan.as_ref());
         answer.set_coverage(&goal, &coverage);
+        let question = match goal.facts.is_empty() {
+            true => Some(rule_question(world, &goal)),
+            false => coverage.question(),
+        };
+        let question = question.filter(|_| !self.settings.partial);
+        turn.doubt(match &solution.plan {
+            None => Some(Doubt::NoPlan),
+            Some(_) if forgets => Some(Doubt::ForgetsProhibition),
+            Some(_) => question
+                .as_ref()
+                .map(|_| Doubt::NotRepresented)
+                .filter(|_| !goal.facts.is_empty()),
+        });
         turn.price(&mut answer);
         match solution.plan {
             Some(plan) => {
-                let question = match goal.facts.is_empty() {
-                    true => Some(rule_question(world, &goal)),
-                    false => coverage.question(),
-                };
                 let proposal = Proposal {
                     plan,
                     purpose: goal.purpose(world),
                     goal: Some(goal),
                     answer,
                     refused: Vec::new(),
-                    question: question.filter(|_| !self.settings.partial),
+                    question,
                 };
                 let is_rule_as_said = turn.parted.is_some() && proposal.offers_rule();
                 if forgets || proposal.question.is_some() && !is_rule_as_said {
@@ -348,8 +363,21 @@ impl Turn {
         }
     }
 
-    /// Adds the token counts and model time of the instruction to an answer.
+    /// Notes why the plan for the last wish is not acted on, if there is a reason.
+    fn doubt(&mut self, doubt: Option<Doubt>) {
+        let wish = self
+            .readings
+            .iter_mut()
+            .rev()
+            .find(|reading| reading.of == ReadingOf::Wish);
+        if let (Some(reading), Some(doubt)) = (wish, doubt) {
+            reading.doubt = Some(doubt);
+        }
+    }
+
+    /// Adds the readings, the token counts and the model time of the instruction to an answer.
     pub(super) fn price(&self, answer: &mut Answer) {
+        answer.readings.clone_from(&self.readings);
         answer.usage = self.usage.into();
         answer.usage.rounds = self.corrections;
         answer.timings_ms.model = self.model_milliseconds;

@@ -79,7 +79,7 @@ pub use why::{Why, why};
 
 use std::sync::Arc;
 
-use crate::dialogue::{ConstraintKind, Counting, Message, Prepared, PromptError, Round, TokenCounter, Usage};
+use crate::dialogue::{ConstraintKind, Counting, Message, Prepared, PromptError, Reading, Round, TokenCounter, Usage};
 use crate::environment::World;
 use crate::model::Domain;
 use crate::plan::PlanFile;
@@ -266,22 +266,28 @@ impl Session {
 
     /// Returns the current instruction.
     pub fn instruction(&self) -> Option<&str> {
+        self.turn().map(|turn| turn.instruction.as_str())
+    }
+
+    /// Returns how the last words of the person were understood: the answers of the model that were weighed, and the
+    /// reason for a question.
+    pub fn readings(&self) -> &[Reading] {
+        self.turn().map_or(&[], |turn| &turn.readings)
+    }
+
+    fn turn(&self) -> Option<&Turn> {
         match &self.stage {
             Stage::Idle | Stage::Ending(_) => None,
             Stage::Asking(turn, _) | Stage::Question(turn, ..) | Stage::Proposed(turn) | Stage::Stuck(turn, _) => {
-                Some(&turn.instruction)
+                Some(turn)
             }
         }
     }
 
     /// Returns the token counts of the current instruction so far, and the time of its model calls in milliseconds.
     pub fn cost(&self) -> (Usage, f64) {
-        match &self.stage {
-            Stage::Idle | Stage::Ending(_) => (Usage::default(), 0.0),
-            Stage::Asking(turn, _) | Stage::Question(turn, ..) | Stage::Proposed(turn) | Stage::Stuck(turn, _) => {
-                (turn.usage, turn.model_milliseconds)
-            }
-        }
+        self.turn()
+            .map_or_else(Default::default, |turn| (turn.usage, turn.model_milliseconds))
     }
 
     /// Sets the model for the following requests.
@@ -331,6 +337,7 @@ impl Session {
             retold: None,
             parted: None,
             is_weighed: false,
+            readings: Vec::new(),
         };
         self.stage = Stage::Asking(turn, self.first_request(text));
         Ok(())
@@ -348,6 +355,7 @@ impl Session {
         let (mut turn, reply) = (turn.clone(), reply.clone());
         self.events.push(Event::Answer { text: text.to_owned() });
         self.world.add_values(text);
+        turn.readings.clear();
         turn.rounds.push(Round {
             reply,
             message: text.to_owned(),
@@ -363,7 +371,7 @@ impl Session {
     /// There is neither a proposed plan nor a stuck instruction.
     pub fn feedback(&mut self, text: &str) -> Result<(), OutOfTurn> {
         self.world.add_values(text);
-        let (turn, asking) = match &self.stage {
+        let (mut turn, asking) = match &self.stage {
             Stage::Proposed(turn) => {
                 let mut turn = turn.clone();
                 let asking = self.ask_about(&mut turn, text);
@@ -381,6 +389,7 @@ impl Session {
             }
             _ => return Err(self.out_of_turn("feedback")),
         };
+        turn.readings.clear();
         self.events.push(Event::Feedback { text: text.to_owned() });
         self.stage = Stage::Asking(turn, asking);
         Ok(())
@@ -503,7 +512,10 @@ impl Session {
     }
 
     fn ask_person(&mut self, turn: Turn, reply: String, question: String) {
-        self.events.push(Event::Question { text: question.clone() });
+        self.events.push(Event::Question {
+            text: question.clone(),
+            readings: turn.readings.clone(),
+        });
         self.stage = Stage::Question(turn, reply, question);
     }
 

@@ -379,12 +379,15 @@ fn same_kind(one: &Event, other: &Event) -> bool {
     std::mem::discriminant(one) == std::mem::discriminant(other)
 }
 
-/// Returns an event without durations, as JSON.
+/// Returns an event as JSON, without durations and readings: these explain a decision and are none.
 fn comparable(event: &Event) -> Value {
     // Serialization cannot fail: an event is plain data with string keys.
     let mut value = serde_json::to_value(event).unwrap_or_default();
-    if let Some(answer) = value.get_mut("answer").and_then(Value::as_object_mut) {
-        answer.remove("timings_ms");
+    for part in ["", "/answer"] {
+        if let Some(part) = value.pointer_mut(part).and_then(Value::as_object_mut) {
+            part.remove("timings_ms");
+            part.remove("readings");
+        }
     }
     value
 }

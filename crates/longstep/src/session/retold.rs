@@ -92,6 +92,7 @@ impl Session {
         let before = Turn {
             usage: turn.usage,
             model_milliseconds: turn.model_milliseconds,
+            readings: turn.readings,
             ..*retold.before
         };
         self.conclude(before, retold.open);

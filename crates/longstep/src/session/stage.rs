@@ -8,7 +8,7 @@ use super::forbidden::Parted;
 use super::retold::Retold;
 use super::{Ended, Failure, Refusal};
 use crate::coverage::Mark;
-use crate::dialogue::{Round, Usage};
+use crate::dialogue::{Reading, Round, Usage};
 use crate::goal::Goal;
 use crate::report::Answer;
 use crate::verify::{Purpose, VerifiedPlan};
@@ -97,6 +97,8 @@ pub(super) struct Turn {
     pub(super) parted: Option<Parted>,
     /// True if the model says how likely its replies are.
     pub(super) is_weighed: bool,
+    /// How the last words of the person were understood.
+    pub(super) readings: Vec<Reading>,
 }
 
 /// The state of a session.
