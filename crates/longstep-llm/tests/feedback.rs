@@ -1,6 +1,7 @@
 //! How much of what people say about plans a model understands: set LONGSTEP_FEEDBACK_MODEL to a model reference, and
 //! run with `--ignored --nocapture`. With LONGSTEP_CORPUS, the folder of the recorded plans, two more cases are those
-//! of the paper's figure. Prints a line for each case and the figures.
+//! of the paper's figure. LONGSTEP_LANGUAGE (`de`, `es`) says the own cases in another language. Prints a line for each case
+//! and the figures.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
@@ -183,7 +184,17 @@ fn own_cases() {
     let file: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
     let mut model = model();
     let (mut right, mut all) = (0, 0);
-    for case in file["cases"].as_array().unwrap() {
+    let languages = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/feedback/languages.json");
+    let languages: Value = serde_json::from_str(&std::fs::read_to_string(languages).unwrap()).unwrap();
+    let language = std::env::var("LONGSTEP_LANGUAGE").ok();
+    for (number, case) in file["cases"].as_array().unwrap().iter().enumerate() {
+        let mut case = case.clone();
+        if let Some(language) = &language {
+            case["says"] = languages[language][number].clone();
+            // The person's own words as the sentence of a step would be in their language.
+            case.as_object_mut().unwrap().remove("sentence");
+        }
+        let case = &case;
         let only = std::env::var("LONGSTEP_ONLY").unwrap_or_default();
         if !case["says"].as_str().unwrap().contains(&only) {
             continue;

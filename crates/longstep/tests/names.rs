@@ -80,6 +80,7 @@ fn check_instructions(environment: &str, rows: &[(&str, &str, &str)]) {
         let goal = parse(&world, goal).unwrap();
         let found = match understand(&world, instruction, goal) {
             Understanding::Question(question) | Understanding::Which(question) => question,
+            Understanding::Doubtful(_) => unreachable!("it is asked"),
             Understanding::Goal(goal) => goal.everyday(&world).join(" & "),
         };
         assert_eq!(found, *expected, "{instruction}");

@@ -112,22 +112,34 @@ impl<'model> Engine<'model> {
             if !read(start) {
                 return Err("it was stopped".into());
             }
-            self.compute(tokens.get(start..end).unwrap_or_default())?;
+            self.compute(tokens.get(start..end).unwrap_or_default(), false)?;
             self.ends.push(end);
         }
         Ok(known)
     }
 
-    /// Computes tokens that the model has generated.
-    pub(super) fn append(&mut self, tokens: &[LlamaToken]) -> Result<(), String> {
-        tokens.chunks(blocks::LARGE).try_for_each(|part| self.compute(part))
+    /// Computes tokens that the model has generated. `tell` receives each of them but the first with the logits at its place.
+    pub(super) fn append(
+        &mut self,
+        tokens: &[LlamaToken],
+        tell: &mut dyn FnMut(LlamaToken, &[f32]),
+    ) -> Result<(), String> {
+        for part in tokens.chunks(blocks::LARGE) {
+            self.compute(part, true)?;
+            for (place, token) in part.iter().enumerate().skip(1) {
+                let before = i32::try_from(place - 1).map_err(|error| error.to_string())?;
+                tell(*token, self.context.get_logits_ith(before));
+            }
+        }
+        Ok(())
     }
 
-    fn compute(&mut self, part: &[LlamaToken]) -> Result<(), String> {
+    /// Computes tokens; with the logits at all their places, or at the last one.
+    fn compute(&mut self, part: &[LlamaToken], all: bool) -> Result<(), String> {
         let mut batch = LlamaBatch::new(part.len(), 1);
         for (index, token) in part.iter().enumerate() {
             let position = i32::try_from(self.tokens.len() + index).map_err(|error| error.to_string())?;
-            let wanted = index + 1 == part.len();
+            let wanted = all || index + 1 == part.len();
             batch
                 .add(*token, position, &[SEQUENCE], wanted)
                 .map_err(|error| error.to_string())?;

@@ -1,5 +1,6 @@
 //! Sampling of the next token.
 
+use llama_cpp_2::token::LlamaToken;
 use longstep::dialogue::Likelihood;
 
 use crate::Sampling;
@@ -142,11 +143,13 @@ mod tests {
     }
 }
 
-/// The log-probability of the sampled tokens over the whole vocabulary, which a grammar does not change.
+/// The log-probability of the tokens over the whole vocabulary, which a grammar does not change.
 #[derive(Default)]
 pub(super) struct Score {
     text: f64,
-    ended: Option<f64>,
+    forced: f64,
+    /// The sums at the last place where the text could have ended: of the text with that end, and of the forced tokens.
+    ended: Option<(f64, f64)>,
 }
 
 impl Score {
@@ -155,9 +158,15 @@ impl Score {
         let all = log_sum(logits);
         let probability = |index: usize| logits.get(index).map(|logit| f64::from(*logit) - all);
         if let Some(end) = end.filter(|_| chosen != end) {
-            self.ended = probability(end).map(|end| self.text + end);
+            self.ended = probability(end).map(|end| (self.text + end, self.forced));
         }
         self.text += chosen.and_then(probability).unwrap_or_default();
+    }
+
+    /// Counts a token that the grammar forces.
+    pub(super) fn force(&mut self, logits: &[f32], token: LlamaToken) {
+        let logit = usize::try_from(token.0).ok().and_then(|index| logits.get(index));
+        self.forced += logit.map_or(0.0, |logit| f64::from(*logit) - log_sum(logits));
     }
 
     /// Returns the likelihood, rounded so that it is the same on most machines.
@@ -166,7 +175,8 @@ impl Score {
         let rounded = |score: f64| (score * 1000.0).round() as i64;
         Likelihood {
             text: rounded(self.text),
-            ended: self.ended.map(rounded),
+            forced: rounded(self.ended.map_or(self.forced, |(_, forced)| forced)),
+            ended: self.ended.map(|(ended, _)| rounded(ended)),
         }
     }
 }

@@ -207,7 +207,8 @@ impl<'model> Worker<'model> {
         let known = self.engine.known(tokens).min(tokens.len().saturating_sub(1));
         let known = self.engine.keep(known);
         let new = tokens.get(known..).unwrap_or_default();
-        self.engine.append(new).map_err(|reason| self.failed(reason))?;
+        let appended = self.engine.append(new, &mut |_, _| {});
+        appended.map_err(|reason| self.failed(reason))?;
         Ok(known)
     }
 
@@ -274,15 +275,20 @@ impl<'model> Worker<'model> {
                     written.push(self.model, token);
                 }
             }
-            if complete {
-                return Ok(Finish::Stop);
-            }
             let tokens = written.tokens.len();
             if !tell(Progress::Writing { tokens }) {
                 return Err(self.failed("it was stopped".into()));
             }
             let new = written.tokens.get(before..).unwrap_or_default();
-            self.engine.append(new).map_err(|reason| self.failed(reason))?;
+            // The last token needs no computation, unless forced tokens are to be scored.
+            if !complete || new.len() > 1 {
+                let score = &mut written.score;
+                let appended = self.engine.append(new, &mut |token, logits| score.force(logits, token));
+                appended.map_err(|reason| self.failed(reason))?;
+            }
+            if complete {
+                return Ok(Finish::Stop);
+            }
         }
     }
 

@@ -30,6 +30,7 @@ impl ChatModel for Numbering {
             usage,
             likelihood: Some(Likelihood {
                 text: -700,
+                forced: -40,
                 ended: Some(-900),
             }),
         })

@@ -90,11 +90,14 @@ pub struct Reply {
 }
 
 /// How likely a model finds a reply under a grammar: logarithms of probabilities over its whole vocabulary, in thousandths
-/// of a nat. Tokens that the grammar forces are not counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// of a nat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Likelihood {
-    /// The text, with its end if the model ended it.
+    /// The text, with its end if the model ended it, and without the tokens that the grammar forces.
     pub text: i64,
+    /// The tokens that the grammar forces, up to the last place where the text could have ended.
+    #[serde(default)]
+    pub forced: i64,
     /// The text up to the last place before its end where it could have ended, with that end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ended: Option<i64>,

@@ -8,10 +8,16 @@ use super::Likelihood;
 use crate::goal::{AND, ELSE, JOINT};
 
 /// Likelihood below which an answer is a guess, in thousandths of a nat (docs/evaluation.md has the measurement).
-const GUESS: i64 = -3700;
+const GUESS: i64 = -4000;
 
 /// The same for an instruction without any name of the environment, where nothing else speaks for the answer.
 const UNNAMED_GUESS: i64 = -1500;
+
+/// A token that the grammar forces counts this many times less than one that the model chose.
+///
+/// Counted in full, such tokens make each goal unlikely that the model would have put in other words. Not counted, a goal that
+/// shares its first letters with a likely one is as likely as that.
+const FORCED: i64 = 4;
 
 /// The likelihoods of an answer that ends after one of its goals.
 #[derive(Debug, Clone, Default)]
@@ -43,14 +49,15 @@ impl Endings {
     /// Counts the next reply of an answer, which has the given length without it. Returns the length of the answer that
     /// is likelier than this one and any that begins with it, if there is one.
     pub(super) fn count(&mut self, length: usize, reply: &str, likelihood: Likelihood) -> Option<usize> {
+        let forced = likelihood.forced / FORCED;
         let goal = [JOINT, AND, ELSE].iter().find_map(|joint| reply.strip_suffix(joint));
         if let (Some(goal), Some(ended)) = (goal, likelihood.ended) {
-            let ended = self.sum + ended;
+            let ended = self.sum + ended + forced;
             if self.best.is_none_or(|(best, _)| ended > best) {
                 self.best = Some((ended, length + goal.len()));
             }
         }
-        self.sum += likelihood.text;
+        self.sum += likelihood.text + forced;
         self.is_weighed = true;
         self.best.filter(|(best, _)| *best > self.sum).map(|(_, length)| length)
     }
@@ -92,6 +99,7 @@ mod tests {
             for (text, likelihood, ended) in replies {
                 let likelihood = Likelihood {
                     text: *likelihood,
+                    forced: 0,
                     ended: *ended,
                 };
                 found = endings.count(answer.len(), text, likelihood);

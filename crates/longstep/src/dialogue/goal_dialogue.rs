@@ -291,11 +291,13 @@ impl GoalDialogue {
                 let is_wanted =
                     |words: &Mentions| words.entities.is_empty() || subject.is_some_and(|place| is_named(words, place));
                 self.further.as_ref().is_none_or(is_wanted)
-                    && (further || !self.tries.bar(offer.word, arguments))
                     && !self.other_side.iter().any(|fact| fact.is_word(offer.word, arguments))
             });
         }
         offers.retain(|offer| !offer.arguments.is_empty());
+        if !further {
+            self.tries.keep(&mut offers, &self.correction.mentions.entities);
+        }
         offers
     }
 
@@ -408,18 +410,20 @@ impl GoalDialogue {
             candidate.chosen = true;
         }
         let (is_guess, is_empty) = (self.is_guess(&goal), goal.is_empty());
+        let may_doubt = self.is_first && self.endings.weighed().is_some();
         let understanding = match understand_mentions(&self.world, &self.correction.mentions, goal) {
-            Understanding::Goal(goal) if is_guess => {
+            Understanding::Goal(goal) | Understanding::Doubtful(goal) if is_guess => {
                 self.doubt = Some(Doubt::Unlikely);
                 return Understanding::Question(guess(&self.world, &goal));
             }
-            understanding => understanding,
+            understanding if may_doubt => understanding,
+            understanding => understanding.asked(&self.world),
         };
         self.doubt = match &understanding {
             Understanding::Goal(_) => None,
             Understanding::Which(_) => Some(Doubt::Several),
             Understanding::Question(_) if is_empty => Some(Doubt::NoGoal),
-            Understanding::Question(_) => Some(Doubt::Unnamed),
+            Understanding::Question(_) | Understanding::Doubtful(_) => Some(Doubt::Unnamed),
         };
         understanding
     }

@@ -28,7 +28,7 @@ const LENGTH: usize = 300;
 /// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
 ///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
 /// let mut dialogue = RetellingDialogue::new(&world, "Der Stift gehört ins Regal.");
-/// let likelihood = Some(Likelihood { text: -2100, ended: None });
+/// let likelihood = Some(Likelihood { text: -2100, ..Likelihood::default() });
 /// let text = "Put the pen on the shelf.".to_owned();
 /// let retold = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood })?;
 /// assert_eq!(retold.flatten().as_deref(), Some("Put the pen on the shelf."));
@@ -146,7 +146,10 @@ mod tests {
                 text: text.to_owned(),
                 finish: Finish::Stop,
                 usage: Usage::default(),
-                likelihood: likelihood.map(|text| Likelihood { text, ended: None }),
+                likelihood: likelihood.map(|text| Likelihood {
+                    text,
+                    ..Likelihood::default()
+                }),
             };
             let retold = dialogue.supply(&reply).unwrap().unwrap();
             assert_eq!(retold.is_some(), counts, "{text}: {retold:?}");

@@ -40,7 +40,7 @@ pub struct Split {
 /// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>"],
 ///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
 /// let mut dialogue = SplittingDialogue::new(&world, "Der Stift ins Regal, aber lass den Schrank zu.");
-/// let likelihood = Some(Likelihood { text: -2100, ended: None });
+/// let likelihood = Some(Likelihood { text: -2100, ..Likelihood::default() });
 /// let text = "do: Put the pen on the shelf.\nnot: Open the cupboard.".to_owned();
 /// let split = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood })?;
 /// assert_eq!(split.flatten().unwrap().forbidden, ["Open the cupboard."]);
@@ -183,7 +183,10 @@ mod tests {
                 text: text.to_owned(),
                 finish: Finish::Stop,
                 usage: Usage::default(),
-                likelihood: likelihood.map(|text| Likelihood { text, ended: None }),
+                likelihood: likelihood.map(|text| Likelihood {
+                    text,
+                    ..Likelihood::default()
+                }),
             };
             assert_eq!(dialogue.supply(&reply).unwrap().unwrap(), expected, "{text}");
         }

@@ -6,11 +6,11 @@
 
 use super::ending::Endings;
 use crate::environment::EntityId;
-use crate::goal::{Goal, GoalFact};
+use crate::goal::{Goal, GoalFact, Offer};
 use crate::model::GoalWordId;
 
 /// Maximum number of further tries.
-const TRIES: usize = 2;
+const TRIES: usize = 3;
 
 /// The answers so far to one instruction.
 #[derive(Debug, Clone, Default)]
@@ -58,21 +58,44 @@ impl Tries {
         }
     }
 
+    /// Keeps the first goals that are open to the next answer. The second one begins with goals about nothing but named
+    /// entities, and as many of them as there is a goal for, unless the first did. Then the goal words of the answers before
+    /// are barred, and in the last one the very goals.
+    pub(super) fn keep(&self, offers: &mut Vec<Offer>, named: &[EntityId]) {
+        let count = |arguments: &[EntityId]| match arguments.iter().all(|entity| named.contains(entity)) {
+            true => arguments.len(),
+            false => 0,
+        };
+        if let [GoalFact::Word { arguments, .. }] = self.begins.as_slice() {
+            let all = offers.iter().flat_map(|offer| &offer.arguments);
+            let most = all.map(|arguments| count(arguments)).max().unwrap_or(0);
+            if count(arguments) < most {
+                retain(offers, |_, arguments| count(arguments) == most);
+                return;
+            }
+        }
+        let is_last = self.begins.len() == TRIES;
+        let has_word = |begin: &GoalFact, own: GoalWordId| matches!(begin, GoalFact::Word { word, .. } if *word == own);
+        retain(offers, |word, arguments| {
+            let is_begun = self.begins.iter().any(|begin| match is_last {
+                true => begin.is_word(word, arguments),
+                false => has_word(begin, word),
+            });
+            !is_begun && !self.refused.iter().any(|begin| begin.is_word(word, arguments))
+        });
+    }
+
     /// Returns true if this is not the first answer.
     pub(super) fn has_begun(&self) -> bool {
         !self.begins.is_empty()
     }
+}
 
-    /// Returns true if the next answer must not begin with this goal: it has the goal word of the first answer, or later, an
-    /// answer began with the very goal.
-    pub(super) fn bar(&self, word: GoalWordId, arguments: &[EntityId]) -> bool {
-        let is_alone = self.begins.len() == 1;
-        let has_word = |begin: &GoalFact| matches!(begin, GoalFact::Word { word: begun, .. } if *begun == word);
-        self.begins.iter().any(|begin| is_alone && has_word(begin))
-            || self
-                .begins
-                .iter()
-                .chain(&self.refused)
-                .any(|begin| begin.is_word(word, arguments))
+/// Keeps the arguments that fit.
+fn retain(offers: &mut Vec<Offer>, fits: impl Fn(GoalWordId, &[EntityId]) -> bool) {
+    for offer in offers.iter_mut() {
+        let word = offer.word;
+        offer.arguments.retain(|arguments| fits(word, arguments));
     }
+    offers.retain(|offer| !offer.arguments.is_empty());
 }

@@ -161,6 +161,7 @@ fn check_understood(instruction: &str, replies: &[&str], kind: ConstraintKind, e
             understood = match done {
                 Understanding::Goal(goal) => goal.everyday(&world).join(" & "),
                 Understanding::Question(question) | Understanding::Which(question) => question,
+                Understanding::Doubtful(_) => unreachable!("it is asked"),
             };
         }
     }

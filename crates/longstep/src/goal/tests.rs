@@ -74,6 +74,7 @@ fn check_understood(instruction: &str, goal: &str, expected: &str) {
     let goal = parse(&world, goal).unwrap();
     let understood = match understand(&world, instruction, goal) {
         Understanding::Question(question) | Understanding::Which(question) => question,
+        Understanding::Doubtful(_) => unreachable!("it is asked"),
         Understanding::Goal(goal) => {
             let facts: Vec<_> = goal.facts.iter().map(|fact| fact.everyday(&world)).collect();
             facts.join(" & ")
@@ -187,6 +188,7 @@ fn check_which(instruction: &str, goal: &str, expected: &str) {
     let goal = parse(&world, goal).unwrap();
     let came = match understand(&world, instruction, goal) {
         Understanding::Question(question) | Understanding::Which(question) => question,
+        Understanding::Doubtful(_) => unreachable!("it is asked"),
         Understanding::Goal(goal) => {
             let facts = goal.facts.iter().map(|fact| fact.everyday(&world));
             facts.collect::<Vec<_>>().join(" & ")

@@ -14,6 +14,9 @@ use longstep_core::model::Domain;
 pub enum Understanding {
     /// The accepted goal.
     Goal(Goal),
+    /// A goal that the words do not show: it is about an entity that they do not name. Without a second look at the words,
+    /// the person is asked ([`Understanding::asked`]).
+    Doubtful(Goal),
     /// A question to the person.
     Question(String),
     /// A question to the person which of several things is meant that fit the same words.
@@ -28,13 +31,22 @@ impl Understanding {
             Self::Question(question) => Self::Question(question.clone()),
             Self::Which(question) => Self::Which(question.clone()),
             Self::Goal(goal) => Self::Goal(goal.carried(domain, from, to)?),
+            Self::Doubtful(goal) => Self::Doubtful(goal.carried(domain, from, to)?),
         })
+    }
+
+    /// Returns the question for a doubtful goal, and everything else as it is.
+    pub fn asked(self, world: &World) -> Self {
+        match self {
+            Self::Doubtful(goal) => Self::Question(guess(world, &goal)),
+            other => other,
+        }
     }
 }
 
 /// Compares a goal with the names in an instruction.
 pub fn understand(world: &World, instruction: &str, goal: Goal) -> Understanding {
-    understand_mentions(world, &Mentions::of(world, instruction), goal)
+    understand_mentions(world, &Mentions::of(world, instruction), goal).asked(world)
 }
 
 /// Compares a goal with the names that were found.
@@ -46,7 +58,7 @@ pub(crate) fn understand_mentions(world: &World, mentions: &Mentions, goal: Goal
         return Understanding::Question("What should I do?".to_owned());
     }
     if !goal.facts.iter().all(|fact| named.has_group(&goal, fact)) {
-        return Understanding::Question(guess(world, &goal));
+        return Understanding::Doubtful(goal);
     }
     let unclear = (!mentions.is_answered())
         .then(|| which(world, mentions, &goal))

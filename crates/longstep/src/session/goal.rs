@@ -7,7 +7,7 @@ use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
 use crate::coverage::{self, Coverage, Gap};
 use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, Doubt, FittedDialogue, GoalDialogue, GoalInput, OverBudget,
-    Prepared, PromptError, ReadingOf, Reply, Round, TokenCounter, plain_line,
+    Prepared, PromptError, Reading, ReadingOf, Reply, Round, TokenCounter, plain_line,
 };
 use crate::environment::World;
 use crate::feedback::{Amended, FeedbackDialogue, StepWish, amend};
@@ -176,6 +176,7 @@ impl Session {
                     Some(Understanding::Question(question)) => {
                         self.leave_open(turn, Open::Question(question));
                     }
+                    Some(Understanding::Doubtful(goal)) => self.leave_open(turn, Open::Doubtful(goal)),
                     Some(Understanding::Which(question)) => self.leave_open(turn, Open::Which(question)),
                     // Each entity of the part exists in the whole world, but a group may have members there for which the
                     // goal makes no sense.
@@ -206,6 +207,10 @@ impl Session {
             let names: Vec<String> = names.collect();
             let note = format!("\"{}\" was taken for {}", spelled.pronoun, names.join(" and "));
             answer.assumptions.push(note);
+        }
+        if turn.is_reread && turn.rounds.is_empty() {
+            let note = "the words do not name what the goal is about, and no other meaning was found";
+            answer.assumptions.push(note.to_owned());
         }
         let forgets = turn.forgets_prohibition(&goal);
         let coverage = turn.coverage(world, &goal, solution.plan.as_ref());
@@ -303,7 +308,7 @@ impl Session {
     fn offer_rule(&mut self, turn: Turn, understood: &Understanding) {
         let rules = match understood {
             Understanding::Goal(goal) => self.prohibition(goal),
-            Understanding::Question(_) | Understanding::Which(_) => None,
+            Understanding::Doubtful(_) | Understanding::Question(_) | Understanding::Which(_) => None,
         };
         match rules {
             Some(constraints) => {
@@ -372,6 +377,15 @@ impl Turn {
             .find(|reading| reading.of == ReadingOf::Wish);
         if let (Some(reading), Some(doubt)) = (wish, doubt) {
             reading.doubt = Some(doubt);
+        }
+    }
+
+    /// Makes the doubtful reading the last one, without its doubt.
+    pub(super) fn settle_doubt(&mut self) {
+        let is_doubtful = |reading: &Reading| reading.of == ReadingOf::Wish && reading.doubt == Some(Doubt::Unnamed);
+        if let Some(place) = self.readings.iter().position(is_doubtful) {
+            let reading = self.readings.remove(place);
+            self.readings.push(Reading { doubt: None, ..reading });
         }
     }
 

@@ -337,6 +337,7 @@ impl Session {
             retold: None,
             parted: None,
             is_weighed: false,
+            is_reread: false,
             readings: Vec::new(),
         };
         self.stage = Stage::Asking(turn, self.first_request(text));

@@ -25,6 +25,8 @@ pub(super) struct Retold {
 pub(super) enum Open {
     /// A question about what the person wants.
     Question(String),
+    /// A goal that the words do not show. It is what they mean if a second look at them finds nothing else.
+    Doubtful(Goal),
     /// A question which one of several things is meant. Other words do not answer it.
     Which(String),
     /// A plan with a question.
@@ -67,6 +69,7 @@ impl Session {
             && turn.is_weighed
             && turn.is_unanswered()
             && turn.retold.is_none()
+            && !turn.is_reread
     }
 
     /// Understands the retold instruction from the beginning, or leaves open what was open before.
@@ -93,13 +96,22 @@ impl Session {
             usage: turn.usage,
             model_milliseconds: turn.model_milliseconds,
             readings: turn.readings,
+            is_reread: true,
             ..*retold.before
         };
         self.conclude(before, retold.open);
     }
 
-    fn conclude(&mut self, turn: Turn, open: Open) {
+    fn conclude(&mut self, mut turn: Turn, open: Open) {
         match open {
+            Open::Doubtful(goal) if turn.is_reread => {
+                turn.settle_doubt();
+                self.pursue_within(turn, goal);
+            }
+            Open::Doubtful(goal) => {
+                let question = goal::guess(&self.world, &goal);
+                self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
+            }
             Open::Question(question) | Open::Which(question) => {
                 self.ask_person(turn, format!("{}{question}", goal::QUESTION), question);
             }

@@ -8,9 +8,10 @@ use crate::dialogue::{ConstraintKind, EstimatedTokens, Likelihood, Reply};
 const SAID: &str = "El boli, al estante.";
 const DOUBT: &str = "question: I see no boli here, which pen do you mean?";
 /// A guess: no try at an answer is likely.
-const GUESS: [(&str, i64); 3] = [
+const GUESS: [(&str, i64); 4] = [
     ("put(ruler, shelf)", -9000),
     ("opened(cupboard)", -9500),
+    ("closed(cupboard)", -9600),
     ("put(pen, shelf)", -9500),
 ];
 const RETOLD: &str = "Put the pen on the shelf.";
@@ -24,7 +25,7 @@ fn give(session: &mut Session, (text, likelihood): (&str, i64)) -> String {
     let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
     let likelihood = Some(Likelihood {
         text: likelihood,
-        ended: None,
+        ..Likelihood::default()
     });
     let weighed = Reply {
         likelihood,
@@ -109,6 +110,45 @@ fn a_question_is_asked_only_if_the_retold_instruction_leaves_one() {
         let events = session.take_events();
         check_log(&mut session, &events);
     }
+}
+
+#[test]
+fn a_goal_that_the_words_do_not_show_is_taken_if_nothing_else_is_found() {
+    const HALF: &str = "El boli, al shelf";
+    let first = [("wish", -1), ("put(pen, shelf)", -3000)];
+    let plan = "put(<pen>, <shelf>)";
+    let other = "put(<ruler>, <shelf>)";
+    // The replies after the first reading, and what the person sees in the end.
+    type Case<'a> = (&'a [(&'a str, i64)], &'a str);
+    let cases: [Case<'_>; 3] = [
+        (&[(RETOLD, -5000)], plan),
+        (&[(RETOLD, -2000), ("wish", -1), (DOUBT, -9)], plan),
+        (
+            &[
+                ("Put the ruler on the shelf.", -2000),
+                ("wish", -1),
+                ("put(ruler, shelf)", -500),
+            ],
+            other,
+        ),
+    ];
+    for (replies, expected) in cases {
+        let mut session = grammar(Settings::default());
+        play_weighed(&mut session, HALF, &[&first, replies].concat());
+        assert_eq!(end(&session), expected, "{replies:?}");
+        let doubts = session.readings().iter().map(|reading| reading.doubt);
+        assert_eq!(doubts.last(), Some(None), "{:?}", session.readings());
+        let events = session.take_events();
+        check_log(&mut session, &events);
+    }
+    // Without a second look the person is asked.
+    let off = Settings {
+        retelling: false,
+        ..Settings::default()
+    };
+    let mut off = grammar(off);
+    play_weighed(&mut off, HALF, &first);
+    assert!(matches!(off.response(), Response::Question(_)), "{:?}", off.response());
 }
 
 #[test]

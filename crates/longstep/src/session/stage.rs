@@ -97,6 +97,8 @@ pub(super) struct Turn {
     pub(super) parted: Option<Parted>,
     /// True if the model says how likely its replies are.
     pub(super) is_weighed: bool,
+    /// True if a second look at the instruction found no plan.
+    pub(super) is_reread: bool,
     /// How the last words of the person were understood.
     pub(super) readings: Vec<Reading>,
 }

@@ -31,6 +31,7 @@ fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &s
             usage: Usage::default(),
             likelihood: Some(Likelihood {
                 text: *likelihood,
+                forced: 0,
                 ended: *ended,
             }),
         };
@@ -38,6 +39,7 @@ fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &s
     }
     let found = match understood {
         Some(Understanding::Goal(goal)) => goal.everyday(&world).join(" & "),
+        Some(Understanding::Doubtful(goal)) => format!("doubtful: {}", goal.everyday(&world).join(" & ")),
         Some(Understanding::Question(question) | Understanding::Which(question)) => question,
         None => "the answer goes on".to_owned(),
     };
@@ -54,9 +56,16 @@ fn an_unlikely_answer_is_a_question() {
         &[
             (put, -5000, None),
             ("opened(cupboard)", -9000, None),
+            ("closed(cupboard)", -9500, None),
             ("put(ruler, shelf)", -8000, None),
         ],
         "I am not sure what you want. Do you mean: the pen is at the shelf?",
+    );
+    check(
+        "Put the pen on the shelf",
+        &[],
+        &[("put(ruler, shelf)", -3000, None)],
+        "doubtful: put(ruler, shelf)",
     );
     // After an answer to a question, the model's next answer is taken.
     let round = Round {
@@ -71,17 +80,18 @@ fn a_guess_gives_way_to_a_likelier_answer() {
     let (guess, opened) = (("put(pen, shelf)", -5000, None), "opened(cupboard)");
     let ruler = "put(ruler, shelf)";
     check("Leg das weg", &[], &[guess, (opened, -1500, None)], opened);
-    // The third answer may begin with the goal word of the first one again.
+    // The last answer may begin with the goal word of the first one again.
+    let closed = ("closed(cupboard)", -6000, None);
     check(
         "Leg das weg",
         &[],
-        &[guess, (opened, -4000, None), (ruler, -1500, None)],
+        &[guess, (opened, -4000, None), closed, (ruler, -1500, None)],
         ruler,
     );
     check(
         "Leg das weg",
         &[],
-        &[guess, (opened, -4000, None), (ruler, -4500, None)],
+        &[guess, (opened, -4000, None), closed, (ruler, -4500, None)],
         "I am not sure what you want. Do you mean: the cupboard is open?",
     );
 }
