@@ -486,7 +486,7 @@ fn what_is_missing_is_found_before_anything_is_sent() {
         let found = trials(bridge.configuration(SHORT), &household(), None);
         let results: Vec<String> = found.iter().map(|own| own.result.clone().unwrap()).collect();
         assert!(results[1].starts_with(expected), "{results:?}");
-        assert_eq!(results[2], "1 entities are described");
+        assert_eq!(results[2], "entities described: 1");
         assert!(bridge.received("send_action_goal").is_empty());
     }
 }

@@ -116,16 +116,16 @@ impl Ros2 {
         let read = observed.and_then(|observation| {
             let entities = observation.states.len();
             let Some(world) = world else {
-                return Ok(format!("{entities} entities are described"));
+                return Ok(format!("entities described: {entities}"));
             };
             let reported = reports(self as &dyn Robot, world)?;
             let statements: Statements = observation.into();
             let seen = Seen::read(world, &reported, &statements);
             let seen = seen.map_err(|error| message::broken(error.to_string()))?;
             Ok(match seen.unknown.len() {
-                0 => format!("{entities} entities are described, all of them in the environment"),
-                unknown => format!(
-                    "{entities} entities are described, {unknown} of them not in the environment: {}",
+                0 => format!("entities described: {entities}, all in the environment"),
+                _ => format!(
+                    "entities described: {entities}; not in the environment: {}",
                     seen.unknown.iter().take(5).cloned().collect::<Vec<_>>().join(", ")
                 ),
             })
