@@ -13,7 +13,8 @@ use longstep::session::{RepairPolicy, Settings, Strategy};
 #[command(
     after_help = "Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12 search gave up, \
 13 clarifying question, 20 limit reached, 30 unreadable input, 40 model or network failed, 50 run stopped, \
-51 robot failed, 60 output not written."
+51 robot failed, 52 robot gone, 53 robot late, 54 step rejected, 55 robot in use, 56 server missing, \
+57 server of another type, 60 output not written."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -35,6 +36,9 @@ pub(crate) enum Command {
     Repair(RepairArguments),
     /// Carry out a plan on a robot: monitor each step, and mend the plan when the world changes
     Run(RunArguments),
+    /// Check the configuration of a robot
+    #[command(subcommand)]
+    Robot(RobotCommand),
     /// Print a verified plan in another format
     Export(ExportArguments),
     /// Find a shortest plan for a goal, without a language model
@@ -417,9 +421,12 @@ pub(crate) struct RunArguments {
     /// Log of an interrupted run to resume: a step that was under way is observed, or you are asked
     #[arg(long, value_name = "RUN.jsonl", conflicts_with_all = ["env", "goal", "rules", "skills", "log"])]
     pub(crate) resume: Option<PathBuf>,
-    /// Robot: sim, sim:OPTION=VALUE,... or process:COMMAND [default with --resume: the robot of the run]
+    /// Robot: sim, sim:OPTION=VALUE,..., process:COMMAND or ros2:robot.toml [default with --resume: the robot of the run]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
+    /// Move a robot that is not a simulation; without this, a dry run shows what it would be sent
+    #[arg(long)]
+    pub(crate) live: bool,
     /// Environment file (the world before the plan) [default: the plan's own `environment_before`]
     #[arg(long, value_name = "ENV.json")]
     pub(crate) env: Option<PathBuf>,
@@ -457,6 +464,28 @@ pub(crate) struct RunArguments {
     /// Print the events as JSON, one a line
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum RobotCommand {
+    /// Compare a robot.toml with a domain, and try the connection without moving anything
+    Check(RobotCheckArguments),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RobotCheckArguments {
+    /// Configuration of a robot behind ROS 2
+    #[arg(value_name = "ROBOT.toml")]
+    pub(crate) file: PathBuf,
+    /// Domain (the robot's actions): the name of a shipped domain, or a folder
+    #[arg(long, value_name = "DOMAIN", default_value = "household")]
+    pub(crate) domain: String,
+    /// Environment file: also compare tables and observations with its entities
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: Option<PathBuf>,
+    /// Do not try the connection
+    #[arg(long)]
+    pub(crate) offline: bool,
 }
 
 /// When a person is asked.

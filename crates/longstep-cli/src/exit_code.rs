@@ -8,7 +8,19 @@ pub(crate) const UNREADABLE: u8 = 30;
 pub(crate) const LIMIT: u8 = 20;
 /// A run was stopped by a person or a signal.
 pub(crate) const STOPPED: u8 = 50;
-/// The robot failed.
+/// The robot failed, in a way that has no code of its own.
 pub(crate) const ROBOT: u8 = 51;
+/// The robot cannot be reached, or is gone.
+pub(crate) const ROBOT_GONE: u8 = 52;
+/// The robot did not answer in time.
+pub(crate) const ROBOT_LATE: u8 = 53;
+/// The robot rejected a step before it moved.
+pub(crate) const ROBOT_REFUSED: u8 = 54;
+/// Another program drives the robot.
+pub(crate) const ROBOT_BUSY: u8 = 55;
+/// A server of the robot is not there.
+pub(crate) const ROBOT_MISSING: u8 = 56;
+/// A server of the robot has another type.
+pub(crate) const ROBOT_TYPE: u8 = 57;
 /// The model or the network failed.
 pub(crate) const MODEL: u8 = 40;

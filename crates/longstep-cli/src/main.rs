@@ -1,7 +1,8 @@
 //! The `longstep` program.
 //!
 //! Results go to stdout, progress and errors to stderr. Exit codes: 0 verified, 10 not valid, 11 proven unsolvable, 12
-//! search gave up, 13 clarifying question, 20 limit, 30 unreadable input, 40 model or network, 50 run stopped, 51 robot failed, 60
+//! search gave up, 13 clarifying question, 20 limit, 30 unreadable input, 40 model or network, 50 run stopped, 51 to 57 robot
+//! failed, 60
 //! stdout not writable.
 
 mod arguments;
@@ -24,6 +25,7 @@ mod plan;
 mod problem;
 mod progress;
 mod repair;
+mod robot;
 mod run;
 mod session;
 mod show;
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Repair(arguments) => repair::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Robot(command) => robot::run(&command),
         Command::Export(arguments) => export::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Compose(arguments) => compose::run(&arguments),

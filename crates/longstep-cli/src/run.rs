@@ -12,7 +12,7 @@ use anyhow::Result;
 use longstep_core::environment::World;
 use longstep_core::execution::{Approval, Execution, Stop, Watch};
 use longstep_llm::{load_domain, session_directory};
-use longstep_robot::{RunHeader, RunLog, StopRequest, drive};
+use longstep_robot::{RunHeader, RunLog, StopRequest, drive, preflight};
 
 use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments};
 use crate::exit_code::{LIMIT, NOT_VALID, ROBOT, STOPPED};
@@ -20,7 +20,10 @@ use crate::failure::Failure;
 use crate::output::remark;
 use crate::show;
 use begin::Begun;
+use robot::Opened;
 use view::View;
+
+pub(crate) use robot::exit_code as robot_exit_code;
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
     match (&arguments.resume, &arguments.what) {
@@ -34,7 +37,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
 fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     let Some(named) = &arguments.robot else {
         return Err(Failure::unreadable("no robot is given")
-            .hint("add `--robot sim`, or `--robot \"process:COMMAND\"`")
+            .hint("add `--robot sim`, `--robot \"process:COMMAND\"` or `--robot ros2:robot.toml`")
             .into());
     };
     let begun = match begin::begin(arguments, what)? {
@@ -42,8 +45,12 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
         Err(code) => return Ok(code),
     };
     let Begun { plan, aim } = begun;
-    let mut robot = robot::open(named, plan.world())?;
-    let settings = begin::settings(arguments, robot.as_ref(), plan.world())?;
+    let opened = robot::open(named, plan.world(), arguments.live)?;
+    let mut settings = begin::settings(arguments, opened.robot.as_ref(), plan.world())?;
+    if opened.is_dry {
+        settings.approval = Approval::Never;
+    }
+    preflight(opened.robot.as_ref(), &plan, &settings.skills).map_err(|error| robot::failure(&error))?;
     let execution = Execution::new(&plan, &aim, settings).map_err(|error| {
         Failure::unreadable(error.to_string()).hint("nothing has moved; pass the values with `--skills FILE`")
     })?;
@@ -51,34 +58,62 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
         Some(path) => path.clone(),
         None => new_log()?,
     };
-    let log = RunLog::create(&path, &RunHeader::new(named, &arguments.domain))
+    let header = RunHeader {
+        dry_run: opened.is_dry,
+        ..RunHeader::new(named, &arguments.domain)
+    };
+    let log = RunLog::create(&path, &header)
         .map_err(|error| Failure::unreadable(error.to_string()).hint("name a new file with `--log RUN.jsonl`"))?;
-    carry_out(arguments, execution, robot.as_mut(), log, &path)
+    carry_out(arguments, execution, opened, log, &path)
 }
 
 fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
     let (log, header, events) = RunLog::resume(path).map_err(|error| Failure::unreadable(error.to_string()))?;
+    if header.dry_run {
+        return Err(
+            Failure::unreadable("this is the log of a dry run, in which nothing moved")
+                .hint("begin a new run, with `--live` to move the robot")
+                .into(),
+        );
+    }
     let domain = load_domain(&header.domain)?;
     let execution = Execution::resume(&domain, &events).map_err(|error| Failure::unreadable(error.to_string()))?;
     let named = arguments.robot.as_ref().unwrap_or(&header.robot);
-    let mut robot = robot::open(named, execution.world())?;
+    let opened = robot::open(named, execution.world(), arguments.live)?;
+    if opened.is_dry {
+        return Err(Failure::unreadable("an interrupted run can only go on for real: this robot is not a simulation")
+            .hint("add `--live`; the robot is observed first, and you are asked about steps that no observation decides")
+            .into());
+    }
     remark!("Resuming {}", path.display());
-    carry_out(arguments, execution, robot.as_mut(), log, path)
+    carry_out(arguments, execution, opened, log, path)
 }
 
 /// Runs to the end and returns the exit code.
 fn carry_out(
     arguments: &RunArguments,
     mut execution: Execution,
-    robot: &mut dyn longstep_robot::Robot,
+    opened: Opened,
     log: RunLog,
     path: &Path,
 ) -> Result<u8> {
+    let Opened { mut robot, is_dry } = opened;
+    let robot = robot.as_mut();
+    if let Some(file) = arguments.save_after.as_ref().filter(|_| is_dry) {
+        return Err(
+            Failure::unreadable(format!("a dry run changes no world that {} could keep", file.display()))
+                .hint("leave `--save-after` out, or add `--live`")
+                .into(),
+        );
+    }
     let before = execution.world().environment().clone();
     let request = StopRequest::of(robot);
     stop::on_signals(&request).map_err(|error| Failure::unreadable(format!("cannot watch for signals: {error}")))?;
     remark!("The log is {}", path.display());
-    let mut view = View::new(log, request.clone(), arguments.json);
+    if is_dry {
+        remark!("Dry run: nothing is sent to the robot, and nothing moves. Steps do what the plan predicts.");
+    }
+    let mut view = View::new(log, request.clone(), arguments.json, is_dry);
     let stop = drive(&mut execution, robot, &mut view, &request);
     // Ends the program of a robot behind one.
     let _ = robot.stop();
@@ -90,18 +125,30 @@ fn carry_out(
         written.map_err(|error| Failure::unreadable(format!("cannot write {}: {error}", file.display())))?;
     }
     if !arguments.json {
-        view::end(execution.world(), stop.as_ref());
+        view::end(execution.world(), stop.as_ref(), is_dry);
         show::changes(&before, &after);
-        if stop.is_some() {
-            resume_hint(&execution, path);
+        if let Some(stop) = stop.as_ref().filter(|_| !is_dry) {
+            resume_hint(&execution, stop, path);
         }
     }
-    Ok(stop.map_or(0, |stop| code(&stop)))
+    Ok(match (stop, view.robot_error()) {
+        (Some(Stop::Robot(_)), Some(error)) => robot::exit_code(error),
+        (stop, _) => stop.map_or(0, |stop| code(&stop)),
+    })
 }
 
-fn resume_hint(execution: &Execution, path: &Path) {
+fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
     let under_way = execution.running().len();
-    if under_way > 0 {
+    if let Stop::Robot(_) = stop {
+        let unknown = match under_way {
+            0 => "no step was under way".to_owned(),
+            count => format!("{count} step(s) were under way: unknown until the world is observed"),
+        };
+        show::hint(&format!(
+            "{unknown}; `longstep run --resume {}` goes on from the observed world",
+            path.display()
+        ));
+    } else if under_way > 0 {
         show::hint(&format!(
             "{under_way} step(s) were under way when the robot was stopped; {} says which",
             path.display()

@@ -152,13 +152,22 @@ fn a_plan_that_nobody_approves_does_not_run() {
 #[test]
 fn a_robot_that_is_none_is_an_error() {
     let bench = Bench::new();
-    for robot in ["drone", "sim:faults=many", "process:", "process:/no/such/program"] {
+    for robot in [
+        "drone",
+        "sim:faults=many",
+        "process:",
+        "process:/no/such/program",
+        "ros2:",
+        "ros2:no/such/robot.toml",
+        "ros2:Cargo.toml",
+    ] {
         let output = bench
             .command("x.jsonl", robot, &["--approve", "never"])
             .output()
             .unwrap();
-        assert!(matches!(output.status.code(), Some(30 | 51)), "{robot}: {output:?}");
-        assert!(text(&output.stderr).contains("hint:"), "{robot}");
+        assert!(matches!(output.status.code(), Some(30 | 52)), "{robot}: {output:?}");
+        let is_configuration = robot.ends_with(".toml");
+        assert!(is_configuration || text(&output.stderr).contains("hint:"), "{robot}");
     }
 }
 
@@ -171,7 +180,7 @@ for line in sys.stdin:
     message = json.loads(line)
     method = message["method"]
     if method == "initialize":
-        answer(message["id"], {"protocol": 1, "name": "hanging", "capabilities": {"observe": True}})
+        answer(message["id"], {"protocol": 1, "name": "hanging", "simulated": True, "capabilities": {"observe": True}})
     elif method == "observe":
         answer(message["id"], {"states": {}})
     elif method == "perform":
@@ -232,6 +241,62 @@ fn a_signal_stops_the_robot_while_a_step_hangs() {
         times[times.len() / 2],
         times[times.len() - 1]
     );
+}
+
+#[test]
+fn a_real_robot_moves_only_when_it_is_said_and_for_one_run_at_a_time() {
+    let bench = Bench::new();
+    fs::write(bench.path("robot.py"), HANGING.replace("\"simulated\": True, ", "")).unwrap();
+    let file = |name: &str| bench.path(name);
+    let robot = format!(
+        "process:python3 {} {} {}",
+        file("robot.py").display(),
+        file("performing").display(),
+        file("stopped").display()
+    );
+    let dry = bench.command("dry.jsonl", &robot, &[]).output().unwrap();
+    let shown = text(&dry.stdout);
+    assert_eq!(dry.status.code(), Some(0), "{}", text(&dry.stderr));
+    assert!(
+        shown.contains("would send {\"step\":1,\"action\":\"move-hand\""),
+        "{shown}"
+    );
+    assert!(shown.contains("nothing was sent"), "{shown}");
+    assert!(!file("performing").exists());
+    let resumed = longstep(bench.folder.path())
+        .args(["run", "--resume"])
+        .arg(bench.path("dry.jsonl"))
+        .output()
+        .unwrap();
+    assert_eq!(resumed.status.code(), Some(30), "{}", text(&resumed.stderr));
+    let kept = bench
+        .command("kept.jsonl", &robot, &["--save-after", "after.json"])
+        .output()
+        .unwrap();
+    assert_eq!(kept.status.code(), Some(30), "{}", text(&kept.stderr));
+
+    let live = ["--live", "--approve", "never"];
+    let first = bench.command("first.jsonl", &robot, &live).spawn().unwrap();
+    let begun = Instant::now();
+    while !file("performing").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the robot got no step");
+        thread::sleep(Duration::from_millis(2));
+    }
+    let second = bench.command("second.jsonl", &robot, &live).output().unwrap();
+    assert_eq!(second.status.code(), Some(55), "{}", text(&second.stderr));
+    assert!(text(&second.stderr).contains("another program drives the robot `process hanging`"));
+    kill(first.id(), "INT");
+    assert_eq!(ended(first, Duration::from_secs(60)).status.code(), Some(50));
+    // The lock is gone with the first run.
+    fs::remove_file(file("performing")).unwrap();
+    let third = bench.command("third.jsonl", &robot, &live).spawn().unwrap();
+    let begun = Instant::now();
+    while !file("performing").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the robot got no step");
+        thread::sleep(Duration::from_millis(2));
+    }
+    kill(third.id(), "INT");
+    assert_eq!(ended(third, Duration::from_secs(60)).status.code(), Some(50));
 }
 
 /// Checks a log: orders count up from 1 without a gap, and between two orders of the same step at a time when the first

@@ -16,6 +16,10 @@ pub struct Description {
     pub observes: bool,
     /// The time that the robot may take.
     pub timeouts: Timeouts,
+    /// True for a robot in a simulation, which nobody has to keep away from.
+    pub simulated: bool,
+    /// What it drives, for [`Exclusive`](crate::Exclusive): no two programs drive the same. Empty for simulations.
+    pub drives: Vec<String>,
 }
 
 /// The time after which a robot that does not answer counts as failed.
@@ -40,6 +44,8 @@ impl Description {
             parallel: 1,
             observes: false,
             timeouts: Timeouts::default(),
+            simulated: false,
+            drives: Vec::new(),
         }
     }
 

@@ -33,6 +33,9 @@ pub trait Watcher {
 
     /// Takes the feedback of a step that is under way.
     fn feedback(&mut self, _: &Wanted, _: &Feedback) {}
+
+    /// Takes the error of the robot that stops the run.
+    fn robot_failed(&mut self, _: &RobotError) {}
 }
 
 /// A request to stop a run, from any thread. Clones stop the same run.
@@ -194,6 +197,14 @@ impl Driver<'_> {
         }
     }
 
+    /// Stops everything because of an error of the robot.
+    fn fail_robot(&mut self, error: &RobotError) {
+        if !self.request.is_requested() {
+            self.watcher.robot_failed(error);
+        }
+        self.fail(&error.to_string());
+    }
+
     /// Starts the orders that the robot can take now.
     fn start(&mut self) {
         let limit = self.robot.describe().parallel;
@@ -205,7 +216,7 @@ impl Driver<'_> {
             let order = order_of(self.execution.world(), &self.running[index].wanted);
             match self.robot.start(&order) {
                 Ok(handle) => self.running[index].handle = Some(handle),
-                Err(error) if error.is_final() => return self.fail(&error.to_string()),
+                Err(error) if error.is_final() => return self.fail_robot(&error),
                 Err(error) => {
                     let number = self.running.remove(index).wanted.number;
                     return self.failed(number, &error.to_string());
@@ -229,7 +240,7 @@ impl Driver<'_> {
                     self.fail(&error.to_string());
                 }
             }
-            Err(error) => self.fail(&error.to_string()),
+            Err(error) => self.fail_robot(&error),
         }
     }
 
@@ -248,7 +259,7 @@ impl Driver<'_> {
                     }
                 }
                 Ok(end) => ended.push((index, end)),
-                Err(error) => return self.fail(&error.to_string()),
+                Err(error) => return self.fail_robot(&error),
             }
         }
         if ended.is_empty() {

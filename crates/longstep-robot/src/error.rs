@@ -80,6 +80,50 @@ pub enum RobotError {
         /// The robot's message.
         reason: String,
     },
+    /// The robot refused a step before it moved: the goal was rejected, or it does not fit the server.
+    #[error("the robot rejected step {step}: {reason}")]
+    Rejected {
+        /// The number of the step.
+        step: usize,
+        /// The robot's message.
+        reason: String,
+    },
+    /// A step ended in a way after which the robot is not to go on: somebody else cancelled it, for example.
+    #[error("step {step} was {how} by the robot: {reason}")]
+    GoalEnded {
+        /// The number of the step.
+        step: usize,
+        /// `aborted` or `cancelled`.
+        how: &'static str,
+        /// The robot's message.
+        reason: String,
+    },
+    /// A part of the robot is not there. Nothing was sent.
+    #[error("there is no {kind} `{name}`: {reason}")]
+    Missing {
+        /// `action server`, `service` or `topic`.
+        kind: &'static str,
+        /// Its name.
+        name: String,
+        /// The message of the bridge, or how long it was silent.
+        reason: String,
+    },
+    /// A part of the robot has another interface. Nothing was sent.
+    #[error("`{name}` does not have the type `{expected}`: {reason}")]
+    WrongType {
+        /// The server.
+        name: String,
+        /// The type in the configuration.
+        expected: String,
+        /// The message of the bridge.
+        reason: String,
+    },
+    /// Another program drives the robot. Nothing was sent.
+    #[error("another program drives the robot `{robot}`")]
+    InUse {
+        /// The robot, or the part of it.
+        robot: String,
+    },
     /// The robot was stopped, so that nothing more is sent to it.
     #[error("the robot was stopped")]
     Stopped,
@@ -110,10 +154,20 @@ impl RobotError {
     /// Returns the next step for the user, if there is one.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
+            Self::Unreachable { robot, .. } if robot.starts_with("ws://") => {
+                Some("start the bridge (rosbridge_server), and check `url` in robot.toml")
+            }
             Self::Unreachable { .. } => Some("check the command, and that the program can be run"),
             Self::Incompatible { .. } => Some("update the robot's program or longstep"),
             Self::Unsupported { .. } => Some("plan without this action, or add it to the robot's program"),
-            Self::TimedOut { .. } => Some("if the step takes that long, raise `timeouts` in the robot's `initialize`"),
+            Self::TimedOut { .. } => {
+                Some("if it takes that long, raise `timeouts` in robot.toml or in the robot's `initialize`")
+            }
+            Self::Rejected { .. } | Self::WrongType { .. } => {
+                Some("`longstep robot check robot.toml` compares it with the servers")
+            }
+            Self::Missing { .. } => Some("start it, or correct its name in robot.toml"),
+            Self::InUse { .. } => Some("wait for the other run to end, or stop it"),
             Self::Protocol { .. } => Some("docs/robots.md describes the messages of a robot"),
             _ => None,
         }

@@ -11,7 +11,8 @@
 //! - [`Observation`]: what a robot saw, in the words of an environment file.
 //! - [`drive`]: runs an execution on a robot. [`Sim`]: a simulated robot with seeded mishaps. [`RunLog`]: the log of a run.
 //! - [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
-//! - [`process::Process`]: a robot behind another program, in any language.
+//! - [`process::Process`]: a robot behind another program, in any language. [`ros2::Ros2`]: one behind ROS 2.
+//! - [`DryRun`]: shows what a robot would be sent, and moves nothing. [`Exclusive`]: a robot that no other program drives.
 //!
 //! Usage:
 //!
@@ -23,21 +24,28 @@
 
 mod description;
 mod drive;
+mod dry_run;
 mod error;
+mod exclusive;
 mod observation;
 mod order;
+mod preflight;
 /// Process groups and pipes that do not block are those of Unix.
 #[cfg(unix)]
 pub mod process;
 mod robot;
+pub mod ros2;
 mod run_log;
 mod sim;
 
 pub use description::{Description, Timeouts};
 pub use drive::{StopRequest, Watcher, drive, order_of, reports};
+pub use dry_run::DryRun;
 pub use error::RobotError;
+pub use exclusive::Exclusive;
 pub use observation::{Observation, Scope};
 pub use order::{ArgumentValue, Order};
+pub use preflight::preflight;
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
 pub use run_log::{RunHeader, RunLog, RunLogError};
 pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};

@@ -127,6 +127,23 @@ pub trait Robot: Send {
         &[]
     }
 
+    /// Returns the message that an order would be sent as, without sending it: a robot that understands a plan can be asked
+    /// so for each step before anything moves.
+    ///
+    /// # Errors
+    ///
+    /// An action that the robot lacks, and an order that cannot be written as a message.
+    fn message(&self, order: &Order) -> Result<Value, RobotError> {
+        if !self.describe().can_perform(&order.action) {
+            let action = order.action.clone();
+            return Err(RobotError::Unsupported { action });
+        }
+        serde_json::to_value(order).map_err(|error| RobotError::InvalidOrder {
+            step: order.step,
+            reason: error.to_string(),
+        })
+    }
+
     /// Waits until a poll may have something new, at most `limit` long. May return early.
     fn wait(&mut self, limit: Duration) {
         std::thread::sleep(limit.min(PAUSE));

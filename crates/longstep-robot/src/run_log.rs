@@ -20,6 +20,13 @@ pub struct RunHeader {
     pub robot: String,
     /// The domain as the user named it.
     pub domain: String,
+    /// True for a run in which nothing moved.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub dry_run: bool,
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 impl RunHeader {
@@ -29,6 +36,7 @@ impl RunHeader {
             longstep_run: 1,
             robot: robot.to_owned(),
             domain: domain.to_owned(),
+            dry_run: false,
         }
     }
 }

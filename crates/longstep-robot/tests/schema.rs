@@ -195,6 +195,8 @@ fn the_schema_is_as_strict_as_the_reader() {
             r#"{"protocol": 1, "name": "r", "timeouts": {"actions": {"wipe": 3}}, "capabilities": {"parallel": 2}}"#,
             true,
         ),
+        (r#"{"protocol": 1, "name": "r", "simulated": true}"#, true),
+        (r#"{"protocol": 1, "name": "r", "simulated": "yes"}"#, false),
         (r#"{"protocol": 1}"#, false),
         (r#"{"protocol": 2, "name": "r"}"#, false),
         (r#"{"protocol": 1, "name": 3}"#, false),

@@ -65,7 +65,7 @@ class Robot:
             from pictures import Strip
             self.strip = Strip(self.world, self.options.pictures)
             self.strip.add("the beginning")
-        send(id=id, result={"protocol": 1, "name": "mujoco hand", "timeouts": {"perform": 60, "observe": 10, "stop": 5},
+        send(id=id, result={"protocol": 1, "name": "mujoco hand", "simulated": True, "timeouts": {"perform": 60, "observe": 10, "stop": 5},
                             "capabilities": {"actions": list(ACTIONS), "observe": True}})
 
     def perform(self, id, order):

@@ -1,41 +1,130 @@
 //! The robot that `--robot` names.
 
+use std::path::{Path, PathBuf};
+
 use anyhow::Result;
 use longstep_core::environment::World;
-use longstep_robot::{Robot, RobotError, Sim, SimOptions, SimOptionsError};
+use longstep_core::model::Domain;
+use longstep_llm::{read_text, session_directory};
+use longstep_robot::ros2::{self, Configuration, Preview, Ros2};
+use longstep_robot::{DryRun, Exclusive, Robot, RobotError, Sim, SimOptions, SimOptionsError};
 
-use crate::exit_code::ROBOT;
+use crate::exit_code::{ROBOT, ROBOT_BUSY, ROBOT_GONE, ROBOT_LATE, ROBOT_MISSING, ROBOT_REFUSED, ROBOT_TYPE};
 use crate::failure::Failure;
 
-/// Opens a robot: `sim`, `sim:OPTIONS` or `process:COMMAND`.
-pub(super) fn open(named: &str, world: &World) -> Result<Box<dyn Robot>> {
+/// An open robot.
+pub(crate) struct Opened {
+    pub(crate) robot: Box<dyn Robot>,
+    /// True if nothing moves: the robot is real, and nobody said `--live`.
+    pub(crate) is_dry: bool,
+}
+
+/// Opens a robot: `sim`, `sim:OPTIONS`, `process:COMMAND` or `ros2:FILE`. A robot that is not a simulation moves only if
+/// `live` is true, and only if no other program drives it.
+pub(crate) fn open(named: &str, world: &World, live: bool) -> Result<Opened> {
     let (kind, rest) = named.split_once(':').unwrap_or((named, ""));
     match kind {
         "sim" => {
             let options: SimOptions = rest.parse().map_err(|error: SimOptionsError| {
                 Failure::unreadable(error.to_string()).hint("for example `--robot sim:faults=2,seed=7`")
             })?;
-            Ok(Box::new(
-                Sim::new(world.clone(), &options).map_err(|error| failure(&error))?,
-            ))
+            let sim = Sim::new(world.clone(), &options).map_err(|error| failure(&error))?;
+            moving(Box::new(sim))
         }
         #[cfg(unix)]
-        "process" if !rest.trim().is_empty() => {
-            let command = longstep_robot::process::Command::parse(rest).map_err(|error| failure(&error))?;
-            let domain = world.domain().name.clone();
-            let command = command.scene(&domain, world.environment().clone());
-            Ok(Box::new(command.open().map_err(|error| failure(&error))?))
-        }
+        "process" if !rest.trim().is_empty() => process(rest, world, live),
+        "ros2" if !rest.trim().is_empty() => ros2(Path::new(rest), world, live),
         _ => Err(Failure::unreadable(format!("`{named}` is no robot"))
-            .hint("write `sim`, `sim:faults=2,seed=7` or `process:COMMAND`")
+            .hint("write `sim`, `sim:faults=2,seed=7`, `process:COMMAND` or `ros2:robot.toml`")
             .into()),
     }
 }
 
-fn failure(error: &RobotError) -> Failure {
-    let failure = Failure::new(error.to_string(), ROBOT);
+#[cfg(unix)]
+fn process(command: &str, world: &World, live: bool) -> Result<Opened> {
+    let command = longstep_robot::process::Command::parse(command).map_err(|error| failure(&error))?;
+    let domain = world.domain().name.clone();
+    let command = command.scene(&domain, world.environment().clone());
+    let robot = command.open().map_err(|error| failure(&error))?;
+    if live || robot.describe().simulated {
+        return moving(Box::new(robot));
+    }
+    let description = robot.describe().clone();
+    drop(robot);
+    let message = |order: &longstep_robot::Order| {
+        serde_json::to_value(order).map_err(|error| RobotError::InvalidOrder {
+            step: order.step,
+            reason: error.to_string(),
+        })
+    };
+    dry(DryRun::new(&description, world.clone(), message))
+}
+
+fn ros2(path: &Path, world: &World, live: bool) -> Result<Opened> {
+    let configuration = configuration(path, world.domain(), Some(world))?;
+    if live || configuration.is_simulated() {
+        let robot = Ros2::connect(configuration, world.domain()).map_err(|error| failure(&error))?;
+        return moving(Box::new(robot));
+    }
+    let preview = Preview::new(configuration, world.domain());
+    let description = preview.description().clone();
+    dry(DryRun::new(&description, world.clone(), move |order| {
+        preview.message(order)
+    }))
+}
+
+/// Reads `robot.toml`, which has to fit the domain.
+fn configuration(path: &Path, domain: &Domain, world: Option<&World>) -> Result<Configuration> {
+    let configuration = Configuration::parse(&path.display().to_string(), &read_text(path)?)?;
+    let checked = ros2::check(&configuration, domain, world);
+    match checked.mismatches.is_empty() {
+        true => Ok(configuration),
+        false => Err(longstep_core::diagnostic::Diagnostics(checked.mismatches).into()),
+    }
+}
+
+/// Returns a robot that moves, with its locks.
+fn moving(robot: Box<dyn Robot>) -> Result<Opened> {
+    let drives = robot.describe().drives.clone();
+    let robot: Box<dyn Robot> = match drives.is_empty() {
+        true => robot,
+        false => Box::new(Exclusive::take(robot, &drives, &lock_folder()?).map_err(|error| failure(&error))?),
+    };
+    Ok(Opened { robot, is_dry: false })
+}
+
+fn dry(robot: Result<DryRun, RobotError>) -> Result<Opened> {
+    let robot = Box::new(robot.map_err(|error| failure(&error))?);
+    Ok(Opened { robot, is_dry: true })
+}
+
+/// Returns the folder of the locks of robots, beside the sessions.
+fn lock_folder() -> Result<PathBuf> {
+    let sessions = session_directory()?;
+    let folder = sessions.parent().unwrap_or(&sessions).join("robots");
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| Failure::unreadable(format!("cannot make {}: {error}", folder.display())))?;
+    Ok(folder)
+}
+
+/// The failure for an error of a robot.
+pub(crate) fn failure(error: &RobotError) -> Failure {
+    let failure = Failure::new(error.to_string(), exit_code(error));
     match error.hint() {
         Some(hint) => failure.hint(hint),
         None => failure,
+    }
+}
+
+/// The exit code for an error of a robot.
+pub(crate) fn exit_code(error: &RobotError) -> u8 {
+    match error {
+        RobotError::Unreachable { .. } | RobotError::Gone { .. } => ROBOT_GONE,
+        RobotError::TimedOut { .. } => ROBOT_LATE,
+        RobotError::Rejected { .. } => ROBOT_REFUSED,
+        RobotError::InUse { .. } => ROBOT_BUSY,
+        RobotError::Missing { .. } => ROBOT_MISSING,
+        RobotError::WrongType { .. } => ROBOT_TYPE,
+        _ => ROBOT,
     }
 }

@@ -6,7 +6,7 @@ use longstep_core::environment::World;
 use longstep_core::execution::{Event, Execution, Order, Proposal, Stop};
 use longstep_core::plan::outline;
 use longstep_core::verify::VerifiedPlan;
-use longstep_robot::{Feedback, RunLog, StopRequest, Watcher};
+use longstep_robot::{Feedback, RobotError, RunLog, StopRequest, Watcher};
 
 use super::person::Person;
 use super::shown;
@@ -18,18 +18,29 @@ pub(super) struct View {
     log: RunLog,
     person: Person,
     json: bool,
+    /// True for a dry run, in which feedback is the result.
+    is_dry: bool,
+    /// The error that stopped the robot.
+    robot_error: Option<RobotError>,
     /// The explanations of the orders under way.
     under_way: BTreeMap<u64, String>,
 }
 
 impl View {
-    pub(super) fn new(log: RunLog, request: StopRequest, json: bool) -> Self {
+    pub(super) fn new(log: RunLog, request: StopRequest, json: bool, is_dry: bool) -> Self {
         Self {
             log,
             person: Person::new(request),
             json,
+            is_dry,
+            robot_error: None,
             under_way: BTreeMap::new(),
         }
+    }
+
+    /// The error that stopped the robot, if one did.
+    pub(super) fn robot_error(&self) -> Option<&RobotError> {
+        self.robot_error.as_ref()
     }
 
     fn print(&mut self, world: &World, event: &Event) {
@@ -130,9 +141,18 @@ impl Watcher for View {
     }
 
     fn feedback(&mut self, order: &Order, feedback: &Feedback) {
-        if let Some(text) = feedback.text.as_ref().filter(|_| !self.json) {
-            print_line!("{:>4}  {text}", order.number);
+        let Some(text) = &feedback.text else {
+            return;
+        };
+        match (self.json, self.is_dry) {
+            (false, _) => print_line!("{:>4}  {text}", order.number),
+            (true, true) => remark!("{:>4}  {text}", order.number),
+            (true, false) => {}
         }
+    }
+
+    fn robot_failed(&mut self, error: &RobotError) {
+        self.robot_error = Some(error.clone());
     }
 }
 
@@ -143,9 +163,13 @@ fn steps(plan: &VerifiedPlan) {
 }
 
 /// Prints how a run ended.
-pub(super) fn end(world: &World, stop: Option<&Stop>) {
+pub(super) fn end(world: &World, stop: Option<&Stop>, is_dry: bool) {
     output::blank();
     match stop {
+        None if is_dry => print_line!(
+            "{} the plan would reach the goal; nothing was sent. `--live` moves the robot",
+            "Dry run:".green().bold()
+        ),
         None => print_line!("{} the goal is reached in the observed world", "Done:".green().bold()),
         Some(stop) => remark!("{} {}", "Stopped:".red().bold(), stop.sentence(world)),
     }

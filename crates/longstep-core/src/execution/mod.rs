@@ -190,6 +190,8 @@ pub struct Execution {
     differences: Vec<Difference>,
     approved: Option<StepId>,
     phase: Phase,
+    /// The phase before a stop because of the robot, in which the execution may be taken up again.
+    before_stop: Option<Box<Phase>>,
     events: Vec<Event>,
     has_lanes: bool,
 }
@@ -250,6 +252,7 @@ impl Execution {
             differences: Vec::new(),
             approved: None,
             phase,
+            before_stop: None,
             events: vec![began],
         })
     }
@@ -641,7 +644,9 @@ impl Execution {
             under_way: self.running.iter().map(|order| order.number).collect(),
             environment: self.environment(),
         });
-        self.phase = Phase::Stopped(stop);
+        let is_resumable = matches!(stop, Stop::Robot(_));
+        let before = std::mem::replace(&mut self.phase, Phase::Stopped(stop));
+        self.before_stop = is_resumable.then(|| Box::new(before));
     }
 
     /// Replaces the plan in force by one that was verified from the observed world.

@@ -53,16 +53,16 @@ pub enum ResumeError {
 impl Execution {
     /// Takes up an execution again from its log.
     ///
-    /// What was done is known. A step that was under way is unknown: the next need is an observation, which shows
+    /// An execution that stopped because the robot failed goes on too. What was done is known. A step that was under way is unknown: the next need is an observation, which shows
     /// whether it was done, or else a person is asked. Events that the log lacks are returned by
     /// [`Execution::take_events`].
     ///
     /// # Errors
     ///
-    /// A log that cannot be read, or whose execution has ended.
+    /// A log that cannot be read, or whose execution has ended in another way.
     pub fn resume(domain: &Domain, log: &[Event]) -> Result<Self, ResumeError> {
         let mut execution = Self::replay(domain, log)?;
-        if execution.is_ended() {
+        if execution.is_ended() && execution.before_stop.is_none() {
             return Err(ResumeError::Ended);
         }
         let under_way = execution.running.iter().chain(&execution.interrupted);
@@ -145,8 +145,11 @@ impl Execution {
         Ok(())
     }
 
-    /// Marks the orders under way as unknown, and has the world observed.
+    /// Marks the orders under way as unknown, and has the world observed. A stop because of the robot is over then.
     fn interrupt(&mut self) {
+        if let Some(before) = self.before_stop.take() {
+            self.phase = *before;
+        }
         if self.is_ended() {
             return;
         }

@@ -371,6 +371,57 @@ fn after_a_crash_an_unknown_step_is_observed_or_asked_about() {
     ));
 }
 
+/// The robot fails after every event of a run, and the run is taken up again.
+#[test]
+fn after_a_robot_failed_an_unknown_step_is_observed_or_asked_about() {
+    let (world, household) = (kitchen(), household());
+    let mut whole = execution(&world, "put(cup, shelf)", Watch::EachStep);
+    let mut real = Real::of(&whole, &[]);
+    real.run(&mut whole);
+    for length in 1..real.log.len() {
+        for was_done in [false, true] {
+            let mut log = real.log[..length].to_vec();
+            let mut failed = Execution::replay(&household, &log).unwrap();
+            let mut state = failed.state().clone();
+            let under_way: Vec<u64> = failed.running().iter().map(|order| order.number).collect();
+            if let (true, [order]) = (was_done, failed.running()) {
+                apply(&world, &mut state, household.action(order.action), &order.arguments);
+            }
+            failed.robot_failed("the bridge is gone");
+            assert!(matches!(failed.next_need(), Need::Stopped(Stop::Robot(_))), "{length}");
+            log.extend(failed.take_events());
+            assert!(matches!(log.last(), Some(Event::Stopped { under_way: own, .. }) if *own == under_way));
+            let mut again = Execution::resume(&household, &log).unwrap();
+            log.extend(again.take_events());
+            assert!(matches!(again.next_need(), Need::Observe), "{length}");
+            // A second failure before anything was observed changes nothing.
+            again.robot_failed("the bridge is gone again");
+            log.extend(again.take_events());
+            let mut again = Execution::resume(&household, &log).unwrap();
+            let mut robot = Real::of(&again, &[]);
+            robot.state = state;
+            assert!(matches!(robot.run(&mut again), Need::Done), "{length} {was_done}");
+            log.extend(robot.log);
+            assert!(Execution::replay(&household, &log).unwrap().is_ended());
+        }
+    }
+}
+
+#[test]
+fn a_failure_of_the_robot_approves_nothing() {
+    let world = kitchen();
+    let aim = Aim::Goal("put(cup, shelf)".to_owned());
+    let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, Settings::default()).unwrap();
+    own.robot_failed("the bridge is gone");
+    let log = own.take_events();
+    let mut again = Execution::resume(&household(), &log).unwrap();
+    assert!(matches!(again.next_need(), Need::Approve(Proposal::Plan)));
+    let mut refused = Execution::resume(&household(), &log).unwrap();
+    refused.refuse().unwrap();
+    let log: Vec<Event> = log.into_iter().chain(refused.take_events()).collect();
+    assert_eq!(Execution::resume(&household(), &log).err(), Some(ResumeError::Ended));
+}
+
 #[test]
 fn a_step_that_no_observation_shows_is_asked_about() {
     let world = kitchen();

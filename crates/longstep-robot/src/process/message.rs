@@ -91,6 +91,8 @@ struct Initialized {
     _protocol: u64,
     name: String,
     #[serde(default)]
+    simulated: bool,
+    #[serde(default)]
     capabilities: Capabilities,
     #[serde(default)]
     timeouts: WrittenTimeouts,
@@ -242,8 +244,11 @@ pub(super) fn initialized(value: Value) -> Result<Description, RobotError> {
     let defaults = Timeouts::default();
     let actions = read.timeouts.actions.into_iter();
     let actions = actions.map(|(action, seconds)| Ok((action, duration(Some(seconds), defaults.perform)?)));
+    let name = quotation(&read.name);
     Ok(Description {
-        name: quotation(&read.name),
+        drives: Vec::from_iter((!read.simulated).then(|| format!("process {name}"))),
+        simulated: read.simulated,
+        name,
         actions: read.capabilities.actions,
         parallel,
         observes: read.capabilities.observe,
@@ -363,6 +368,7 @@ mod tests {
                 json!({"protocol": 1, "name": "r", "timeouts": {"perform": 1.5, "actions": {"wipe": 90}}}),
                 "",
             ),
+            (json!({"protocol": 1, "name": "r", "simulated": true}), ""),
             (
                 json!({"protocol": 2, "name": "r", "news": 1}),
                 "the robot speaks protocol version 2, but version 1 is required",

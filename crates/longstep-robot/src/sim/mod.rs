@@ -117,6 +117,7 @@ impl Sim {
         let mut description = Description::new("sim");
         description.observes = true;
         description.parallel = 64;
+        description.simulated = true;
         let mut sim = Self {
             description,
             state: world.state.clone(),

@@ -1,0 +1,34 @@
+//! A plan looked through before anything moves.
+
+use longstep_core::execution::Order as Wanted;
+use longstep_core::plan::StepId;
+use longstep_core::skill::Skills;
+use longstep_core::verify::VerifiedPlan;
+
+use crate::drive::order_of;
+use crate::error::RobotError;
+use crate::robot::Robot;
+
+/// Checks that a robot understands every step of a plan: it has the action, and the step can be written as its message.
+/// Nothing is sent.
+///
+/// # Errors
+///
+/// That of the first step that it does not understand.
+pub fn preflight(robot: &dyn Robot, plan: &VerifiedPlan, skills: &Skills) -> Result<(), RobotError> {
+    let world = plan.world();
+    for (index, step) in plan.steps().iter().enumerate() {
+        let wanted = Wanted {
+            number: index as u64 + 1,
+            step: StepId::new(index),
+            lane: step.actor(world.domain()),
+            action: step.action,
+            outcomes: Vec::new(),
+            skills: skills.values(world, step.action, &step.arguments),
+            arguments: step.arguments.clone(),
+            explanation: step.explanation.clone(),
+        };
+        robot.message(&order_of(world, &wanted))?;
+    }
+    Ok(())
+}

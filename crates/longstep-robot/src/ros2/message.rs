@@ -1,0 +1,265 @@
+//! Messages of the rosbridge protocol: reading the bridge's, writing ours.
+
+use longstep_core::visible;
+use serde_json::{Map, Value, json};
+
+use super::mapping::Goal;
+use crate::error::RobotError;
+
+/// The longest quotation of a robot in a message, in characters.
+const QUOTE_LIMIT: usize = 300;
+
+/// The state of a goal, with the numbers of `action_msgs/msg/GoalStatus`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum GoalStatus {
+    Unknown,
+    Accepted,
+    Executing,
+    Canceling,
+    Succeeded,
+    Cancelled,
+    Aborted,
+}
+
+impl GoalStatus {
+    fn of(number: i64) -> Option<Self> {
+        Some(match number {
+            0 => Self::Unknown,
+            1 => Self::Accepted,
+            2 => Self::Executing,
+            3 => Self::Canceling,
+            4 => Self::Succeeded,
+            5 => Self::Cancelled,
+            6 => Self::Aborted,
+            _ => return None,
+        })
+    }
+}
+
+/// A message of the bridge.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Incoming {
+    Feedback {
+        id: String,
+        values: Value,
+    },
+    Result {
+        id: String,
+        status: Option<GoalStatus>,
+        values: Value,
+    },
+    Response {
+        id: String,
+        is_success: bool,
+        values: Value,
+    },
+    Published {
+        topic: String,
+        message: Value,
+    },
+    /// A remark about a request, or about the bridge itself.
+    Status {
+        id: Option<String>,
+        is_error: bool,
+        text: String,
+    },
+    /// An operation that nothing here asked for.
+    Other,
+}
+
+/// Returns foreign text on one line, shortened.
+pub(super) fn quotation(text: &str) -> String {
+    let mut short: String = text.chars().take(QUOTE_LIMIT).collect();
+    if short.len() < text.len() {
+        short.push_str("...");
+    }
+    visible::line(&short).into_owned()
+}
+
+/// Returns the error for a message that breaks the protocol.
+pub(super) fn broken(reason: impl Into<String>) -> RobotError {
+    RobotError::Protocol { reason: reason.into() }
+}
+
+/// Reads a message of the bridge.
+///
+/// # Errors
+///
+/// A text that is no message, or that lacks what its operation needs.
+pub(super) fn read(text: &str) -> Result<Incoming, RobotError> {
+    let quoted = || format!("`{}`", quotation(text));
+    let value: Value =
+        serde_json::from_str(text).map_err(|_| broken(format!("the bridge sent what is not JSON: {}", quoted())))?;
+    let unfit = |reason: &str| broken(format!("the bridge sent a message that {reason}: {}", quoted()));
+    let Value::Object(mut fields) = value else {
+        return Err(unfit("is no object"));
+    };
+    let operation = text_of(&fields, "op").ok_or_else(|| unfit("has no `op`"))?;
+    let id = text_of(&fields, "id");
+    let needed = || id.clone().ok_or_else(|| unfit("has no `id`"));
+    Ok(match operation.as_str() {
+        "action_feedback" => Incoming::Feedback {
+            id: needed()?,
+            values: take(&mut fields, "values"),
+        },
+        "action_result" => Incoming::Result {
+            id: needed()?,
+            status: fields.get("status").and_then(Value::as_i64).and_then(GoalStatus::of),
+            values: take(&mut fields, "values"),
+        },
+        "service_response" => Incoming::Response {
+            id: needed()?,
+            is_success: fields.get("result").and_then(Value::as_bool).unwrap_or(true),
+            values: take(&mut fields, "values"),
+        },
+        "publish" => Incoming::Published {
+            topic: text_of(&fields, "topic").ok_or_else(|| unfit("has no `topic`"))?,
+            message: take(&mut fields, "msg"),
+        },
+        "status" => Incoming::Status {
+            id,
+            is_error: text_of(&fields, "level").is_some_and(|level| level == "error"),
+            text: quotation(&text_of(&fields, "msg").unwrap_or_default()),
+        },
+        _ => Incoming::Other,
+    })
+}
+
+fn text_of(fields: &Map<String, Value>, name: &str) -> Option<String> {
+    fields.get(name).and_then(Value::as_str).map(str::to_owned)
+}
+
+fn take(fields: &mut Map<String, Value>, name: &str) -> Value {
+    fields.remove(name).unwrap_or(Value::Null)
+}
+
+/// Returns the message that sends a goal.
+pub(super) fn send_goal(id: &str, goal: &Goal) -> Value {
+    json!({"op": "send_action_goal", "id": id, "action": goal.server, "action_type": goal.kind, "args": goal.fields,
+           "feedback": true})
+}
+
+/// Returns the message that cancels a goal.
+pub(super) fn cancel_goal(id: &str, server: &str) -> Value {
+    json!({"op": "cancel_action_goal", "id": id, "action": server})
+}
+
+/// Returns the call of a service.
+pub(super) fn call(id: &str, service: &str, kind: Option<&str>, request: &Value, seconds: f64) -> Value {
+    let mut call = json!({"op": "call_service", "id": id, "service": service, "args": request, "timeout": seconds});
+    if let Some(kind) = kind {
+        call["type"] = json!(kind);
+    }
+    call
+}
+
+/// Returns the call that cancels goals of a server: the goal with an identifier, or all with none.
+pub(super) fn cancel_call(id: &str, server: &str, goal: Option<[u8; 16]>, seconds: f64) -> Value {
+    let uuid = goal.unwrap_or_default();
+    let request = json!({"goal_info": {"goal_id": {"uuid": uuid}, "stamp": {"sec": 0, "nanosec": 0}}});
+    let service = format!("{server}/_action/cancel_goal");
+    call(id, &service, Some("action_msgs/srv/CancelGoal"), &request, seconds)
+}
+
+/// Returns the subscription of a topic.
+pub(super) fn subscribe(id: &str, topic: &str, kind: &str) -> Value {
+    json!({"op": "subscribe", "id": id, "topic": topic, "type": kind})
+}
+
+/// Returns the end of a subscription.
+pub(super) fn unsubscribe(id: &str, topic: &str) -> Value {
+    json!({"op": "unsubscribe", "id": id, "topic": topic})
+}
+
+/// Returns the announcement of a topic that messages are sent to.
+pub(super) fn advertise(id: &str, topic: &str, kind: &str) -> Value {
+    json!({"op": "advertise", "id": id, "topic": topic, "type": kind})
+}
+
+/// Returns a message to a topic.
+pub(super) fn publish(topic: &str, message: &Value) -> Value {
+    json!({"op": "publish", "topic": topic, "msg": message})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_of_the_bridge_are_read() {
+        let id = || "g1".to_owned();
+        for (text, expected) in [
+            (
+                r#"{"op":"action_feedback","action":"/a","values":{"x":1},"id":"g1"}"#,
+                Incoming::Feedback {
+                    id: id(),
+                    values: json!({"x": 1}),
+                },
+            ),
+            (
+                r#"{"op":"action_result","action":"/a","values":"goal rejected","status":6,"result":false,"id":"g1"}"#,
+                Incoming::Result {
+                    id: id(),
+                    status: Some(GoalStatus::Aborted),
+                    values: json!("goal rejected"),
+                },
+            ),
+            (
+                r#"{"op":"action_result","values":{},"id":"g1"}"#,
+                Incoming::Result {
+                    id: id(),
+                    status: None,
+                    values: json!({}),
+                },
+            ),
+            (
+                r#"{"op":"service_response","service":"/s","values":"late","result":false,"id":"g1"}"#,
+                Incoming::Response {
+                    id: id(),
+                    is_success: false,
+                    values: json!("late"),
+                },
+            ),
+            (
+                r#"{"op":"publish","topic":"/t","msg":{"data":"x"}}"#,
+                Incoming::Published {
+                    topic: "/t".to_owned(),
+                    message: json!({"data": "x"}),
+                },
+            ),
+            (
+                r#"{"op":"status","level":"error","msg":"unknown\u001b","id":"g1"}"#,
+                Incoming::Status {
+                    id: Some(id()),
+                    is_error: true,
+                    text: "unknown\\u{1b}".to_owned(),
+                },
+            ),
+            (r#"{"op":"png","data":""}"#, Incoming::Other),
+        ] {
+            assert_eq!(read(text), Ok(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn other_texts_break_the_protocol() {
+        for (text, expected) in [
+            ("hello", "the bridge sent what is not JSON: `hello`"),
+            ("", "the bridge sent what is not JSON: ``"),
+            ("3", "the bridge sent a message that is no object: `3`"),
+            ("{}", "the bridge sent a message that has no `op`: `{}`"),
+            (
+                r#"{"op":"action_result"}"#,
+                "the bridge sent a message that has no `id`: `{\"op\":\"action_result\"}`",
+            ),
+            (
+                r#"{"op":"publish"}"#,
+                "the bridge sent a message that has no `topic`: `{\"op\":\"publish\"}`",
+            ),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert_eq!(error, format!("the robot broke the protocol: {expected}"));
+        }
+        assert!(read(&"[".repeat(1 << 20)).is_err());
+    }
+}
