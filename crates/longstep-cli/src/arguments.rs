@@ -46,6 +46,9 @@ pub(crate) enum Command {
     /// List, show, check and create domains
     #[command(subcommand)]
     Domain(DomainCommand),
+    /// Make environment files from running simulators
+    #[command(subcommand)]
+    Robot(RobotCommand),
     /// List and download models
     #[command(subcommand)]
     Model(ModelCommand),
@@ -414,7 +417,7 @@ pub(crate) struct RunArguments {
     /// Log of an interrupted run to resume: a step that was under way is observed, or you are asked
     #[arg(long, value_name = "RUN.jsonl", conflicts_with_all = ["env", "goal", "rules", "skills", "log"])]
     pub(crate) resume: Option<PathBuf>,
-    /// Robot: sim, sim:OPTION=VALUE,... or process:COMMAND [default with --resume: the robot of the run]
+    /// Robot: sim, sim:OPTION=VALUE,..., process:COMMAND or virtualhome:URL [default with --resume: the robot of the run]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
     /// Environment file (the world before the plan) [default: the plan's own `environment_before`]
@@ -600,6 +603,28 @@ pub(crate) struct TryArguments {
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum RobotCommand {
+    /// Make an environment file from what a running simulator has in its scene
+    Environment(RobotEnvironmentArguments),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RobotEnvironmentArguments {
+    /// Simulator: virtualhome:URL
+    #[arg(value_name = "ROBOT")]
+    pub(crate) robot: String,
+    /// Load this scene first, by its number, without characters and with everything in its place
+    #[arg(long, value_name = "N")]
+    pub(crate) scene: Option<i64>,
+    /// Only what is in this room; several with several options [default: all rooms]
+    #[arg(long, value_name = "ROOM")]
+    pub(crate) room: Vec<String>,
+    /// Save the environment to a file instead of printing it
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) save: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]

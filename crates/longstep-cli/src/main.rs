@@ -24,6 +24,7 @@ mod plan;
 mod problem;
 mod progress;
 mod repair;
+mod robot;
 mod run;
 mod session;
 mod show;
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Command::Compose(arguments) => compose::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Domain(command) => domain::run(&command),
+        Command::Robot(command) => robot::run(&command),
         Command::Model(command) => model::run(&command),
     };
     let code = result.unwrap_or_else(|error| failure::tell(&error));

@@ -2,7 +2,7 @@
 
 mod begin;
 mod person;
-mod robot;
+pub(crate) mod robot;
 mod stop;
 mod view;
 
@@ -92,20 +92,23 @@ fn carry_out(
     if !arguments.json {
         view::end(execution.world(), stop.as_ref());
         show::changes(&before, &after);
-        if stop.is_some() {
-            resume_hint(&execution, path);
+        if let Some(stop) = &stop {
+            resume_hint(&execution, stop, path);
         }
     }
     Ok(stop.map_or(0, |stop| code(&stop)))
 }
 
-fn resume_hint(execution: &Execution, path: &Path) {
+fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
+    let log = path.display();
     let under_way = execution.running().len();
     if under_way > 0 {
         show::hint(&format!(
-            "{under_way} step(s) were under way when the robot was stopped; {} says which",
-            path.display()
+            "{under_way} step(s) were under way when the robot was stopped; {log} says which"
         ));
+    }
+    if stop.is_resumable() {
+        show::hint(&format!("`longstep run --resume {log}` continues"));
     }
 }
 

@@ -110,10 +110,10 @@ impl RobotError {
     /// Returns the next step for the user, if there is one.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Unreachable { .. } => Some("check the command, and that the program can be run"),
+            Self::Unreachable { .. } => Some("check the command or the address, and that the robot's program runs"),
             Self::Incompatible { .. } => Some("update the robot's program or longstep"),
             Self::Unsupported { .. } => Some("plan without this action, or add it to the robot's program"),
-            Self::TimedOut { .. } => Some("if the step takes that long, raise `timeouts` in the robot's `initialize`"),
+            Self::TimedOut { .. } => Some("if the step takes that long, raise the robot's timeout (docs/robots.md)"),
             Self::Protocol { .. } => Some("docs/robots.md describes the messages of a robot"),
             _ => None,
         }

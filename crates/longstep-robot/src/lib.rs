@@ -12,6 +12,7 @@
 //! - [`drive`]: runs an execution on a robot. [`Sim`]: a simulated robot with seeded mishaps. [`RunLog`]: the log of a run.
 //! - [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language.
+//! - [`virtualhome::VirtualHome`]: a character in the VirtualHome simulator.
 //!
 //! Usage:
 //!
@@ -32,6 +33,7 @@ pub mod process;
 mod robot;
 mod run_log;
 mod sim;
+pub mod virtualhome;
 
 pub use description::{Description, Timeouts};
 pub use drive::{StopRequest, Watcher, drive, order_of, reports};
