@@ -72,6 +72,11 @@ fn ended(child: Child) -> Output {
     watch.join().unwrap()
 }
 
+/// The exit codes of a robot that failed.
+fn is_robot_failure(output: &Output) -> bool {
+    output.status.code().is_some_and(|code| (51..60).contains(&code))
+}
+
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
@@ -213,19 +218,23 @@ impl<'a> Bench<'a> {
     /// One run, whose robot dies after `wait`. Returns where in the run that was.
     fn death(&mut self, number: u64, wait: Duration) -> &'static str {
         let folder = self.folder(&format!("run-{number}"));
-        let child = self.run(&folder);
+        let mut child = self.run(&folder);
+        let log = folder.join("run.jsonl");
+        // Some die before the run has begun.
+        if number % 10 != 0 {
+            begins(&mut child, &log);
+        }
         thread::sleep(wait);
         let begun = Instant::now();
         while !self.robot.kill(&folder) && begun.elapsed() < LIMIT {
             thread::sleep(Duration::from_millis(2));
         }
         let output = ended(child);
-        let log = folder.join("run.jsonl");
         let first = events(&log);
         let told = || format!("number {number}, {wait:?}: {}", text(&output.stderr));
         if first.is_empty() {
             // The robot had not been opened: nothing has moved, and there is nothing to resume.
-            assert_eq!(output.status.code(), Some(51), "{}", told());
+            assert!(is_robot_failure(&output), "{}", told());
             assert_eq!(performed(&folder), Vec::<Value>::new(), "{}", told());
             return "before the run";
         }
@@ -233,7 +242,7 @@ impl<'a> Bench<'a> {
             assert_eq!(first.last().unwrap()["event"], "done");
             return "after the run";
         }
-        assert_eq!(output.status.code(), Some(51), "{}", told());
+        assert!(is_robot_failure(&output), "{}", told());
         assert_eq!(first.last().unwrap()["event"], "stopped", "{}", told());
         // What was done is in the log; what is unknown is too, and nothing else happened.
         let (done, open) = (count(&first, "performed"), unknown(&first));
@@ -274,13 +283,23 @@ impl<'a> Bench<'a> {
     }
 }
 
+/// Waits until a run has opened its robot, which may take longer than the run, or has ended.
+fn begins(child: &mut Child, log: &Path) {
+    let begun = Instant::now();
+    while !log.exists() && matches!(child.try_wait(), Ok(None)) {
+        assert!(begun.elapsed() < LIMIT, "the run does not begin");
+        thread::sleep(Duration::from_millis(2));
+    }
+}
+
 /// Kills a robot at `LONGSTEP_DEATHS` moments (4).
 fn deaths(robot: &mut dyn Mortal) {
     let mut bench = Bench::new(robot);
     // How long a run takes depends on the machine.
     let folder = bench.folder("whole");
+    let mut child = bench.run(&folder);
+    begins(&mut child, &folder.join("run.jsonl"));
     let begun = Instant::now();
-    let child = bench.run(&folder);
     let whole = ended(child);
     let longest = u64::try_from(begun.elapsed().as_millis()).unwrap();
     assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stderr));

@@ -2,7 +2,7 @@
 //!
 //! `LONGSTEP_VIRTUALHOME=$(scripts/robots/virtualhome.sh) cargo test -p longstep-robot --test virtualhome -- --ignored --nocapture`;
 //! some of the tests need the recorded plans, the folder `LONGSTEP_CORPUS`, too.
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod support;
 

@@ -33,7 +33,7 @@ pub struct VirtualHomeOptions {
 /// An address or an option that cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is no option of `virtualhome`; write `virtualhome:URL` or `virtualhome:URL,OPTION=VALUE,...` with room, \
+    "`{0}` is no address and no option of `virtualhome`; write `virtualhome:URL` or `virtualhome:URL,OPTION=VALUE,...` with room, \
      character, pictures (a folder) or timeout (seconds, 1 to 3600)"
 )]
 pub struct VirtualHomeOptionsError(String);

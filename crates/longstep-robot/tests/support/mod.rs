@@ -1,5 +1,5 @@
 //! Runs of verified plans on robots, and programs that end with the test.
-#![allow(dead_code, missing_docs)]
+#![allow(clippy::unwrap_used, clippy::panic, dead_code, missing_docs, unreachable_pub)]
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
