@@ -1,11 +1,15 @@
 //! The command line's arguments.
 
+mod robot;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use longstep::Effort;
 use longstep::session::{RepairPolicy, Settings, Strategy};
+
+pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
 
 /// Turns instructions in plain English into verified robot action plans.
 #[derive(Debug, Parser)]
@@ -36,7 +40,7 @@ pub(crate) enum Command {
     Repair(RepairArguments),
     /// Carry out a plan on a robot: monitor each step, and mend the plan when the world changes
     Run(RunArguments),
-    /// Check the configuration of a robot
+    /// Check the configuration of a robot, or make an environment file from a running simulator
     #[command(subcommand)]
     Robot(RobotCommand),
     /// Print a verified plan in another format
@@ -421,7 +425,7 @@ pub(crate) struct RunArguments {
     /// Log of an interrupted run to resume: a step that was under way is observed, or you are asked
     #[arg(long, value_name = "RUN.jsonl", conflicts_with_all = ["env", "goal", "rules", "skills", "log"])]
     pub(crate) resume: Option<PathBuf>,
-    /// Robot: sim, sim:OPTION=VALUE,..., process:COMMAND or ros2:robot.toml [default with --resume: the robot of the run]
+    /// Robot: sim, sim:OPTION=VALUE,..., process:COMMAND, ros2:robot.toml or virtualhome:URL [default with --resume: the robot of the run]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
     /// Move a robot that is not a simulation; without this, a dry run shows what it would be sent
@@ -464,28 +468,6 @@ pub(crate) struct RunArguments {
     /// Print the events as JSON, one a line
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-#[derive(Debug, Subcommand)]
-pub(crate) enum RobotCommand {
-    /// Compare a robot.toml with a domain, and try the connection without moving anything
-    Check(RobotCheckArguments),
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct RobotCheckArguments {
-    /// Configuration of a robot behind ROS 2
-    #[arg(value_name = "ROBOT.toml")]
-    pub(crate) file: PathBuf,
-    /// Domain (the robot's actions): the name of a shipped domain, or a folder
-    #[arg(long, value_name = "DOMAIN", default_value = "household")]
-    pub(crate) domain: String,
-    /// Environment file: also compare tables and observations with its entities
-    #[arg(long, value_name = "ENV.json")]
-    pub(crate) env: Option<PathBuf>,
-    /// Do not try the connection
-    #[arg(long)]
-    pub(crate) offline: bool,
 }
 
 /// When a person is asked.

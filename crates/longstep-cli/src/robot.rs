@@ -1,4 +1,6 @@
-//! `longstep robot`: checks the configuration of a robot.
+//! `longstep robot`: what can be learned from a robot without a plan.
+
+mod environment;
 
 use std::path::Path;
 
@@ -17,6 +19,7 @@ use crate::show;
 pub(crate) fn run(command: &RobotCommand) -> Result<u8> {
     match command {
         RobotCommand::Check(arguments) => check(arguments),
+        RobotCommand::Environment(arguments) => environment::run(arguments),
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod begin;
 mod person;
-mod robot;
+pub(crate) mod robot;
 mod stop;
 mod view;
 
@@ -138,6 +138,7 @@ fn carry_out(
 }
 
 fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
+    let log = path.display();
     let under_way = execution.running().len();
     if let Stop::Robot(_) = stop {
         let unknown = match under_way {
@@ -150,9 +151,11 @@ fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {
         ));
     } else if under_way > 0 {
         show::hint(&format!(
-            "{under_way} step(s) were under way when the robot was stopped; {} says which",
-            path.display()
+            "{under_way} step(s) were under way when the robot was stopped; {log} says which"
         ));
+    }
+    if stop.is_resumable() {
+        show::hint(&format!("`longstep run --resume {log}` continues"));
     }
 }
 

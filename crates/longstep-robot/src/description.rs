@@ -18,7 +18,8 @@ pub struct Description {
     pub timeouts: Timeouts,
     /// True for a robot in a simulation, which nobody has to keep away from.
     pub simulated: bool,
-    /// What it drives, for [`Exclusive`](crate::Exclusive): no two programs drive the same. Empty for simulations.
+    /// What it drives, for [`Exclusive`](crate::Exclusive): no two programs drive the same. Empty for a simulation that is the
+    /// program's own.
     pub drives: Vec<String>,
 }
 

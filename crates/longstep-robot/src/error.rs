@@ -157,7 +157,7 @@ impl RobotError {
             Self::Unreachable { robot, .. } if robot.starts_with("ws://") => {
                 Some("start the bridge (rosbridge_server), and check `url` in robot.toml")
             }
-            Self::Unreachable { .. } => Some("check the command, and that the program can be run"),
+            Self::Unreachable { .. } => Some("check the command or the address, and that the robot's program runs"),
             Self::Incompatible { .. } => Some("update the robot's program or longstep"),
             Self::Unsupported { .. } => Some("plan without this action, or add it to the robot's program"),
             Self::TimedOut { .. } => {

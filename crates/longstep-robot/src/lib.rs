@@ -12,6 +12,7 @@
 //! - [`drive`]: runs an execution on a robot. [`Sim`]: a simulated robot with seeded mishaps. [`RunLog`]: the log of a run.
 //! - [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language. [`ros2::Ros2`]: one behind ROS 2.
+//! - [`virtualhome::VirtualHome`]: a character in the VirtualHome simulator.
 //! - [`DryRun`]: shows what a robot would be sent, and moves nothing. [`Exclusive`]: a robot that no other program drives.
 //!
 //! Usage:
@@ -37,6 +38,7 @@ mod robot;
 pub mod ros2;
 mod run_log;
 mod sim;
+pub mod virtualhome;
 
 pub use description::{Description, Timeouts};
 pub use drive::{StopRequest, Watcher, drive, order_of, reports};

@@ -7,6 +7,7 @@ use longstep_core::environment::World;
 use longstep_core::model::Domain;
 use longstep_llm::{read_text, session_directory};
 use longstep_robot::ros2::{self, Configuration, Preview, Ros2};
+use longstep_robot::virtualhome::{VirtualHome, VirtualHomeOptions, VirtualHomeOptionsError};
 use longstep_robot::{DryRun, Exclusive, Robot, RobotError, Sim, SimOptions, SimOptionsError};
 
 use crate::exit_code::{ROBOT, ROBOT_BUSY, ROBOT_GONE, ROBOT_LATE, ROBOT_MISSING, ROBOT_REFUSED, ROBOT_TYPE};
@@ -19,7 +20,8 @@ pub(crate) struct Opened {
     pub(crate) is_dry: bool,
 }
 
-/// Opens a robot: `sim`, `sim:OPTIONS`, `process:COMMAND` or `ros2:FILE`. A robot that is not a simulation moves only if
+/// Opens a robot: `sim`, `sim:OPTIONS`, `process:COMMAND`, `ros2:FILE` or
+/// `virtualhome:URL`. A robot that is not a simulation moves only if
 /// `live` is true, and only if no other program drives it.
 pub(crate) fn open(named: &str, world: &World, live: bool) -> Result<Opened> {
     let (kind, rest) = named.split_once(':').unwrap_or((named, ""));
@@ -34,8 +36,12 @@ pub(crate) fn open(named: &str, world: &World, live: bool) -> Result<Opened> {
         #[cfg(unix)]
         "process" if !rest.trim().is_empty() => process(rest, world, live),
         "ros2" if !rest.trim().is_empty() => ros2(Path::new(rest), world, live),
+        "virtualhome" => {
+            let robot = VirtualHome::open(world.clone(), &virtualhome_options(rest)?);
+            moving(Box::new(robot.map_err(|error| failure(&error))?))
+        }
         _ => Err(Failure::unreadable(format!("`{named}` is no robot"))
-            .hint("write `sim`, `sim:faults=2,seed=7`, `process:COMMAND` or `ros2:robot.toml`")
+            .hint("write `sim`, `sim:faults=2,seed=7`, `process:COMMAND`, `ros2:robot.toml` or `virtualhome:URL`")
             .into()),
     }
 }
@@ -105,6 +111,15 @@ fn lock_folder() -> Result<PathBuf> {
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::unreadable(format!("cannot make {}: {error}", folder.display())))?;
     Ok(folder)
+}
+
+/// Reads the options of a VirtualHome simulator.
+pub(crate) fn virtualhome_options(text: &str) -> Result<VirtualHomeOptions> {
+    let options = text.parse();
+    let unreadable = |error: VirtualHomeOptionsError| {
+        Failure::unreadable(error.to_string()).hint("for example `virtualhome:http://127.0.0.1:8080,room=kitchen`")
+    };
+    Ok(options.map_err(unreadable)?)
 }
 
 /// The failure for an error of a robot.

@@ -9,7 +9,7 @@
 //! - A step is ordered only if its precondition holds in the observed world and no constraint forbids it.
 //! - The plan in force was verified from the world that was observed when it came into force.
 //! - A change that a person has to approve is not performed before it is approved.
-//! - After a stop nothing is ordered.
+//! - After a stop nothing is ordered, unless the execution is resumed from its log.
 
 mod aim;
 mod assess;
@@ -190,8 +190,8 @@ pub struct Execution {
     differences: Vec<Difference>,
     approved: Option<StepId>,
     phase: Phase,
-    /// The phase before a stop because of the robot, in which the execution may be taken up again.
-    before_stop: Option<Box<Phase>>,
+    /// The phase before a stop after which the execution can be taken up again.
+    suspended: Option<Box<Phase>>,
     events: Vec<Event>,
     has_lanes: bool,
 }
@@ -252,7 +252,7 @@ impl Execution {
             differences: Vec::new(),
             approved: None,
             phase,
-            before_stop: None,
+            suspended: None,
             events: vec![began],
         })
     }
@@ -634,6 +634,12 @@ impl Execution {
         self.end(Stop::Robot(why.chars().take(1_000).collect()));
     }
 
+    /// Returns the numbers of the orders of which nobody knows whether they were done.
+    fn unknown(&self) -> Vec<u64> {
+        let orders = self.running.iter().chain(&self.interrupted);
+        orders.map(|order| order.number).collect()
+    }
+
     fn end(&mut self, stop: Stop) {
         if self.is_ended() {
             return;
@@ -641,12 +647,12 @@ impl Execution {
         self.events.push(Event::Stopped {
             why: stop.sentence(&self.world),
             proven: stop.is_proven(),
-            under_way: self.running.iter().map(|order| order.number).collect(),
+            under_way: self.unknown(),
             environment: self.environment(),
         });
-        let is_resumable = matches!(stop, Stop::Robot(_));
+        let is_resumable = stop.is_resumable();
         let before = std::mem::replace(&mut self.phase, Phase::Stopped(stop));
-        self.before_stop = is_resumable.then(|| Box::new(before));
+        self.suspended = is_resumable.then(|| Box::new(before));
     }
 
     /// Replaces the plan in force by one that was verified from the observed world.

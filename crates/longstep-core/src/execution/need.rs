@@ -117,6 +117,12 @@ impl Stop {
         matches!(self, Self::NoPlan { .. } | Self::Broken { .. })
     }
 
+    /// Returns true if the execution can be resumed from its log: a stop at a request, or a failure of the robot, says
+    /// nothing about the plan.
+    pub fn is_resumable(&self) -> bool {
+        matches!(self, Self::Requested(_) | Self::Robot(_))
+    }
+
     /// The reason as a sentence.
     pub fn sentence(&self, world: &World) -> String {
         match self {

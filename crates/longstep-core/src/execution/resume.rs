@@ -45,13 +45,13 @@ pub enum ResumeError {
     /// An event does not follow from those before it: the domain or the program has changed, or the log is damaged.
     #[error("event {0} of the log does not follow from those before it")]
     Event(usize),
-    /// The execution has ended.
+    /// The execution has ended, and not because of a request or a failure of the robot.
     #[error("the execution has ended; there is nothing to resume")]
     Ended,
 }
 
 impl Execution {
-    /// Takes up an execution again from its log.
+    /// Takes up an execution again from its log, after a crash, a stop at a request or a failure of the robot.
     ///
     /// An execution that stopped because the robot failed goes on too. What was done is known. A step that was under way is unknown: the next need is an observation, which shows
     /// whether it was done, or else a person is asked. Events that the log lacks are returned by
@@ -59,14 +59,13 @@ impl Execution {
     ///
     /// # Errors
     ///
-    /// A log that cannot be read, or whose execution has ended in another way.
+    /// A log that cannot be read, or whose execution has ended otherwise.
     pub fn resume(domain: &Domain, log: &[Event]) -> Result<Self, ResumeError> {
         let mut execution = Self::replay(domain, log)?;
-        if execution.is_ended() && execution.before_stop.is_none() {
+        if execution.is_ended() && execution.suspended.is_none() {
             return Err(ResumeError::Ended);
         }
-        let under_way = execution.running.iter().chain(&execution.interrupted);
-        let under_way = under_way.map(|order| order.number).collect();
+        let under_way = execution.unknown();
         execution.interrupt();
         execution.events.push(Event::Interrupted { under_way });
         Ok(execution)
@@ -147,8 +146,8 @@ impl Execution {
 
     /// Marks the orders under way as unknown, and has the world observed. A stop because of the robot is over then.
     fn interrupt(&mut self) {
-        if let Some(before) = self.before_stop.take() {
-            self.phase = *before;
+        if let Some(phase) = self.suspended.take() {
+            self.phase = *phase;
         }
         if self.is_ended() {
             return;

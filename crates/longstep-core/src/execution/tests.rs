@@ -439,9 +439,32 @@ fn a_step_that_no_observation_shows_is_asked_about() {
         panic!()
     };
     assert_eq!(order.written(&world), "move-hand(<cup>)");
-    let log = own.take_events();
-    for (done, next) in [(true, "grasp(<cup>)"), (false, "move-hand(<cup>)")] {
+    let crashed = own.take_events();
+    let mut failed = own.clone();
+    failed.robot_failed("it is gone");
+    own.stop("stopped at a request");
+    let [failed, stopped] = [failed.take_events(), own.take_events()].map(|more| [&crashed[..], &more[..]].concat());
+    let ends = [
+        (&crashed, true),
+        (&failed, true),
+        (&stopped, true),
+        (&crashed, false),
+        (&failed, false),
+        (&stopped, false),
+    ];
+    for (log, done) in ends {
+        let next = if done { "grasp(<cup>)" } else { "move-hand(<cup>)" };
+        let mut again = Execution::resume(&household(), log).unwrap();
+        // The same again: what was resumed and then stopped can be resumed.
+        again.robot_failed("it is gone again");
+        let log = [&log[..], &again.take_events()[..]].concat();
         let mut again = Execution::resume(&household(), &log).unwrap();
+        assert_eq!(
+            again.take_events(),
+            [Event::Interrupted {
+                under_way: vec![order.number]
+            }]
+        );
         assert!(matches!(again.next_need(), Need::Observe));
         again.observed(&seen).unwrap();
         let Need::Judge(order) = again.next_need() else {

@@ -1,0 +1,184 @@
+//! Graphs of scenes as environments and observations, in the words of the `virtualhome` domain.
+
+use std::collections::BTreeSet;
+
+use indexmap::IndexMap;
+use longstep_core::environment::{Environment, Statements, Words, World};
+
+use super::graph::{Graph, Node};
+
+/// Properties of what takes part in a task; walls, ceilings and pictures have none of them.
+const USES: [&str; 5] = ["GRABBABLE", "CAN_OPEN", "HAS_SWITCH", "SURFACES", "CONTAINERS"];
+
+/// Returns the environment of a scene: what can be moved, opened, switched on or put on, and what that stands on or in.
+/// With `rooms`, only what is in a room of these classes. A thing that can be grabbed is an object, everything else an
+/// asset.
+///
+/// ```
+/// use longstep_robot::virtualhome::{Graph, environment};
+/// let graph = Graph::parse(r#"{"nodes": [
+///     {"id": 1, "class_name": "kitchen", "category": "Rooms"},
+///     {"id": 2, "class_name": "table", "properties": ["SURFACES"]},
+///     {"id": 3, "class_name": "mug", "properties": ["GRABBABLE", "RECIPIENT"]}],
+///     "edges": [{"from_id": 2, "relation_type": "INSIDE", "to_id": 1},
+///               {"from_id": 3, "relation_type": "INSIDE", "to_id": 1},
+///               {"from_id": 3, "relation_type": "ON", "to_id": 2}]}"#)?;
+/// let environment = environment(&graph, &[]);
+/// assert_eq!(environment.assets, ["<kitchen_1>", "<table_2>"]);
+/// assert_eq!(environment.object_states["<mug_3>"].as_slice(), ["ON(<table_2>)"]);
+/// # Ok::<(), longstep_robot::virtualhome::GraphError>(())
+/// ```
+pub fn environment(graph: &Graph, rooms: &[String]) -> Environment {
+    let kept = kept(graph, rooms);
+    let (mut assets, mut objects) = (Part::default(), Part::default());
+    for node in graph.nodes.iter().filter(|node| kept.contains(&node.id)) {
+        let part = match node.can("GRABBABLE") {
+            true => &mut objects,
+            false => &mut assets,
+        };
+        part.add(node, placed(graph, node, &kept));
+    }
+    Environment {
+        assets: assets.identifiers,
+        asset_states: assets.states,
+        asset_properties: Some(assets.properties),
+        objects: objects.identifiers,
+        object_states: objects.states,
+        object_properties: Some(objects.properties),
+        ..Environment::default()
+    }
+}
+
+/// The entities of one of the two lists of an environment.
+#[derive(Default)]
+struct Part {
+    identifiers: Vec<String>,
+    states: IndexMap<String, Words>,
+    properties: IndexMap<String, Words>,
+}
+
+impl Part {
+    fn add(&mut self, node: &Node, mut states: Vec<String>) {
+        let identifier = node.identifier();
+        // That something which can be opened is closed is what the domain assumes.
+        states.extend(conditions(node).filter(|word| *word != "CLOSED()").map(str::to_owned));
+        if !states.is_empty() {
+            self.states.insert(identifier.clone(), Words::Many(states));
+        }
+        if !node.is_room() {
+            let words = properties(node).into_iter().map(str::to_owned).collect();
+            self.properties.insert(identifier.clone(), Words::Many(words));
+        }
+        self.identifiers.push(identifier);
+    }
+}
+
+/// Returns the numbers of the nodes that take part in tasks in these rooms, and of what they stand on or in.
+fn kept(graph: &Graph, rooms: &[String]) -> BTreeSet<i64> {
+    let nodes = graph.by_number();
+    let places = graph.places();
+    let supports = |number: i64| {
+        let of = places.get(&number).into_iter().flatten();
+        of.map(|edge| edge.to_id).filter(|support| nodes.contains_key(support))
+    };
+    let is_wanted = |node: &Node| {
+        rooms.is_empty()
+            || node.is_room() && rooms.contains(&node.class_name)
+            || supports(node.id).any(|room| nodes[&room].is_room() && rooms.contains(&nodes[&room].class_name))
+    };
+    let is_floor = |node: &Node| node.class_name == "floor";
+    let is_used = |node: &&Node| {
+        !node.is_character() && (node.is_room() || !is_floor(node) && USES.iter().any(|property| node.can(property)))
+    };
+    let wanted = graph.nodes.iter().filter(is_used).filter(|node| is_wanted(node));
+    let mut todo: Vec<i64> = wanted.map(|node| node.id).collect();
+    let mut kept = BTreeSet::new();
+    while let Some(number) = todo.pop() {
+        if kept.insert(number) {
+            todo.extend(supports(number).filter(|support| !nodes[support].is_character()));
+        }
+    }
+    kept
+}
+
+/// Returns where a node is, as statements. A thing that can be moved is in a room only if it is nowhere else: the rooms of
+/// things are not part of what the domain follows.
+fn placed(graph: &Graph, node: &Node, known: &BTreeSet<i64>) -> Vec<String> {
+    if graph.held().contains(&node.id) {
+        return vec!["HELD()".to_owned()];
+    }
+    let nodes = graph.by_number();
+    let places = graph.places();
+    let all = places.get(&node.id).into_iter().flatten();
+    let all: Vec<_> = all.filter(|edge| known.contains(&edge.to_id)).collect();
+    let is_somewhere = all.iter().any(|edge| !nodes[&edge.to_id].is_room());
+    let is_left_out = |place: &Node| node.can("GRABBABLE") && is_somewhere && place.is_room();
+    all.iter()
+        .map(|edge| (edge, nodes[&edge.to_id]))
+        .filter(|(_, place)| !is_left_out(place))
+        .map(|(edge, place)| format!("{}({})", edge.relation_type, place.identifier()))
+        .collect()
+}
+
+/// The states of a node that the domain has words for.
+fn conditions(node: &Node) -> impl Iterator<Item = &'static str> {
+    let door = match (node.is("OPEN"), node.is("CLOSED")) {
+        (true, _) if node.can("CAN_OPEN") => Some("OPEN()"),
+        (_, true) if node.can("CAN_OPEN") => Some("CLOSED()"),
+        _ => None,
+    };
+    let switch = (node.is("ON") && node.can("HAS_SWITCH")).then_some("SWITCHED_ON()");
+    door.into_iter().chain(switch)
+}
+
+fn properties(node: &Node) -> Vec<&'static str> {
+    let mut words = vec![match node.can("CAN_OPEN") {
+        true => "IS_OPENABLE",
+        false => "NOT_OPENABLE",
+    }];
+    words.push(match node.can("HAS_SWITCH") {
+        true => "HAS_SWITCH",
+        false => "NO_SWITCH",
+    });
+    if node.can("RECIPIENT") || node.can("DRINKABLE") {
+        words.push("RECIPIENT");
+    }
+    if node.can("GRABBABLE") && node.can("SURFACES") {
+        words.push("SURFACE");
+    }
+    words
+}
+
+/// Returns what a graph says about the entities of a world, as an observation. What it says about others is left out, and
+/// entities that it lacks were not seen.
+///
+/// The rooms of objects are those of the world's environment: the domain does not follow what is carried from room to
+/// room.
+pub fn statements(graph: &Graph, world: &World) -> Statements {
+    let environment = world.environment();
+    let nodes = graph.nodes.iter().map(|node| (node.identifier(), node));
+    let nodes: IndexMap<String, &Node> = nodes.collect();
+    let named = environment.assets.iter().chain(&environment.objects);
+    let known = named
+        .clone()
+        .filter_map(|name| nodes.get(name))
+        .map(|node| node.id)
+        .collect();
+    let mut states = IndexMap::new();
+    for name in named {
+        let Some(node) = nodes.get(name) else {
+            continue;
+        };
+        let mut words = placed(graph, node, &known);
+        if let Some(stated) = environment.object_states.get(name) {
+            let rooms = graph.nodes.iter().filter(|room| room.is_room());
+            let in_rooms: BTreeSet<String> = rooms.map(|room| format!("INSIDE({})", room.identifier())).collect();
+            words.retain(|word| !in_rooms.contains(word));
+            let stated = stated.as_slice().iter();
+            words.extend(stated.filter(|word| in_rooms.contains(*word)).cloned());
+        }
+        words.extend(conditions(node).map(str::to_owned));
+        states.insert(name.clone(), Words::Many(words));
+    }
+    Statements { states, facts: None }
+}

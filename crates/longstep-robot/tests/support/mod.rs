@@ -1,0 +1,96 @@
+//! Runs of verified plans on robots, and programs that end with the test.
+#![allow(clippy::unwrap_used, clippy::panic, dead_code, missing_docs, unreachable_pub)]
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use longstep_core::environment::World;
+use longstep_core::execution::{Aim, Approval, Event, Execution, Order, Proposal, Settings, Stop};
+use longstep_core::search::{self, Outcome};
+use longstep_core::verify::{self, VerifiedPlan};
+use longstep_core::{domain, environment, goal};
+use longstep_robot::{Robot, StopRequest, Watcher, drive, reports};
+
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+pub fn world_of(domain: &str, text: &str) -> World {
+    let domain = domain::shipped(domain).unwrap().unwrap();
+    environment::parse(&domain, "env.json", text).unwrap()
+}
+
+pub fn planned(world: &World, text: &str) -> VerifiedPlan {
+    let goal = goal::parse(world, text).unwrap();
+    let outcome = search::solve(world, &goal.purpose(world), &search::Limits::default());
+    let Outcome::Solved { plan, .. } = outcome else {
+        panic!("no plan for {text}: {outcome:?}");
+    };
+    verify::check(world, plan, &goal.purpose(world))
+        .into_verified()
+        .unwrap()
+}
+
+/// Keeps the events, and agrees to everything.
+#[derive(Default)]
+pub struct Keeping(pub Vec<Event>);
+
+impl Watcher for Keeping {
+    fn record(&mut self, _: &Execution, events: &[Event]) -> Result<(), String> {
+        self.0.extend_from_slice(events);
+        Ok(())
+    }
+
+    fn approve(&mut self, _: &Execution, _: &Proposal) -> Option<bool> {
+        Some(true)
+    }
+
+    fn judge(&mut self, _: &Execution, _: &Order) -> Option<bool> {
+        None
+    }
+}
+
+/// Carries out a plan; returns the events and the reason of a stop.
+pub fn carried_out(plan: &VerifiedPlan, aim: &Aim, robot: &mut dyn Robot) -> (Execution, Vec<Event>, Option<Stop>) {
+    let settings = Settings {
+        approval: Approval::Never,
+        reports: reports(robot, plan.world()).unwrap(),
+        ..Settings::default()
+    };
+    let mut execution = Execution::new(plan, aim, settings).unwrap();
+    let (mut watcher, request) = (Keeping::default(), StopRequest::of(robot));
+    let stop = drive(&mut execution, robot, &mut watcher, &request);
+    (execution, watcher.0, stop)
+}
+
+/// A program that is ended with the test.
+pub struct Program {
+    child: Child,
+    /// The first line that it wrote.
+    pub first_line: String,
+}
+
+impl Program {
+    /// Starts a program and waits for its first line.
+    pub fn start(command: &mut Command) -> Self {
+        let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
+        let mut first_line = String::new();
+        let mut output = BufReader::new(child.stdout.take().unwrap());
+        output.read_line(&mut first_line).unwrap();
+        let first_line = first_line.trim().to_owned();
+        assert!(!first_line.is_empty(), "{command:?} wrote nothing");
+        Self { child, first_line }
+    }
+
+    pub fn kill(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
