@@ -4,7 +4,13 @@
 //! `LONGSTEP_VIRTUALHOME=$(scripts/robots/virtualhome.sh) LONGSTEP_PYROBOSIM=$(scripts/robots/pyrobosim.sh) \
 //!     LONGSTEP_DEATHS=50 cargo test -p longstep-cli --test dead_robot -- --ignored --nocapture`
 #![cfg(unix)]
-#![allow(clippy::disallowed_macros, clippy::unwrap_used, clippy::panic, missing_docs)]
+#![allow(
+    clippy::disallowed_macros,
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    missing_docs
+)]
 
 mod common;
 
@@ -221,7 +227,7 @@ impl<'a> Bench<'a> {
         let mut child = self.run(&folder);
         let log = folder.join("run.jsonl");
         // Some die before the run has begun.
-        if number % 10 != 0 {
+        if !number.is_multiple_of(10) {
             begins(&mut child, &log);
         }
         thread::sleep(wait);
