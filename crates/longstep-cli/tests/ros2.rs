@@ -469,7 +469,7 @@ fn killed_at(number: u64) {
     bench.reconfigure("perform = 10", "perform = 1\naccept = 1\nobserve = 1\nstop = 0.3");
     let log = "run.jsonl";
     let mut draw = number.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 33;
-    let kills_bridge = draw % 2 == 0;
+    let kills_bridge = draw.is_multiple_of(2);
     draw /= 2;
     let moment = 1 + draw % 14;
     let child = bench.live(log).spawn().unwrap();
