@@ -405,7 +405,7 @@ impl GoalDialogue {
     }
 
     fn understood(&mut self, goal: Goal) -> Understanding {
-        let text = goal.everyday(&self.world).join(goal::JOINT);
+        let text = goal.everyday(&self.world).join(" & ");
         if let Some(candidate) = self.candidates.iter_mut().find(|candidate| candidate.text == text) {
             candidate.chosen = true;
         }
@@ -439,7 +439,7 @@ impl GoalDialogue {
 
     /// Notes an answer.
     fn weigh(&mut self, goal: &Goal) {
-        let text = goal.everyday(&self.world).join(goal::JOINT);
+        let text = goal.everyday(&self.world).join(" & ");
         self.candidates.push(Candidate::new(text, self.endings.weighed()));
     }
 
