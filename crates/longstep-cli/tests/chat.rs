@@ -188,6 +188,16 @@ fn conversations() {
             vec![cereal_on_counter()],
             "Put the cereal on the counter\n",
         ),
+        (
+            "observed",
+            &[],
+            vec![goals(&["put(cereal, shelf top)"])],
+            concat!(
+                "/observe\n/observe nowhere.json\n/observe ",
+                env!("CARGO_MANIFEST_DIR"),
+                "/tests/observations/cereal.json\nPut the cereal on the upper shelf\n/observe nowhere.json\n\n/env\n"
+            ),
+        ),
         ("end_of_input_at_once", &[], vec![], ""),
         (
             "nonsense_from_the_model",
@@ -419,7 +429,7 @@ fn damaged_logs_are_mended_or_refused_and_never_made_worse() {
         ("empty", String::new(), false),
         ("half_a_line", first[..40].to_owned(), false),
         ("damaged", format!("{}\n", damaged.join("\n")), false),
-        ("newer", whole.replacen(r#""version":3"#, r#""version":99"#, 1), false),
+        ("newer", whole.replacen(r#""version":4"#, r#""version":99"#, 1), false),
         ("no_log", "hello\n".to_owned(), false),
     ];
     for (name, log, goes_on) in table {

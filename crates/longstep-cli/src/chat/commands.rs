@@ -3,17 +3,18 @@
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::session::{self, RuleError, Settings, Strategy};
+use longstep::session::{self, ObserveError, RuleError, Settings, Strategy};
 use longstep_core::diagnostic::nearest;
+use longstep_core::environment::Statements;
 use longstep_core::plan::StepId;
-use longstep_llm::{ModelError, create_private_folder, plain_reason};
+use longstep_llm::{ModelError, create_private_folder, plain_reason, read_text};
 
 use super::{Chat, Next, screen};
 use crate::failure::Failure;
 use crate::output::print_line;
 use crate::{ask, explain, inputs, output, show};
 
-const COMMANDS: [(&str, &str); 11] = [
+const COMMANDS: [(&str, &str); 12] = [
     ("/plan", "show the current plan, or the last accepted one"),
     ("/why STEP", "show what a step achieves, and what would fail without it"),
     (
@@ -22,6 +23,10 @@ const COMMANDS: [(&str, &str); 11] = [
     ),
     ("/env", "show the current world"),
     ("/undo", "undo the last accepted plan, or cancel the current one"),
+    (
+        "/observe FILE",
+        "read what was observed since the last plan; the next plan begins there",
+    ),
     (
         "/save FOLDER",
         "save the accepted plans to a folder: 0.json, 1.json, ...",
@@ -58,6 +63,7 @@ impl Chat<'_> {
             "env" => screen::environment(&self.session),
             "rules" => self.rules(rest)?,
             "undo" => self.undo()?,
+            "observe" => self.observe(rest)?,
             "save" => self.save(rest)?,
             "model" => self.change_model(rest)?,
             "strategy" => self.change_strategy(rest)?,
@@ -149,6 +155,31 @@ impl Chat<'_> {
         self.folder.keep(&mut self.session)?;
         screen::notice(&format!("Plan {number} is undone"));
         show::changes(&after, self.session.world().environment());
+        Ok(())
+    }
+
+    /// Reads an observation, in whose world the next instruction begins.
+    fn observe(&mut self, file: &str) -> Result<()> {
+        if file.is_empty() {
+            return Err(Failure::unreadable("`/observe` needs a file")
+                .hint("`/observe FILE`; docs/robots.md describes observations")
+                .into());
+        }
+        let read: Result<Statements, _> = serde_json::from_str(&read_text(Path::new(file))?);
+        let statements = read.map_err(|error| {
+            let hint = r#"an observation is like {"states": {"<cup>": "on_something(<shelf>)"}}"#;
+            Failure::unreadable(format!("{file}: {error}")).hint(hint)
+        })?;
+        let observed = self.session.observed(&statements).map_err(|error| {
+            let hint = match &error {
+                ObserveError::OutOfTurn(_) => "accept the plan, or cancel it with `/undo`, first",
+                _ => "docs/robots.md describes observations",
+            };
+            Failure::unreadable(error.to_string()).hint(hint)
+        })?;
+        // The observation is saved before it is reported.
+        self.folder.keep(&mut self.session)?;
+        screen::observed(&self.session, &observed);
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use longstep::goal::Goal;
-use longstep::session::{Ended, Refusal, Response, Session};
+use longstep::session::{Ended, Observed, Refusal, Response, Session};
 use longstep_core::environment::{Environment, World};
 use longstep_core::plan::{self, Plan};
 use longstep_core::verify::{Purpose, VerifiedPlan};
@@ -95,6 +95,26 @@ fn ended(session: &Session, endings: &[Ended]) {
         show::changes(session.world().environment(), &ending.environment);
     }
     output::blank();
+}
+
+/// Prints what has changed since the last plan, and the endings that it may still have had.
+pub(super) fn observed(session: &Session, observed: &Observed) {
+    if observed.changes.is_empty() {
+        notice("The world is as expected");
+    } else {
+        show::list("Changed since the last plan", &observed.changes);
+        output::blank();
+    }
+    if !observed.unknown.is_empty() {
+        let unknown = observed.unknown.join(", ");
+        notice(&format!(
+            "The environment does not list these entities, and they are left out: {unknown}"
+        ));
+    }
+    let endings = session.endings();
+    if !endings.is_empty() {
+        ended(session, &endings);
+    }
 }
 
 fn proposal(session: &Session) {
