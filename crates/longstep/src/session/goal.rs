@@ -164,6 +164,9 @@ impl Session {
                     Some(understood) if !of_server && self.wish(&turn).is_none() => {
                         self.offer_rule(turn, &understood);
                     }
+                    Some(Understanding::Goal(goal)) if self.is_shaky(&turn) => {
+                        self.leave_open(turn, Open::Question(goal::guess(&self.world, &goal)));
+                    }
                     Some(Understanding::Goal(goal)) if turn.accepts_as_goal(&goal) => {
                         self.pursue_within(turn, goal);
                     }

@@ -9,6 +9,9 @@ use super::{Failure, Proposal, Session, Stage, Strategy, Turn};
 use crate::dialogue::{ConstraintKind, RetellingDialogue};
 use crate::goal::{self, Goal};
 
+/// Likelihood in nats below which the goal of a retelling is not used if the instruction names nothing itself.
+const MADE_UP: f64 = -2.8;
+
 /// An instruction that is retold.
 #[derive(Debug, Clone)]
 pub(super) struct Retold {
@@ -85,6 +88,18 @@ impl Session {
             }
             _ => self.take_back(turn),
         }
+    }
+
+    /// Returns true if the goal of a retelling is not likely enough, for an instruction that names nothing itself: then the
+    /// retelling may have made up what it names.
+    pub(super) fn is_shaky(&self, turn: &Turn) -> bool {
+        let likelihood = || {
+            let reading = turn.readings.last()?;
+            reading.candidates.iter().find(|candidate| candidate.chosen)?.likelihood
+        };
+        turn.is_retold_now()
+            && goal::Mentions::of(&self.world, &turn.instruction).entities.is_empty()
+            && likelihood().is_some_and(|likelihood| likelihood < MADE_UP)
     }
 
     /// Returns to what was open before the instruction was retold.
