@@ -147,7 +147,7 @@ fn description(configuration: &Configuration) -> Description {
 /// use longstep_robot::ros2::{Configuration, Ros2};
 /// use longstep_robot::{Order, Progress, Robot};
 ///
-/// let household = domain::shipped("household")?.unwrap();
+/// let household = domain::shipped("household").unwrap()?;
 /// let configuration = Configuration::parse("robot.toml", &std::fs::read_to_string("robot.toml")?)?;
 /// let mut robot = Ros2::connect(configuration, &household)?;
 /// let handle = robot.start(&Order::new(1, "grasp", ["<cup>"]))?;

@@ -27,7 +27,7 @@ const STOP: Duration = Duration::from_secs(2);
 /// use longstep_robot::virtualhome::VirtualHome;
 /// use longstep_robot::{Order, Progress, Robot};
 ///
-/// let domain = domain::shipped("virtualhome")??;
+/// let domain = domain::shipped("virtualhome").unwrap()?;
 /// let world = environment::parse(&domain, "kitchen.json", &std::fs::read_to_string("kitchen.json")?)?;
 /// let mut robot = VirtualHome::open(world, &"http://127.0.0.1:8080".parse()?)?;
 /// let handle = robot.start(&Order::new(1, "walk-towards", ["<fridge_306>"]))?;
