@@ -134,6 +134,8 @@ fn a_failed_step_leaves_the_robot_usable() {
     for step in 1..=2 {
         let handle = robot.start(&order(step)).unwrap();
         assert_eq!(robot.start(&order(9)), Err(RobotError::Busy { limit: 1 }));
+        // The robot fails the order only now, so that the second one met a busy robot.
+        robot.observe(&Scope::All).unwrap();
         let reason = "the can slipped".to_owned();
         assert_eq!(finish(&mut robot, handle), Ok(Progress::Failed { reason }));
         assert_eq!(robot.poll(handle), Err(RobotError::UnknownHandle(handle)));

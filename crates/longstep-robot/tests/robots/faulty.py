@@ -9,6 +9,10 @@ import time
 fault, log = sys.argv[1], open(sys.argv[2], "a", buffering=1)
 
 
+# The orders that fail when the robot is next asked what it observes: until then they are being carried out.
+slipping = []
+
+
 def write(text):
     sys.stdout.write(text)
     sys.stdout.flush()
@@ -77,7 +81,7 @@ def perform(id):
             send(method="feedback", params={"id": id, "fraction": count / 100, "text": str(count)})
         send(id=id, result={})
     elif fault == "slips":
-        send(id=id, error={"code": 1, "message": "the can slipped"})
+        slipping.append(id)
     else:
         send(id=id, result={})
 
@@ -104,6 +108,9 @@ for line in sys.stdin:
         elif fault == "cannot see":
             send(id=id, error={"code": 2, "message": "the camera is covered"})
         else:
+            for order in slipping:
+                send(id=order, error={"code": 1, "message": "the can slipped"})
+            slipping.clear()
             send(id=id, result={"states": {"<cup>": "on_something(<table>)"}})
     elif method == "stop" and fault == "ignores stop":
         pass
