@@ -27,6 +27,7 @@ mod repair;
 mod run;
 mod session;
 mod show;
+mod signals;
 mod solve;
 mod verify;
 

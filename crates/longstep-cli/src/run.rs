@@ -3,7 +3,6 @@
 mod begin;
 mod person;
 mod robot;
-mod stop;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -12,15 +11,21 @@ use anyhow::Result;
 use longstep_core::environment::World;
 use longstep_core::execution::{Approval, Execution, Stop, Watch};
 use longstep_llm::{load_domain, session_directory};
-use longstep_robot::{RunHeader, RunLog, StopRequest, drive};
+use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, reports};
 
 use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments};
 use crate::exit_code::{LIMIT, NOT_VALID, ROBOT, STOPPED};
 use crate::failure::Failure;
 use crate::output::remark;
 use crate::show;
+use crate::signals::{self, Armed};
 use begin::Begun;
-use view::View;
+use person::Person;
+
+pub(crate) use begin::{aim_of, observing, settings};
+pub(crate) use person::{Decide, decision};
+pub(crate) use robot::{failure as robot_failure, open};
+pub(crate) use view::{View, end};
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
     match (&arguments.resume, &arguments.what) {
@@ -42,18 +47,20 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
         Err(code) => return Ok(code),
     };
     let Begun { plan, aim } = begun;
-    let mut robot = robot::open(named, plan.world())?;
-    let settings = begin::settings(arguments, robot.as_ref(), plan.world())?;
+    let request = StopRequest::default();
+    let _armed = armed(&request)?;
+    let mut robot = open(named, plan.world(), &request)?;
+    let settings = settings(&arguments.execution, robot.as_ref(), plan.world())?;
     let execution = Execution::new(&plan, &aim, settings).map_err(|error| {
         Failure::unreadable(error.to_string()).hint("nothing has moved; pass the values with `--skills FILE`")
     })?;
     let path = match &arguments.log {
         Some(path) => path.clone(),
-        None => new_log()?,
+        None => new_log(&runs_folder()?)?,
     };
     let log = RunLog::create(&path, &RunHeader::new(named, &arguments.domain))
         .map_err(|error| Failure::unreadable(error.to_string()).hint("name a new file with `--log RUN.jsonl`"))?;
-    carry_out(arguments, execution, robot.as_mut(), log, &path)
+    carry_out(arguments, execution, robot.as_mut(), (log, &path), &request)
 }
 
 fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
@@ -61,25 +68,47 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
     let domain = load_domain(&header.domain)?;
     let execution = Execution::resume(&domain, &events).map_err(|error| Failure::unreadable(error.to_string()))?;
     let named = arguments.robot.as_ref().unwrap_or(&header.robot);
-    let mut robot = robot::open(named, execution.world())?;
+    let request = StopRequest::default();
+    let _armed = armed(&request)?;
+    let mut robot = open(named, execution.world(), &request)?;
+    check_resumed(&execution, robot.as_ref())?;
     remark!("Resuming {}", path.display());
-    carry_out(arguments, execution, robot.as_mut(), log, path)
+    carry_out(arguments, execution, robot.as_mut(), (log, path), &request)
+}
+
+/// Refuses a robot that does not observe what the run compares.
+fn check_resumed(execution: &Execution, robot: &dyn Robot) -> Result<()> {
+    observing(robot)?;
+    let reported = reports(robot, execution.world()).map_err(|error| Failure::unreadable(error.to_string()))?;
+    match reported == execution.settings().reports {
+        true => Ok(()),
+        false => Err(
+            Failure::unreadable("this robot reports other facts than the robot with which the run began")
+                .hint("resume with the same robot")
+                .into(),
+        ),
+    }
+}
+
+/// From now on signals stop the run, also while its robot is being opened.
+fn armed(request: &StopRequest) -> Result<Armed> {
+    let armed = Armed::new(request);
+    signals::stop_runs().map_err(|error| Failure::unreadable(format!("cannot watch for signals: {error}")))?;
+    Ok(armed)
 }
 
 /// Runs to the end and returns the exit code.
 fn carry_out(
     arguments: &RunArguments,
     mut execution: Execution,
-    robot: &mut dyn longstep_robot::Robot,
-    log: RunLog,
-    path: &Path,
+    robot: &mut dyn Robot,
+    (log, path): (RunLog, &Path),
+    request: &StopRequest,
 ) -> Result<u8> {
     let before = execution.world().environment().clone();
-    let request = StopRequest::of(robot);
-    stop::on_signals(&request).map_err(|error| Failure::unreadable(format!("cannot watch for signals: {error}")))?;
     remark!("The log is {}", path.display());
-    let mut view = View::new(log, request.clone(), arguments.json);
-    let stop = drive(&mut execution, robot, &mut view, &request);
+    let mut view = View::new(log, Person::new(request.clone()), arguments.json);
+    let stop = drive(&mut execution, robot, &mut view, request);
     // Ends the program of a robot behind one.
     let _ = robot.stop();
     let after = execution.environment();
@@ -90,7 +119,7 @@ fn carry_out(
         written.map_err(|error| Failure::unreadable(format!("cannot write {}: {error}", file.display())))?;
     }
     if !arguments.json {
-        view::end(execution.world(), stop.as_ref());
+        end(execution.world(), stop.as_ref());
         show::changes(&before, &after);
         if stop.is_some() {
             resume_hint(&execution, path);
@@ -120,19 +149,20 @@ fn code(stop: &Stop) -> u8 {
     }
 }
 
-/// Returns a new file for a log, beside the sessions.
-fn new_log() -> Result<PathBuf> {
+/// Returns the folder for logs, beside the sessions.
+fn runs_folder() -> Result<PathBuf> {
     let sessions = session_directory()?;
     let folder = sessions.parent().unwrap_or(&sessions).join("runs");
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::unreadable(format!("cannot make {}: {error}", folder.display())))?;
-    for number in 1..100_000 {
-        let path = folder.join(format!("run-{number}.jsonl"));
-        if !path.exists() {
-            return Ok(path);
-        }
-    }
-    Err(Failure::unreadable(format!("{} is full", folder.display())).into())
+    Ok(folder)
+}
+
+/// Returns a new file for a log in a folder.
+pub(crate) fn new_log(folder: &Path) -> Result<PathBuf> {
+    let names = (1..100_000).map(|number| folder.join(format!("run-{number}.jsonl")));
+    let free = names.into_iter().find(|path| !path.exists());
+    free.ok_or_else(|| Failure::unreadable(format!("{} is full", folder.display())).into())
 }
 
 impl From<ApprovalArgument> for Approval {

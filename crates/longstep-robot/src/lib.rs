@@ -10,7 +10,7 @@
 //! - [`Order`]: one step as a robot receives it. [`Progress`]: the state of a step that was started.
 //! - [`Observation`]: what a robot saw, in the words of an environment file.
 //! - [`drive`]: runs an execution on a robot. [`Sim`]: a simulated robot with seeded mishaps. [`RunLog`]: the log of a run.
-//! - [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
+//! - [`StopRequest`]: stops a run, also while its robot is being opened. [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language.
 //!
 //! Usage:
@@ -32,12 +32,14 @@ pub mod process;
 mod robot;
 mod run_log;
 mod sim;
+mod stop;
 
 pub use description::{Description, Timeouts};
-pub use drive::{StopRequest, Watcher, drive, order_of, reports};
+pub use drive::{Watcher, drive, order_of, reports};
 pub use error::RobotError;
 pub use observation::{Observation, Scope};
 pub use order::{ArgumentValue, Order};
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
 pub use run_log::{RunHeader, RunLog, RunLogError};
 pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};
+pub use stop::StopRequest;

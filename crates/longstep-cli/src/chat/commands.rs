@@ -8,16 +8,22 @@ use longstep_core::diagnostic::nearest;
 use longstep_core::plan::StepId;
 use longstep_llm::{ModelError, create_private_folder, plain_reason};
 
+use super::input::Lines;
 use super::{Chat, Next, screen};
 use crate::failure::Failure;
 use crate::output::print_line;
 use crate::{ask, inputs, output, show};
 
-const COMMANDS: [(&str, &str); 10] = [
+const COMMANDS: [(&str, &str); 12] = [
     ("/plan", "show the current plan, or the last accepted one"),
     ("/why STEP", "show what a step achieves, and what would fail without it"),
     ("/env", "show the current world"),
     ("/undo", "undo the last accepted plan, or cancel the current one"),
+    ("/run", "carry out the accepted plans on the robot of `--robot`"),
+    (
+        "/observe [FILE]",
+        "observe the world with the robot, or read an observation; the next plan begins there",
+    ),
     (
         "/save FOLDER",
         "save the accepted plans to a folder: 0.json, 1.json, ...",
@@ -44,7 +50,7 @@ fn unfit(error: RuleError) -> Failure {
 }
 
 impl Chat<'_> {
-    pub(super) fn command(&mut self, line: &str) -> Result<Next> {
+    pub(super) fn command(&mut self, line: &str, lines: &mut Lines) -> Result<Next> {
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
         match word {
@@ -53,6 +59,8 @@ impl Chat<'_> {
             "env" => screen::environment(&self.session),
             "rules" => self.rules(rest)?,
             "undo" => self.undo()?,
+            "run" => self.run_plans(lines)?,
+            "observe" => self.observe(rest)?,
             "save" => self.save(rest)?,
             "model" => self.change_model(rest)?,
             "strategy" => self.change_strategy(rest)?,
@@ -136,6 +144,7 @@ impl Chat<'_> {
             return Ok(());
         }
         let after = self.session.world().environment().clone();
+        let was_run = self.session.accepted().len() == self.session.pending().start;
         let number = self
             .session
             .undo()
@@ -143,6 +152,9 @@ impl Chat<'_> {
         // The undo is saved before it is reported.
         self.folder.keep(&mut self.session)?;
         screen::notice(&format!("Plan {number} is undone"));
+        if was_run {
+            screen::notice("The robot has carried it out, and does not go back: the world stays as it was observed");
+        }
         show::changes(&after, self.session.world().environment());
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use longstep::goal::Goal;
-use longstep::session::{Ended, Refusal, Response, Session};
+use longstep::session::{Ended, Observed, Refusal, Response, Session};
 use longstep_core::environment::{Environment, World};
 use longstep_core::plan::{self, Plan};
 use longstep_core::verify::{Purpose, VerifiedPlan};
@@ -84,7 +84,7 @@ fn consent(interactive: bool) {
 }
 
 /// Requests the outcome of a plan with several possible ends.
-fn ended(session: &Session, endings: &[Ended]) {
+pub(super) fn ended(session: &Session, endings: &[Ended]) {
     print_line!("{}", "How did the plan end?".yellow().bold());
     for (number, ending) in endings.iter().enumerate() {
         let when = match ending.when.is_empty() {
@@ -95,6 +95,22 @@ fn ended(session: &Session, endings: &[Ended]) {
         show::changes(session.world().environment(), &ending.environment);
     }
     output::blank();
+}
+
+/// Prints what has changed since the last plan.
+pub(super) fn observed(observed: &Observed) {
+    if observed.changes.is_empty() {
+        notice("The world is as expected");
+    } else {
+        show::list("Changed since the last plan", &observed.changes);
+        output::blank();
+    }
+    if !observed.unknown.is_empty() {
+        let unknown = observed.unknown.join(", ");
+        notice(&format!(
+            "The environment does not list these entities, and they are left out: {unknown}"
+        ));
+    }
 }
 
 fn proposal(session: &Session) {

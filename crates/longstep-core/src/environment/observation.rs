@@ -8,8 +8,8 @@ use super::statement::{Statement, fact_alone, is_stated, number_of, statement};
 use super::{EntityId, Fact, Fluent, Number, State, Words, World, fact_of};
 use crate::call::Call;
 use crate::model::{
-    Atom, Bindings, Condition, PredicateId, Rule, RuleTime, broken_bindings, entries_of, entry_of_number, ground,
-    state_word, subject_of,
+    Atom, Bindings, Condition, Domain, PredicateId, Rule, RuleTime, broken_bindings, entries_of, entry_of_number,
+    ground, state_word, subject_of,
 };
 
 /// The statements of an observation as a robot writes them.
@@ -78,6 +78,19 @@ pub enum ObservationError {
 }
 
 impl Observation {
+    /// Returns the predicates that a robot may report in [`Statements::facts`]: those that steps change and for which
+    /// environments have no words, such as the position of a hand.
+    pub fn reportable(domain: &Domain) -> Vec<PredicateId> {
+        let is_reportable = |predicate: &PredicateId| {
+            domain.words(*predicate).fluent
+                && state_word(domain, *predicate).is_none()
+                && !domain.is_sensed(*predicate)
+                && !domain.predicate(*predicate).parameters.is_empty()
+        };
+        let all = (0..domain.predicates.len()).map(PredicateId::new);
+        all.filter(is_reportable).collect()
+    }
+
     /// Reads the statements of a robot that reports these predicates in [`Statements::facts`], besides the states of entities.
     ///
     /// # Errors

@@ -26,3 +26,13 @@ pub fn differences(domain: &Domain, before: &State, after: &State) -> Vec<Differ
     all.sort_unstable();
     all
 }
+
+/// Returns all facts that differ between two states, those without a state word included, sorted.
+pub fn changed_facts(before: &State, after: &State) -> Vec<Difference> {
+    let gone = before.iter().filter(|fact| !after.holds(*fact));
+    let new = after.iter().filter(|fact| !before.holds(*fact));
+    let of = |now_holds: bool| move |fact: Fact| Difference { fact, now_holds };
+    let mut all: Vec<Difference> = gone.map(of(false)).chain(new.map(of(true))).collect();
+    all.sort_unstable();
+    all
+}

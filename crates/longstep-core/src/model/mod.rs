@@ -35,7 +35,7 @@ pub use arithmetic::{
     NumericExpression, Operation,
 };
 pub use condition::{Atom, Condition, Effect, Slot, Term};
-pub use diff::{Difference, differences};
+pub use diff::{Difference, changed_facts, differences};
 pub use distinction::Distinctions;
 pub(crate) use domain::ActionSchema;
 pub use domain::{
@@ -54,7 +54,7 @@ pub use label::{base_name, ends_with, label, matches_name, stem};
 pub(crate) use lexicon::is_mark;
 pub use lexicon::{Lexicon, head, plain_words, singular};
 pub(crate) use naming::name_entities;
-pub use naming::{Voice, fact_text, fluent_text};
+pub use naming::{Voice, change_text, fact_text, fluent_text};
 pub use number::Number;
 pub use numeric_effect::{NumberChangeKind, NumericEffect};
 pub(crate) use numeric_effect::{applicability, assigned};

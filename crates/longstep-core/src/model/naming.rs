@@ -5,8 +5,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::label::{label, stem};
 use super::{
-    Arithmetic, Domain, Entity, EntityId, Fact, Fluent, GroundExpression, GroundTest, Missing, Number, NumberTest,
-    Shortfall, World, head, plain_words, singular,
+    Arithmetic, Difference, Domain, Entity, EntityId, Fact, Fluent, GroundExpression, GroundTest, Missing, Number,
+    NumberTest, Shortfall, World, head, plain_words, singular,
 };
 
 /// Returns for every identifier a unique everyday name and all its names, synonyms included.
@@ -207,6 +207,15 @@ impl Missing {
 /// Writes the name of a number for a person.
 pub fn fluent_text(world: &World, fluent: Fluent) -> String {
     Voice::Person.fluent(world, fluent)
+}
+
+/// Writes a difference between two states as a sentence for a person.
+pub fn change_text(world: &World, difference: Difference) -> String {
+    let sentence = fact_text(world, difference.fact, difference.now_holds);
+    match difference.now_holds {
+        true => sentence,
+        false => format!("{sentence} any more"),
+    }
 }
 
 /// Writes a fact, or its negation, as a sentence for a person.

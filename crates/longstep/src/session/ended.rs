@@ -53,6 +53,7 @@ impl Session {
     /// Continues after an accepted plan. With one possible final world, the session enters it; with several, it waits
     /// for the ending.
     pub(super) fn carry_on(&mut self, accepted: Accepted) {
+        self.extend_pending();
         let mut left = accepted.leaves();
         self.accepted.push(accepted);
         self.stage = match left.len() {

@@ -10,9 +10,10 @@ use super::Settings;
 use crate::dialogue::{Likelihood, Message, Role, Usage};
 use crate::environment::Environment;
 use crate::plan::PlanFile;
+use longstep_core::environment::Statements;
 
 /// The version of logs that this library writes, and the newest that it reads.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// An event of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -159,6 +160,24 @@ pub enum Event {
         number: usize,
         /// The environment after it.
         environment: Box<Environment>,
+    },
+    /// The world was observed between two instructions.
+    Observed {
+        /// The statements.
+        statements: Statements,
+        /// The differences from the expected world, as sentences.
+        changes: Vec<String>,
+    },
+    /// A robot carried out an accepted plan.
+    CarriedOut {
+        /// Its number.
+        number: usize,
+        /// True if the plan's goal was reached in the observed world.
+        reached: bool,
+        /// The statements about the world at the end.
+        statements: Statements,
+        /// The differences from the expected world, as sentences.
+        changes: Vec<String>,
     },
     /// The last accepted plan is reverted.
     Undo {

@@ -3,7 +3,8 @@
 //! A [`Session`] performs no I/O and never waits. [`Session::next_request`] returns the request for the model, whose
 //! reply is its input ([`Session::supply`]). When there is none, [`Session::response`] shows the state to the person, whose
 //! inputs are [`Session::instruct`], [`Session::answer`], [`Session::feedback`] and [`Session::accept`]. The program, a server, a notebook and an evaluation can therefore share one loop. Each
-//! instruction starts in the simulated final world of the last accepted plan.
+//! instruction starts in the simulated final world of the last accepted plan, or in the world that was observed since
+//! ([`Session::observed`]).
 //!
 //! Every change is recorded as an [`Event`] ([`Session::take_events`]). A session is a function of its inputs, so
 //! [`Session::resume`] can restore it from its events.
@@ -47,6 +48,9 @@ mod goal;
 #[cfg(test)]
 mod injected;
 mod log;
+mod observed;
+#[cfg(test)]
+mod observed_tests;
 mod refusal;
 mod reread;
 #[cfg(test)]
@@ -70,6 +74,7 @@ pub use accepted::Accepted;
 pub use ended::Ended;
 pub use event::{Event, MessageRecord, StepRecord, UsageRecord, VERSION};
 pub use log::{Entry, Log, LogError};
+pub use observed::{ObserveError, Observed};
 pub use refusal::{Failure, Refusal};
 pub use resume::{Replay, ReplayDifference, ResumeError, Resumed, replay};
 pub use rules::RuleError;
@@ -87,6 +92,7 @@ use crate::report::Answer;
 use crate::report::Stopwatch;
 use crate::search::Limits;
 
+use observed::{Pending, Taken};
 use stage::{Stage, Turn};
 
 /// A sequence of instructions in a changing world.
@@ -97,6 +103,9 @@ pub struct Session {
     model: ModelFacts,
     world: World,
     accepted: Vec<Accepted>,
+    pending: Pending,
+    /// The observations so far, in order.
+    observations: Vec<Taken>,
     stage: Stage,
     /// Distinct fixed prompt parts of the requests so far.
     prompts: Vec<Vec<Message>>,
@@ -127,6 +136,8 @@ impl Session {
             model: model.clone(),
             world,
             accepted: Vec::new(),
+            pending: Pending::default(),
+            observations: Vec::new(),
             stage: Stage::Idle,
             prompts: Vec::new(),
             events: vec![begin],
@@ -443,7 +454,7 @@ impl Session {
         Ok(())
     }
 
-    /// Reverts the last accepted plan and returns its number.
+    /// Reverts the last accepted plan and returns its number. What was observed since stays as it was observed.
     ///
     /// # Errors
     ///
@@ -463,6 +474,7 @@ impl Session {
         self.world = last.before;
         self.world.set_prohibitions(rules);
         self.stage = Stage::Idle;
+        self.observe_again();
         let number = self.accepted.len();
         self.events.push(Event::Undo { number });
         Ok(number)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::{Accepted, Event, Log, ModelFacts, OutOfTurn, RuleError, Session, Stage, StepRecord};
+use super::{Accepted, Event, Log, ModelFacts, ObserveError, OutOfTurn, RuleError, Session, Stage, StepRecord};
 use crate::diagnostic::Diagnostics;
 use crate::dialogue::{ConstraintKind, Message, Role};
 use crate::environment;
@@ -93,6 +93,11 @@ impl Session {
                     session.settle(&mut tail);
                 }
                 Event::Rule { .. } | Event::Lifted { .. } => {
+                    let contradiction = |error: OutOfTurn| ResumeError::Contradiction(error.to_string());
+                    session.take(event, &mut None).map_err(contradiction)?;
+                }
+                Event::Observed { .. } | Event::CarriedOut { .. } => {
+                    session.settle(&mut tail);
                     let contradiction = |error: OutOfTurn| ResumeError::Contradiction(error.to_string());
                     session.take(event, &mut None).map_err(contradiction)?;
                 }
@@ -222,6 +227,16 @@ impl Session {
             }
             Event::Rule { text } => self.add_rule(text).map_err(RuleError::in_a_log),
             Event::Lifted { number } => self.lift_rule(*number).map(|_| ()).map_err(RuleError::in_a_log),
+            Event::Observed { statements, .. } => self.observed(statements).map(drop).map_err(ObserveError::in_a_log),
+            Event::CarriedOut {
+                number,
+                reached,
+                statements,
+                ..
+            } => {
+                let carried_out = self.carried_out(*number, *reached, statements);
+                carried_out.map(drop).map_err(ObserveError::in_a_log)
+            }
             Event::Refused { why } => {
                 self.refuse_as_recorded(why);
                 Ok(())
@@ -369,6 +384,8 @@ impl Event {
                 | Self::Feedback { .. }
                 | Self::Accept { .. }
                 | Self::Ended { .. }
+                | Self::Observed { .. }
+                | Self::CarriedOut { .. }
                 | Self::Undo { .. }
                 | Self::Cancel
         )

@@ -639,7 +639,7 @@ fn what_is_no_log_is_told() {
             "this is no session log: its first line does not begin a session",
         ),
         (
-            format!("{}\n", first.replace(r#""version":3"#, r#""version":99"#)),
+            format!("{}\n", first.replace(r#""version":4"#, r#""version":99"#)),
             "the session log has version 99, and this program reads up to 3",
         ),
         (
