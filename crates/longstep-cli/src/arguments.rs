@@ -217,6 +217,11 @@ pub(crate) struct ChatArguments {
     /// Accept verified plans without confirmation
     #[arg(long, short)]
     pub(crate) yes: bool,
+    /// Robot for `/run` and `/observe`: sim, sim:OPTION=VALUE,..., process:COMMAND, ros2:ROBOT.toml or virtualhome:URL
+    #[arg(long, value_name = "ROBOT")]
+    pub(crate) robot: Option<String>,
+    #[command(flatten)]
+    pub(crate) execution: ExecutionArguments,
 }
 
 #[derive(Debug, Subcommand)]
@@ -428,9 +433,6 @@ pub(crate) struct RunArguments {
     /// Robot: sim, sim:OPTION=VALUE,..., process:COMMAND, ros2:robot.toml or virtualhome:URL [default with --resume: the robot of the run]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// Move a robot that is not a simulation; without this, a dry run shows what it would be sent
-    #[arg(long)]
-    pub(crate) live: bool,
     /// Environment file (the world before the plan) [default: the plan's own `environment_before`]
     #[arg(long, value_name = "ENV.json")]
     pub(crate) env: Option<PathBuf>,
@@ -443,18 +445,8 @@ pub(crate) struct RunArguments {
     /// Goal of the plan file, which changes of the plan pursue [default: what the plan itself brings about]
     #[arg(long, value_name = "GOAL")]
     pub(crate) goal: Option<String>,
-    /// When to ask you: never, before the plan and each change of it, or also before each step
-    #[arg(long, value_enum, default_value_t = ApprovalArgument::Changes)]
-    pub(crate) approve: ApprovalArgument,
-    /// When to observe the world; in any case before the end
-    #[arg(long, value_enum, default_value_t = ObserveArgument::EachStep)]
-    pub(crate) observe: ObserveArgument,
-    /// Number of changes of the plan after which the run stops
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    pub(crate) changes: u32,
-    /// Values of skill parameters, by action and arguments
-    #[arg(long, value_name = "SKILLS.json")]
-    pub(crate) skills: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) execution: ExecutionArguments,
     /// New file for the log of the run [default: a file beside the sessions]
     #[arg(long, value_name = "RUN.jsonl")]
     pub(crate) log: Option<PathBuf>,
@@ -468,6 +460,26 @@ pub(crate) struct RunArguments {
     /// Print the events as JSON, one a line
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// The monitoring and the approval of a plan that a robot carries out.
+#[derive(Debug, Args)]
+pub(crate) struct ExecutionArguments {
+    /// Move a robot that is not a simulation; without this, a dry run shows what it would be sent
+    #[arg(long)]
+    pub(crate) live: bool,
+    /// When to ask you: never, before the plan and each change of it, or also before each step
+    #[arg(long, value_enum, default_value_t = ApprovalArgument::Changes)]
+    pub(crate) approve: ApprovalArgument,
+    /// When to observe the world; in any case before the end
+    #[arg(long, value_enum, default_value_t = ObserveArgument::EachStep)]
+    pub(crate) observe: ObserveArgument,
+    /// Number of changes of the plan after which the run stops
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub(crate) changes: u32,
+    /// Values of skill parameters, by action and arguments
+    #[arg(long, value_name = "SKILLS.json")]
+    pub(crate) skills: Option<PathBuf>,
 }
 
 /// When a person is asked.

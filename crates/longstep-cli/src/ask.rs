@@ -13,6 +13,7 @@ use longstep_llm::{
 
 use crate::arguments::ModelArguments;
 use crate::progress::Spinner;
+use crate::signals;
 
 /// Opens a model, with a spinner on stderr.
 pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn ChatModel>> {
@@ -144,10 +145,14 @@ impl Watch for Waiting {
     }
 }
 
-/// From now on Ctrl-C cancels the current call instead of ending the program.
+/// From now on Ctrl-C stops the run of a robot, or cancels the current call, instead of ending the program.
 pub(crate) fn watch_for_interrupts() {
     // If no handler can be set, Ctrl-C ends the program; the session is on the disk.
-    let _ = ctrlc::set_handler(|| interrupted().set(true));
+    let _ = ctrlc::set_handler(|| {
+        if !signals::stop_run() {
+            interrupted().set(true);
+        }
+    });
 }
 
 /// Returns true if Ctrl-C was pressed since the last call.

@@ -2,6 +2,7 @@
 
 mod commands;
 mod input;
+mod robot;
 mod screen;
 mod typed_ahead;
 
@@ -18,6 +19,7 @@ use crate::clock::stopwatch;
 use crate::failure::{self, Failure};
 use crate::{inputs, output, plan, show};
 use input::{Input, Lines};
+use robot::ChatRobot;
 
 /// The exit code after Ctrl-C on a pipe: 128 plus the signal's number, as in shells.
 const INTERRUPTED: u8 = 130;
@@ -47,6 +49,8 @@ struct Chat<'a> {
     arguments: &'a ModelArguments,
     /// Number of accepted plans that have been shown.
     shown: usize,
+    /// None without `--robot`.
+    robot: Option<ChatRobot<'a>>,
 }
 
 /// Continues or ends the conversation.
@@ -108,9 +112,17 @@ fn begin<'a>(arguments: &'a ChatArguments, env: &Path) -> Result<Chat<'a>> {
         model_name: name.clone(),
         arguments: &arguments.model,
         shown: 0,
+        robot: robot(arguments)?,
     };
     chat.folder.keep(&mut chat.session)?;
     Ok(chat)
+}
+
+fn robot(arguments: &ChatArguments) -> Result<Option<ChatRobot<'_>>> {
+    let named = arguments.robot.as_deref();
+    named
+        .map(|named| ChatRobot::new(named, &arguments.execution))
+        .transpose()
 }
 
 /// A folder for a new session, named after its environment.
@@ -161,6 +173,7 @@ fn resume<'a>(arguments: &'a ChatArguments, path: &Path, interactive: bool) -> R
         model_name: arguments.model.model.clone(),
         arguments: &arguments.model,
         shown,
+        robot: robot(arguments)?,
     };
     chat.folder.keep(&mut chat.session)?;
     screen::where_we_are(&chat.session, interactive);
@@ -188,7 +201,7 @@ impl Chat<'_> {
                 Input::End => return Ok(0),
                 Input::Interrupted => return Ok(INTERRUPTED),
             };
-            match self.hear(line.trim()) {
+            match self.hear(line.trim(), lines) {
                 Ok(Next::GoOn) => {}
                 Ok(Next::Quit) => return Ok(0),
                 // If the session cannot be saved, the conversation ends at once.
@@ -210,9 +223,9 @@ impl Chat<'_> {
     }
 
     /// Handles a line of the user, by the state of the session.
-    fn hear(&mut self, line: &str) -> Result<Next> {
+    fn hear(&mut self, line: &str, lines: &mut Lines) -> Result<Next> {
         if let Some(command) = line.strip_prefix('/') {
-            return self.command(command);
+            return self.command(command, lines);
         }
         let plain = plain(line);
         if self.session.proposal().is_some() {

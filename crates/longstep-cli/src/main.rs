@@ -29,6 +29,7 @@ mod robot;
 mod run;
 mod session;
 mod show;
+mod signals;
 mod solve;
 mod verify;
 

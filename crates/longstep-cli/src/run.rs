@@ -3,7 +3,6 @@
 mod begin;
 mod person;
 pub(crate) mod robot;
-mod stop;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -12,18 +11,21 @@ use anyhow::Result;
 use longstep_core::environment::World;
 use longstep_core::execution::{Approval, Execution, Stop, Watch};
 use longstep_llm::{load_domain, session_directory};
-use longstep_robot::{RunHeader, RunLog, StopRequest, drive, preflight};
+use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, preflight, reports};
 
 use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments};
 use crate::exit_code::{LIMIT, NOT_VALID, ROBOT, STOPPED};
 use crate::failure::Failure;
 use crate::output::remark;
 use crate::show;
+use crate::signals::{self, Armed};
 use begin::Begun;
-use robot::Opened;
-use view::View;
+use person::Person;
 
-pub(crate) use robot::exit_code as robot_exit_code;
+pub(crate) use begin::{aim_of, observing, settings};
+pub(crate) use person::{Decide, decision};
+pub(crate) use robot::{Opened, exit_code as robot_exit_code, failure as robot_failure, open};
+pub(crate) use view::{View, end};
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<u8> {
     match (&arguments.resume, &arguments.what) {
@@ -45,8 +47,10 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
         Err(code) => return Ok(code),
     };
     let Begun { plan, aim } = begun;
-    let opened = robot::open(named, plan.world(), arguments.live)?;
-    let mut settings = begin::settings(arguments, opened.robot.as_ref(), plan.world())?;
+    let request = StopRequest::default();
+    let _armed = armed(&request)?;
+    let opened = open(named, plan.world(), arguments.execution.live, &request)?;
+    let mut settings = settings(&arguments.execution, opened.robot.as_ref(), plan.world())?;
     if opened.is_dry {
         settings.approval = Approval::Never;
     }
@@ -56,7 +60,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     })?;
     let path = match &arguments.log {
         Some(path) => path.clone(),
-        None => new_log()?,
+        None => new_log(&runs_folder()?)?,
     };
     let header = RunHeader {
         dry_run: opened.is_dry,
@@ -64,7 +68,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     };
     let log = RunLog::create(&path, &header)
         .map_err(|error| Failure::unreadable(error.to_string()).hint("name a new file with `--log RUN.jsonl`"))?;
-    carry_out(arguments, execution, opened, log, &path)
+    carry_out(arguments, execution, opened, (log, &path), &request)
 }
 
 fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
@@ -79,14 +83,38 @@ fn resume(arguments: &RunArguments, path: &Path) -> Result<u8> {
     let domain = load_domain(&header.domain)?;
     let execution = Execution::resume(&domain, &events).map_err(|error| Failure::unreadable(error.to_string()))?;
     let named = arguments.robot.as_ref().unwrap_or(&header.robot);
-    let opened = robot::open(named, execution.world(), arguments.live)?;
+    let request = StopRequest::default();
+    let _armed = armed(&request)?;
+    let opened = open(named, execution.world(), arguments.execution.live, &request)?;
     if opened.is_dry {
         return Err(Failure::unreadable("an interrupted run can only go on for real: this robot is not a simulation")
             .hint("add `--live`; the robot is observed first, and you are asked about steps that no observation decides")
             .into());
     }
+    check_resumed(&execution, opened.robot.as_ref())?;
     remark!("Resuming {}", path.display());
-    carry_out(arguments, execution, opened, log, path)
+    carry_out(arguments, execution, opened, (log, path), &request)
+}
+
+/// Refuses a robot that does not observe what the run compares.
+fn check_resumed(execution: &Execution, robot: &dyn Robot) -> Result<()> {
+    observing(robot)?;
+    let reported = reports(robot, execution.world()).map_err(|error| Failure::unreadable(error.to_string()))?;
+    match reported == execution.settings().reports {
+        true => Ok(()),
+        false => Err(
+            Failure::unreadable("this robot reports other facts than the robot with which the run began")
+                .hint("resume with the same robot")
+                .into(),
+        ),
+    }
+}
+
+/// From now on signals stop the run, also while its robot is being opened.
+fn armed(request: &StopRequest) -> Result<Armed> {
+    let armed = Armed::new(request);
+    signals::stop_runs().map_err(|error| Failure::unreadable(format!("cannot watch for signals: {error}")))?;
+    Ok(armed)
 }
 
 /// Runs to the end and returns the exit code.
@@ -94,8 +122,8 @@ fn carry_out(
     arguments: &RunArguments,
     mut execution: Execution,
     opened: Opened,
-    log: RunLog,
-    path: &Path,
+    (log, path): (RunLog, &Path),
+    request: &StopRequest,
 ) -> Result<u8> {
     let Opened { mut robot, is_dry } = opened;
     let robot = robot.as_mut();
@@ -107,14 +135,12 @@ fn carry_out(
         );
     }
     let before = execution.world().environment().clone();
-    let request = StopRequest::of(robot);
-    stop::on_signals(&request).map_err(|error| Failure::unreadable(format!("cannot watch for signals: {error}")))?;
     remark!("The log is {}", path.display());
     if is_dry {
         remark!("Dry run: nothing is sent to the robot, and nothing moves. Steps do what the plan predicts.");
     }
-    let mut view = View::new(log, request.clone(), arguments.json, is_dry);
-    let stop = drive(&mut execution, robot, &mut view, &request);
+    let mut view = View::new(log, Person::new(request.clone()), arguments.json, is_dry);
+    let stop = drive(&mut execution, robot, &mut view, request);
     // Ends the program of a robot behind one.
     let _ = robot.stop();
     let after = execution.environment();
@@ -125,7 +151,7 @@ fn carry_out(
         written.map_err(|error| Failure::unreadable(format!("cannot write {}: {error}", file.display())))?;
     }
     if !arguments.json {
-        view::end(execution.world(), stop.as_ref(), is_dry);
+        end(execution.world(), stop.as_ref(), is_dry);
         show::changes(&before, &after);
         if let Some(stop) = stop.as_ref().filter(|_| !is_dry) {
             resume_hint(&execution, stop, path);
@@ -170,19 +196,20 @@ fn code(stop: &Stop) -> u8 {
     }
 }
 
-/// Returns a new file for a log, beside the sessions.
-fn new_log() -> Result<PathBuf> {
+/// Returns the folder of the logs, beside the sessions.
+fn runs_folder() -> Result<PathBuf> {
     let sessions = session_directory()?;
     let folder = sessions.parent().unwrap_or(&sessions).join("runs");
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::unreadable(format!("cannot make {}: {error}", folder.display())))?;
-    for number in 1..100_000 {
-        let path = folder.join(format!("run-{number}.jsonl"));
-        if !path.exists() {
-            return Ok(path);
-        }
-    }
-    Err(Failure::unreadable(format!("{} is full", folder.display())).into())
+    Ok(folder)
+}
+
+/// Returns a new file for a log in a folder.
+pub(crate) fn new_log(folder: &Path) -> Result<PathBuf> {
+    let mut names = (1..100_000).map(|number| folder.join(format!("run-{number}.jsonl")));
+    let free = names.find(|path| !path.exists());
+    free.ok_or_else(|| Failure::unreadable(format!("{} is full", folder.display())).into())
 }
 
 impl From<ApprovalArgument> for Approval {

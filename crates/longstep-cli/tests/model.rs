@@ -46,6 +46,47 @@ fn an_instruction_becomes_a_verified_plan() {
     assert!(answer["usage"]["completion_tokens"].as_u64().unwrap() > 0);
 }
 
+/// From words to a changed world: the simulated robot performs the plan.
+#[test]
+#[ignore = "needs LONGSTEP_TEST_MODEL"]
+fn an_instruction_moves_a_robot() {
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let model = std::env::var("LONGSTEP_TEST_MODEL").expect("LONGSTEP_TEST_MODEL names a .gguf file");
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_longstep"))
+        .args([
+            "run",
+            "Put the juice on top of the shelf",
+            "--env",
+            PANTRY,
+            "--model",
+            &model,
+        ])
+        .args([
+            "--threads",
+            "1",
+            "--robot",
+            "sim",
+            "--approve",
+            "never",
+            "--json",
+            "--log",
+        ])
+        .arg(folder.path().join("run.jsonl"))
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let stdout = String::from_utf8(output.stdout).unwrap();
+    let last: Value = serde_json::from_str(stdout.lines().last().unwrap()).unwrap();
+    assert_eq!(last["event"], "done", "{stderr}");
+    assert_eq!(
+        last["environment"]["object_states"]["<juice>"],
+        "on_something(<shelf_top>)"
+    );
+}
+
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
 fn the_second_domain_works_too() {

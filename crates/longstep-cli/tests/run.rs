@@ -11,7 +11,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{PANTRY, longstep};
+use common::{PANTRY, Server, goals, longstep, question};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -127,6 +127,39 @@ fn a_plan_runs_in_the_simulator_whatever_happens() {
     }
 }
 
+/// From words to a changed world in one command.
+#[test]
+fn an_instruction_runs_in_the_simulator() {
+    for (answers, instruction, code) in [
+        (
+            vec![goals(&[GOAL])],
+            "Put the butter on the counter and close the fridge",
+            0,
+        ),
+        (vec![question("Which butter?")], "Put it away", 13),
+    ] {
+        let home = TempDir::new().unwrap();
+        let server = Server::giving(answers);
+        let output = longstep(home.path())
+            .args(["run", instruction, "--env", PANTRY, "--model", &server.reference()])
+            .args(["--robot", "sim:seed=2,faults=1", "--approve", "never", "--save-after"])
+            .arg(home.path().join("after.json"))
+            .arg("--log")
+            .arg(home.path().join("run.jsonl"))
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(code), "{}", text(&output.stderr));
+        if code == 0 {
+            let after: Value = serde_json::from_slice(&fs::read(home.path().join("after.json")).unwrap()).unwrap();
+            assert_eq!(after["object_states"]["<butter>"], "on_something(<counter>)");
+            assert_eq!(after["object_states"]["<fridge_handle>"], "closed()");
+        } else {
+            assert!(!home.path().join("run.jsonl").exists(), "nothing has run");
+        }
+    }
+}
+
 #[test]
 fn a_plan_that_nobody_approves_does_not_run() {
     let bench = Bench::new();
@@ -221,6 +254,92 @@ fn stopped(bench: &Bench, number: usize, signal: &str) -> Duration {
     );
     let at: f64 = fs::read_to_string(file("stopped")).unwrap().parse().unwrap();
     Duration::from_secs_f64((at - sent.as_secs_f64()).max(0.0))
+}
+
+/// A robot that takes its time before it is ready, and which writes down when it is told to stop.
+const SLOW: &str = r#"
+import json, sys
+for line in sys.stdin:
+    message = json.loads(line)
+    with open(sys.argv[1], "a") as file:
+        file.write(message["method"] + "\n")
+    if message["method"] != "initialize":
+        print(json.dumps({"jsonrpc": "2.0", "id": message["id"], "result": {}}), flush=True)
+"#;
+
+#[test]
+fn a_signal_stops_a_robot_that_is_being_opened() {
+    let bench = Bench::new();
+    fs::write(bench.path("slow.py"), SLOW).unwrap();
+    for signal in ["INT", "TERM", "HUP"] {
+        let notes = bench.path(&format!("notes-{signal}"));
+        let robot = format!(
+            "process:python3 {} {}",
+            bench.path("slow.py").display(),
+            notes.display()
+        );
+        let log = format!("opening-{signal}.jsonl");
+        let child = bench.command(&log, &robot, &["--approve", "never"]).spawn().unwrap();
+        let begun = Instant::now();
+        while !notes.exists() {
+            assert!(begun.elapsed() < Duration::from_secs(60), "the robot is not opened");
+            thread::sleep(Duration::from_millis(2));
+        }
+        kill(child.id(), signal);
+        let output = ended(child, Duration::from_secs(60));
+        assert_eq!(output.status.code(), Some(50), "{}", text(&output.stderr));
+        assert!(
+            text(&output.stderr).contains("nothing has moved"),
+            "{}",
+            text(&output.stderr)
+        );
+        let methods = fs::read_to_string(&notes).unwrap();
+        assert!(methods.starts_with("initialize\nstop\n"), "{methods}");
+        assert!(!bench.path(&log).exists(), "a run that did not begin has no log");
+    }
+}
+
+/// A robot that does not observe cannot take up a run: what it did is not known.
+#[test]
+fn a_run_is_taken_up_again_only_by_a_robot_that_observes() {
+    let bench = Bench::new();
+    let output = bench
+        .command("one.jsonl", "sim:faults=1,kinds=fails", &["--approve", "never"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let whole = fs::read_to_string(bench.path("one.jsonl")).unwrap();
+    let cut: String = whole.lines().take(4).map(|line| format!("{line}\n")).collect();
+    fs::write(bench.path("cut.jsonl"), &cut).unwrap();
+    let blind = r#"import json, sys
+for line in sys.stdin:
+    message = json.loads(line)
+    result = {"protocol": 1, "name": "blind"} if message["method"] == "initialize" else {}
+    print(json.dumps({"jsonrpc": "2.0", "id": message["id"], "result": result}), flush=True)
+"#;
+    fs::write(bench.path("blind.py"), blind).unwrap();
+    let output = longstep(bench.folder.path())
+        .args(["run", "--resume"])
+        .arg(bench.path("cut.jsonl"))
+        .args([
+            "--robot",
+            &format!("process:python3 {}", bench.path("blind.py").display()),
+            "--live",
+        ])
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(30), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("does not observe"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert_eq!(
+        fs::read_to_string(bench.path("cut.jsonl")).unwrap(),
+        cut,
+        "the log is as it was"
+    );
 }
 
 /// With `LONGSTEP_SIGNALS=100` this measures: the median of the times is printed.

@@ -13,9 +13,10 @@ use crate::whole_file::write_whole;
 /// The name of the log in a session's folder.
 pub const LOG: &str = "session.jsonl";
 
-/// True for the files that a session writes: the log, and plans named by their number.
+/// True for the files that a session writes: the log, plans named by their number, and the logs of runs.
 fn is_ours(name: &str) -> bool {
     let number = name.strip_suffix(".json");
+    let number = number.or_else(|| name.strip_prefix("run-")?.strip_suffix(".jsonl"));
     name == LOG || number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
@@ -185,6 +186,8 @@ impl SessionFolder {
                     | Event::Undo { .. }
                     | Event::Rule { .. }
                     | Event::Lifted { .. }
+                    | Event::Observed { .. }
+                    | Event::CarriedOut { .. }
             )
         };
         let through = events.iter().any(lasting);

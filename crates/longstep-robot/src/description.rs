@@ -14,6 +14,13 @@ pub struct Description {
     pub parallel: usize,
     /// True if [`Robot::observe`](crate::Robot::observe) returns what the robot sees.
     pub observes: bool,
+    /// The predicates without a state word whose facts the robot lists in
+    /// [`Observation::facts`](crate::Observation::facts), all of them each time, by their names in `domain.pddl`: where
+    /// its hand is, for example. Most robots report none.
+    pub reports: Vec<String>,
+    /// True if the robot begins to count events anew with each plan ([`Robot::begin_plan`](crate::Robot::begin_plan)), so
+    /// that it may report them. An event of an earlier plan would make a step of this one needless.
+    pub counts_events: bool,
     /// The time that the robot may take.
     pub timeouts: Timeouts,
     /// True for a robot in a simulation, which nobody has to keep away from.
@@ -44,6 +51,8 @@ impl Description {
             actions: None,
             parallel: 1,
             observes: false,
+            reports: Vec::new(),
+            counts_events: false,
             timeouts: Timeouts::default(),
             simulated: false,
             drives: Vec::new(),

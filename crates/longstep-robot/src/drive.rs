@@ -1,17 +1,16 @@
 //! An execution driven on a robot.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use longstep_core::environment::World;
+use longstep_core::environment::{Observation, World};
 use longstep_core::execution::{Event, Execution, Need, Order as Wanted, Proposal, Stop};
 use longstep_core::model::PredicateId;
 
 use crate::error::RobotError;
 use crate::observation::Scope;
 use crate::order::{ArgumentValue, Order};
-use crate::robot::{Feedback, Handle, Progress, Robot, StopSwitch};
+use crate::robot::{Feedback, Handle, Progress, Robot};
+use crate::stop::StopRequest;
 
 /// The longest wait between two looks at the robot and at the request to stop.
 const WAIT: Duration = Duration::from_millis(20);
@@ -38,35 +37,6 @@ pub trait Watcher {
     fn robot_failed(&mut self, _: &RobotError) {}
 }
 
-/// A request to stop a run, from any thread. Clones stop the same run.
-#[derive(Debug, Clone)]
-pub struct StopRequest {
-    requested: Arc<AtomicBool>,
-    switch: StopSwitch,
-}
-
-impl StopRequest {
-    /// Returns the request for runs on this robot.
-    pub fn of(robot: &dyn Robot) -> Self {
-        Self {
-            requested: Arc::default(),
-            switch: robot.stop_switch(),
-        }
-    }
-
-    /// Stops the robot before anything else, then the run.
-    pub fn stop(&self) {
-        // The flag first, which takes no time: an error of the robot that the switch causes is known to follow from it.
-        self.requested.store(true, Ordering::SeqCst);
-        self.switch.press();
-    }
-
-    /// Returns true after a request.
-    pub fn is_requested(&self) -> bool {
-        self.requested.load(Ordering::SeqCst)
-    }
-}
-
 /// An order that the robot performs, or that waits until the robot can take it.
 struct Running {
     wanted: Wanted,
@@ -77,16 +47,28 @@ struct Running {
 ///
 /// # Errors
 ///
-/// The name of a predicate that the domain does not have.
+/// The name of a predicate that the domain does not have, or that this robot cannot report: environments have words for
+/// it, no action changes it, or it is an event and the robot does not count events.
 pub fn reports(robot: &dyn Robot, world: &World) -> Result<Vec<PredicateId>, RobotError> {
-    let predicates = &world.domain().predicates;
+    let domain = world.domain();
+    let mut reportable = Observation::reportable(domain);
+    reportable.retain(|id| robot.describe().counts_events || !domain.words(*id).event);
     let find = |name: &String| {
-        let place = predicates.iter().position(|own| own.name == *name);
-        place.map(PredicateId::new).ok_or_else(|| RobotError::Protocol {
-            reason: format!("it reports `{name}`, which is no predicate of this domain"),
+        let named = |id: &PredicateId| domain.predicate(*id).name == *name;
+        reportable.iter().copied().find(named).ok_or_else(|| {
+            let names: Vec<&str> = reportable
+                .iter()
+                .map(|id| domain.predicate(*id).name.as_str())
+                .collect();
+            RobotError::Protocol {
+                reason: format!(
+                    "it reports `{name}`; a robot of this domain can report {}",
+                    names.join(", ")
+                ),
+            }
         })
     };
-    robot.reports().iter().map(find).collect()
+    robot.describe().reports.iter().map(find).collect()
 }
 
 /// Runs an execution on a robot until it is done or stopped; returns the reason of a stop. The robot is stopped first.
@@ -139,8 +121,8 @@ impl Driver<'_> {
                 }
                 Need::Observe => self.observe(),
                 Need::Approve(proposal) => match self.watcher.approve(self.execution, &proposal) {
-                    // Refused by the execution only if nothing is proposed, which was asked for just now.
-                    Some(true) => drop(self.execution.approve()),
+                    // Refused by the execution only if something else is proposed, which is asked for then.
+                    Some(true) => drop(self.execution.approve(&proposal.id)),
                     Some(false) => self.refuse(),
                     None => self.request.stop(),
                 },

@@ -54,12 +54,18 @@ impl DryRun {
         world: World,
         message: impl Fn(&Order) -> Result<Value, RobotError> + Send + 'static,
     ) -> Result<Self, RobotError> {
-        let mut description = description.clone();
-        description.observes = true;
-        description.drives = Vec::new();
+        let sim = Sim::new(world, &SimOptions::default())?;
+        // What is observed is the simulated world.
+        let description = Description {
+            observes: true,
+            reports: sim.describe().reports.clone(),
+            counts_events: sim.describe().counts_events,
+            drives: Vec::new(),
+            ..description.clone()
+        };
         Ok(Self {
             description,
-            sim: Sim::new(world, &SimOptions::default())?,
+            sim,
             message: Box::new(message),
             unseen: BTreeMap::new(),
         })
@@ -69,10 +75,6 @@ impl DryRun {
 impl Robot for DryRun {
     fn describe(&self) -> &Description {
         &self.description
-    }
-
-    fn reports(&self) -> &[String] {
-        self.sim.reports()
     }
 
     fn start(&mut self, order: &Order) -> Result<Handle, RobotError> {
@@ -112,6 +114,10 @@ impl Robot for DryRun {
 
     fn stop_switch(&self) -> StopSwitch {
         self.sim.stop_switch()
+    }
+
+    fn begin_plan(&mut self, world: &World) {
+        self.sim.begin_plan(world);
     }
 
     fn wait(&mut self, _: Duration) {}

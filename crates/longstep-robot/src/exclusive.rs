@@ -4,6 +4,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;
 use std::time::Duration;
 
+use longstep_core::environment::World;
 use serde_json::Value;
 
 use crate::description::Description;
@@ -98,10 +99,6 @@ impl Robot for Exclusive {
         self.robot.describe()
     }
 
-    fn reports(&self) -> &[String] {
-        self.robot.reports()
-    }
-
     fn start(&mut self, order: &Order) -> Result<Handle, RobotError> {
         self.robot.start(order)
     }
@@ -124,6 +121,10 @@ impl Robot for Exclusive {
 
     fn stop_switch(&self) -> StopSwitch {
         self.robot.stop_switch()
+    }
+
+    fn begin_plan(&mut self, world: &World) {
+        self.robot.begin_plan(world);
     }
 
     fn wait(&mut self, limit: Duration) {

@@ -10,7 +10,8 @@
 //! - [`Order`]: one step as a robot receives it. [`Progress`]: the state of a step that was started.
 //! - [`Observation`]: what a robot saw, in the words of an environment file.
 //! - [`drive`]: runs an execution on a robot. [`Sim`]: a simulated robot with seeded mishaps. [`RunLog`]: the log of a run.
-//! - [`StopSwitch`]: stops a robot from any thread, also while another one waits for it.
+//! - [`StopRequest`]: stops a run, also while its robot is being opened. [`StopSwitch`]: stops a robot from any thread,
+//!   also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language. [`ros2::Ros2`]: one behind ROS 2.
 //! - [`virtualhome::VirtualHome`]: a character in the VirtualHome simulator.
 //! - [`DryRun`]: shows what a robot would be sent, and moves nothing. [`Exclusive`]: a robot that no other program drives.
@@ -38,10 +39,11 @@ mod robot;
 pub mod ros2;
 mod run_log;
 mod sim;
+mod stop;
 pub mod virtualhome;
 
 pub use description::{Description, Timeouts};
-pub use drive::{StopRequest, Watcher, drive, order_of, reports};
+pub use drive::{Watcher, drive, order_of, reports};
 pub use dry_run::DryRun;
 pub use error::RobotError;
 pub use exclusive::Exclusive;
@@ -51,3 +53,4 @@ pub use preflight::preflight;
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
 pub use run_log::{RunHeader, RunLog, RunLogError};
 pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};
+pub use stop::StopRequest;

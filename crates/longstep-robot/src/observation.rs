@@ -16,8 +16,8 @@ pub enum Scope {
 /// An observation of the world, in the words of an environment file.
 ///
 /// An entity that is listed is described fully: a statement that its entry lacks does not hold. An entity that is not
-/// listed was not seen, and nothing is known about it. Facts that the environment of the domain has no words for are
-/// never part of an observation.
+/// listed was not seen, and nothing is known about it. Facts that environments have no words for are observed only of the
+/// predicates in [`Description::reports`](crate::Description::reports).
 ///
 /// ```
 /// use longstep_robot::Observation;
@@ -34,7 +34,8 @@ pub enum Scope {
 pub struct Observation {
     /// The statements about each entity that was seen: a text, or a list of texts.
     pub states: IndexMap<String, Words>,
-    /// Statements without a subject, as `facts` of an environment; none if they were not observed.
+    /// Statements without a subject, as `facts` of an environment, and all facts of the reported predicates:
+    /// `hand-at(<cup>)`. None if they were not observed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facts: Option<Vec<String>>,
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use longstep_core::environment::World;
 use serde_json::Value;
 
 use crate::description::Description;
@@ -121,10 +122,13 @@ pub trait Robot: Send {
     /// [`Robot::stop`] afterwards for that.
     fn stop_switch(&self) -> StopSwitch;
 
-    /// Returns the predicates without a state word whose facts the robot lists in [`Observation::facts`], all of them each
-    /// time, by their names in `domain.pddl`: where its hand is, for example. Most robots report none.
-    fn reports(&self) -> &[String] {
-        &[]
+    /// Prepares for another plan, which begins in this world. A robot that counts events, such as a wiped table, begins
+    /// to count anew.
+    fn begin_plan(&mut self, _: &World) {}
+
+    /// Returns the robot that goes on in the same world after a stop; none if the robot has to be opened again.
+    fn revived(&self) -> Option<Box<dyn Robot>> {
+        None
     }
 
     /// Returns the message that an order would be sent as, without sending it: a robot that understands a plan can be asked

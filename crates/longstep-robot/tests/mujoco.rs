@@ -153,6 +153,16 @@ fn observed_facts(world: &World, observation: &Observation) -> BTreeSet<String> 
     observation.states.iter().flat_map(statements).collect()
 }
 
+/// The reported facts of an observation, without a word in environments.
+const REPORTED: [&str; 2] = ["hand-at", "lifted"];
+
+fn reported_facts(observation: &Observation) -> BTreeSet<String> {
+    let facts = observation.facts.iter().flatten();
+    facts
+        .map(|call| format!("({})", call.replacen('(', " ", 1).trim_end_matches(')')))
+        .collect()
+}
+
 /// The facts of these predicates.
 fn with(facts: &BTreeSet<String>, names: &[&str]) -> BTreeSet<String> {
     let is_one = |fact: &&String| names.iter().any(|name| fact.starts_with(&format!("({name} ")));
@@ -183,6 +193,7 @@ fn check_facts(
     equal(&seen, &world.environment().objects.iter().cloned().collect())?;
     equal(&observed_facts(world, observation), &facts_of(world, state, &OBSERVED))?;
     let promised: BTreeSet<String> = state.iter().map(|fact| written(world, fact)).collect();
+    equal(&reported_facts(observation), &with(&promised, &REPORTED))?;
     equal(&with(measured, &["lifted"]), &with(&promised, &["lifted"]))?;
     events.extend(with(&promised, &["wiped", "adjusted"]));
     equal(&with(measured, &["wiped", "adjusted"]), events)?;

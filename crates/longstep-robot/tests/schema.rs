@@ -197,6 +197,14 @@ fn the_schema_is_as_strict_as_the_reader() {
         ),
         (r#"{"protocol": 1, "name": "r", "simulated": true}"#, true),
         (r#"{"protocol": 1, "name": "r", "simulated": "yes"}"#, false),
+        (
+            r#"{"protocol": 1, "name": "r", "capabilities": {"observe": true, "reports": ["hand-at"]}}"#,
+            true,
+        ),
+        (
+            r#"{"protocol": 1, "name": "r", "capabilities": {"reports": "hand-at"}}"#,
+            false,
+        ),
         (r#"{"protocol": 1}"#, false),
         (r#"{"protocol": 2, "name": "r"}"#, false),
         (r#"{"protocol": 1, "name": 3}"#, false),

@@ -44,6 +44,8 @@ class Hand:
         # The place from which a slip is counted; none if there is none to come.
         self.slip_from = None
         self.wiped, self.adjusted = set(), set()
+        # The goal of the last movement; none before the first one.
+        self.goal = None
 
     # --- movements ---
 
@@ -341,7 +343,23 @@ class Hand:
             raise Failure(f"{arguments[0]} is no handle")
         if len(arguments) != ACTIONS.get(order["action"]):
             raise Failure(f"this robot has no action {order['action']} with {len(arguments)} arguments")
+        if order["action"] in ("move-hand", "move-object"):
+            self.goal = arguments[-1]
         actions[order["action"]](*arguments)
+
+    def is_at(self):
+        """Where the hand is, measured. A hand over a can on a table is at both: the goal of its last movement counts, if the
+        hand is there."""
+        if self.goal is None:
+            return []
+        measured = self.world.hand_is_at()
+        return [self.goal] if self.goal in measured else measured
+
+    def has_lifted(self):
+        """What the hand holds in the air, measured."""
+        held = self.world.held
+        in_the_air = held in self.world.scene.items and self.world.holds(held) and not self.world.contacts(held)
+        return [held] if in_the_air else []
 
 
 # The actions with the numbers of their arguments.

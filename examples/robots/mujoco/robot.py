@@ -66,7 +66,7 @@ class Robot:
             self.strip = Strip(self.world, self.options.pictures)
             self.strip.add("the beginning")
         send(id=id, result={"protocol": 1, "name": "mujoco hand", "simulated": True, "timeouts": {"perform": 60, "observe": 10, "stop": 5},
-                            "capabilities": {"actions": list(ACTIONS), "observe": True}})
+                            "capabilities": {"actions": list(ACTIONS), "observe": True, "reports": ["hand-at", "lifted"]}})
 
     def perform(self, id, order):
         failure = None
@@ -94,14 +94,14 @@ class Robot:
     def observe(self, id, params):
         scene = self.world.scene
         names = params.get("entities") or scene.objects
-        send(id=id, result={"states": {name: self.world.statements(name) for name in names if name in scene.objects}})
+        send(id=id, result={"states": {name: self.world.statements(name) for name in names if name in scene.objects},
+                            "facts": [f"hand-at({name})" for name in self.hand.is_at()]
+                            + [f"lifted({name})" for name in self.hand.has_lifted()]})
 
     def facts(self):
-        """Measured facts that environments have no words for."""
-        world = self.world
-        facts = [f"(hand-at {name})" for name in world.hand_is_at()]
-        if world.held in world.scene.items and world.holds(world.held) and not world.contacts(world.held):
-            facts.append(f"(lifted {world.held})")
+        """Measured facts that environments have no words for, events included."""
+        facts = [f"(hand-at {name})" for name in self.world.hand_is_at()]
+        facts += [f"(lifted {name})" for name in self.hand.has_lifted()]
         facts += [f"(wiped {place} {tool})" for place, tool in sorted(self.hand.wiped)]
         return facts + [f"(adjusted {name})" for name in sorted(self.hand.adjusted)]
 

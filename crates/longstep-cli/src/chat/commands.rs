@@ -3,18 +3,18 @@
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::session::{self, ObserveError, RuleError, Settings, Strategy};
+use longstep::session::{self, RuleError, Settings, Strategy};
 use longstep_core::diagnostic::nearest;
-use longstep_core::environment::Statements;
 use longstep_core::plan::StepId;
-use longstep_llm::{ModelError, create_private_folder, plain_reason, read_text};
+use longstep_llm::{ModelError, create_private_folder, plain_reason};
 
+use super::input::Lines;
 use super::{Chat, Next, screen};
 use crate::failure::Failure;
 use crate::output::print_line;
 use crate::{ask, explain, inputs, output, show};
 
-const COMMANDS: [(&str, &str); 12] = [
+const COMMANDS: [(&str, &str); 13] = [
     ("/plan", "show the current plan, or the last accepted one"),
     ("/why STEP", "show what a step achieves, and what would fail without it"),
     (
@@ -23,9 +23,10 @@ const COMMANDS: [(&str, &str); 12] = [
     ),
     ("/env", "show the current world"),
     ("/undo", "undo the last accepted plan, or cancel the current one"),
+    ("/run", "carry out the accepted plans on the robot of `--robot`"),
     (
-        "/observe FILE",
-        "read what was observed since the last plan; the next plan begins there",
+        "/observe [FILE]",
+        "observe the world with the robot, or read an observation; the next plan begins there",
     ),
     (
         "/save FOLDER",
@@ -53,7 +54,7 @@ fn unfit(error: RuleError) -> Failure {
 }
 
 impl Chat<'_> {
-    pub(super) fn command(&mut self, line: &str) -> Result<Next> {
+    pub(super) fn command(&mut self, line: &str, lines: &mut Lines) -> Result<Next> {
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
         match word {
@@ -63,6 +64,7 @@ impl Chat<'_> {
             "env" => screen::environment(&self.session),
             "rules" => self.rules(rest)?,
             "undo" => self.undo()?,
+            "run" => self.run_plans(lines)?,
             "observe" => self.observe(rest)?,
             "save" => self.save(rest)?,
             "model" => self.change_model(rest)?,
@@ -147,6 +149,7 @@ impl Chat<'_> {
             return Ok(());
         }
         let after = self.session.world().environment().clone();
+        let was_run = self.session.accepted().len() == self.session.pending().start;
         let number = self
             .session
             .undo()
@@ -154,32 +157,10 @@ impl Chat<'_> {
         // The undo is saved before it is reported.
         self.folder.keep(&mut self.session)?;
         screen::notice(&format!("Plan {number} is undone"));
-        show::changes(&after, self.session.world().environment());
-        Ok(())
-    }
-
-    /// Reads an observation, in whose world the next instruction begins.
-    fn observe(&mut self, file: &str) -> Result<()> {
-        if file.is_empty() {
-            return Err(Failure::unreadable("`/observe` needs a file")
-                .hint("`/observe FILE`; docs/robots.md describes observations")
-                .into());
+        if was_run {
+            screen::notice("The robot has carried it out, and does not go back: the world stays as it was observed");
         }
-        let read: Result<Statements, _> = serde_json::from_str(&read_text(Path::new(file))?);
-        let statements = read.map_err(|error| {
-            let hint = r#"an observation is like {"states": {"<cup>": "on_something(<shelf>)"}}"#;
-            Failure::unreadable(format!("{file}: {error}")).hint(hint)
-        })?;
-        let observed = self.session.observed(&statements).map_err(|error| {
-            let hint = match &error {
-                ObserveError::OutOfTurn(_) => "accept the plan, or cancel it with `/undo`, first",
-                _ => "docs/robots.md describes observations",
-            };
-            Failure::unreadable(error.to_string()).hint(hint)
-        })?;
-        // The observation is saved before it is reported.
-        self.folder.keep(&mut self.session)?;
-        screen::observed(&self.session, &observed);
+        show::changes(&after, self.session.world().environment());
         Ok(())
     }
 

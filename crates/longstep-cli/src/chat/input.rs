@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use longstep_llm::{create_private_folder, session_directory};
+use longstep_robot::StopRequest;
 use rustyline::error::ReadlineError;
 use rustyline::history::DefaultHistory;
 use rustyline::{Config, Editor};
@@ -15,6 +16,8 @@ use super::screen;
 use super::typed_ahead::TypedAhead;
 use crate::ask;
 use crate::failure::{Failure, LIMIT};
+use crate::output::remark;
+use crate::run::decision;
 
 /// Number of lines in the history.
 const HISTORY: usize = 1000;
@@ -103,6 +106,39 @@ impl Lines {
                     Err(RecvTimeoutError::Disconnected) => return Ok(Input::End),
                 }
             },
+        }
+    }
+
+    /// Asks a question about a run. None if nobody answers, or the run is to stop; Ctrl-C stops it.
+    ///
+    /// A line that was typed before the question does not answer it: it waits for the next prompt.
+    pub(super) fn decide(&mut self, question: &str, request: &StopRequest) -> Result<Option<bool>> {
+        remark!("{question} [y/n]");
+        loop {
+            let line = match self {
+                Self::Terminal {
+                    editor, typed_ahead, ..
+                } => {
+                    typed_ahead.keep();
+                    match editor.readline("[y/n] ") {
+                        Ok(line) => line,
+                        Err(ReadlineError::Interrupted | ReadlineError::Eof) => return Ok(None),
+                        Err(error) => return Err(error.into()),
+                    }
+                }
+                Self::Pipe(lines) => match lines.recv_timeout(TICK) {
+                    Ok(line) => line?,
+                    Err(RecvTimeoutError::Timeout) if request.is_requested() => return Ok(None),
+                    Err(RecvTimeoutError::Timeout) => continue,
+                    Err(RecvTimeoutError::Disconnected) => {
+                        remark!("nobody can answer; begin with `--approve never` to run without questions");
+                        return Ok(None);
+                    }
+                },
+            };
+            if let Some(decision) = decision(&line) {
+                return Ok(Some(decision));
+            }
         }
     }
 

@@ -84,7 +84,7 @@ fn consent(interactive: bool) {
 }
 
 /// Requests the outcome of a plan with several possible ends.
-fn ended(session: &Session, endings: &[Ended]) {
+pub(super) fn ended(session: &Session, endings: &[Ended]) {
     print_line!("{}", "How did the plan end?".yellow().bold());
     for (number, ending) in endings.iter().enumerate() {
         let when = match ending.when.is_empty() {
@@ -97,8 +97,8 @@ fn ended(session: &Session, endings: &[Ended]) {
     output::blank();
 }
 
-/// Prints what has changed since the last plan, and the endings that it may still have had.
-pub(super) fn observed(session: &Session, observed: &Observed) {
+/// Prints what has changed since the last plan.
+pub(super) fn observed(observed: &Observed) {
     if observed.changes.is_empty() {
         notice("The world is as expected");
     } else {
@@ -110,10 +110,6 @@ pub(super) fn observed(session: &Session, observed: &Observed) {
         notice(&format!(
             "The environment does not list these entities, and they are left out: {unknown}"
         ));
-    }
-    let endings = session.endings();
-    if !endings.is_empty() {
-        ended(session, &endings);
     }
 }
 

@@ -11,9 +11,14 @@ use std::collections::VecDeque;
 pub(super) struct TypedAhead(VecDeque<String>);
 
 impl TypedAhead {
+    /// Takes what the terminal has, for a later prompt.
+    pub(super) fn keep(&mut self) {
+        self.add(&pending());
+    }
+
     /// Takes what the terminal has, and returns the first line that waits.
     pub(super) fn first(&mut self) -> Option<&str> {
-        self.add(&pending());
+        self.keep();
         self.0.front().map(String::as_str)
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use longstep::Goal;
 use longstep::report::{Answer, Status};
 use longstep::session::{Response, Session};
 use longstep_core::environment::World;
@@ -12,7 +13,7 @@ use longstep_core::verify::VerifiedPlan;
 use longstep_llm::{advance, read_text};
 use longstep_robot::{Robot, reports};
 
-use crate::arguments::{DraftArguments, RunArguments};
+use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::draft::Draft;
@@ -47,10 +48,7 @@ fn of_file(arguments: &RunArguments, path: &Path) -> Result<Result<Begun, u8>> {
         show::hint("only a verified plan is run; `longstep repair PLAN.json --save FILE` may mend it");
         return Ok(Err(answer.status.exit_code()));
     };
-    let aim = match &arguments.goal {
-        Some(goal) => Aim::Goal(goal.clone()),
-        None => Aim::Endings,
-    };
+    let aim = Aim::from(arguments.goal.clone());
     Ok(Ok(Begun { plan, aim }))
 }
 
@@ -73,10 +71,7 @@ fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<
     advance(&mut session, model.as_mut(), None, &mut waiting)?;
     let answer = match session.response() {
         Response::Plan(proposal) => {
-            let aim = match &proposal.goal {
-                Some(goal) => Aim::Goal(goal.exact(session.world()).join(" & ")),
-                None => Aim::Endings,
-            };
+            let aim = aim_of(proposal.goal.as_ref(), session.world());
             let plan = proposal.plan.clone();
             return Ok(Ok(Begun { plan, aim }));
         }
@@ -92,20 +87,31 @@ fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<
     Ok(Err(code))
 }
 
+/// Returns the aim of a plan that was made for a goal, or without one.
+pub(crate) fn aim_of(goal: Option<&Goal>, world: &World) -> Aim {
+    Aim::from(goal.map(|goal| goal.exact(world).join(" & ")))
+}
+
+/// Refuses a robot that does not observe.
+pub(crate) fn observing(robot: &dyn Robot) -> Result<()> {
+    match robot.describe().observes {
+        true => Ok(()),
+        false => Err(
+            Failure::unreadable("this robot does not observe, so its plan cannot be monitored")
+                .hint("let the robot's program declare the capability `observe` and answer `observe`")
+                .into(),
+        ),
+    }
+}
+
 /// Returns the settings of an execution on a robot.
-pub(super) fn settings(arguments: &RunArguments, robot: &dyn Robot, world: &World) -> Result<Settings> {
+pub(crate) fn settings(arguments: &ExecutionArguments, robot: &dyn Robot, world: &World) -> Result<Settings> {
     let domain = world.domain();
     let skills = match &arguments.skills {
         Some(path) => Skills::parse(domain, &path.display().to_string(), &read_text(path)?)?,
         None => Skills::default(),
     };
-    if !robot.describe().observes {
-        return Err(
-            Failure::unreadable("this robot does not observe, so its plan cannot be monitored")
-                .hint("let the robot's program declare `observes` and answer `observe`")
-                .into(),
-        );
-    }
+    observing(robot)?;
     Ok(Settings {
         approval: arguments.approve.into(),
         watch: arguments.observe.into(),

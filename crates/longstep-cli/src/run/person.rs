@@ -13,6 +13,24 @@ const LONGEST: u64 = 1_000;
 /// The time between two looks at a request to stop.
 const LOOK: Duration = Duration::from_millis(20);
 
+/// Somebody who decides.
+pub(crate) trait Decide {
+    /// Asks a question; none if nobody answers, or the run is to stop.
+    fn decide(&mut self, question: &str) -> Option<bool>;
+}
+
+/// Reads an answer; none for another text.
+pub(crate) fn decision(line: &str) -> Option<bool> {
+    match line.trim().to_lowercase().as_str() {
+        "y" | "yes" => Some(true),
+        "n" | "no" => Some(false),
+        _ => {
+            remark!("Please answer y or n.");
+            None
+        }
+    }
+}
+
 /// The person at the terminal. Lines are read in a thread, so that a signal ends the wait for an answer.
 pub(super) struct Person {
     lines: Option<Receiver<String>>,
@@ -22,19 +40,6 @@ pub(super) struct Person {
 impl Person {
     pub(super) fn new(request: StopRequest) -> Self {
         Self { lines: None, request }
-    }
-
-    /// Asks a question; none if nobody answers, or the run is to stop.
-    pub(super) fn decide(&mut self, question: &str) -> Option<bool> {
-        remark!("{question} [y/n]");
-        loop {
-            let line = self.line()?;
-            match line.trim().to_lowercase().as_str() {
-                "y" | "yes" => return Some(true),
-                "n" | "no" => return Some(false),
-                _ => remark!("Please answer y or n."),
-            }
-        }
     }
 
     fn line(&mut self) -> Option<String> {
@@ -52,6 +57,17 @@ impl Person {
                 }
                 Err(RecvTimeoutError::Timeout) if self.request.is_requested() => return None,
                 Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+    }
+}
+
+impl Decide for Person {
+    fn decide(&mut self, question: &str) -> Option<bool> {
+        remark!("{question} [y/n]");
+        loop {
+            if let Some(decision) = decision(&self.line()?) {
+                return Some(decision);
             }
         }
     }

@@ -8,9 +8,9 @@ use longstep_core::model::Domain;
 use longstep_llm::{read_text, session_directory};
 use longstep_robot::ros2::{self, Configuration, Preview, Ros2};
 use longstep_robot::virtualhome::{VirtualHome, VirtualHomeOptions, VirtualHomeOptionsError};
-use longstep_robot::{DryRun, Exclusive, Robot, RobotError, Sim, SimOptions, SimOptionsError};
+use longstep_robot::{DryRun, Exclusive, Robot, RobotError, Sim, SimOptions, SimOptionsError, StopRequest};
 
-use crate::exit_code::{ROBOT, ROBOT_BUSY, ROBOT_GONE, ROBOT_LATE, ROBOT_MISSING, ROBOT_REFUSED, ROBOT_TYPE};
+use crate::exit_code::{ROBOT, ROBOT_BUSY, ROBOT_GONE, ROBOT_LATE, ROBOT_MISSING, ROBOT_REFUSED, ROBOT_TYPE, STOPPED};
 use crate::failure::Failure;
 
 /// An open robot.
@@ -20,10 +20,19 @@ pub(crate) struct Opened {
     pub(crate) is_dry: bool,
 }
 
-/// Opens a robot: `sim`, `sim:OPTIONS`, `process:COMMAND`, `ros2:FILE` or
-/// `virtualhome:URL`. A robot that is not a simulation moves only if
-/// `live` is true, and only if no other program drives it.
-pub(crate) fn open(named: &str, world: &World, live: bool) -> Result<Opened> {
+/// Opens a robot: `sim`, `sim:OPTIONS`, `process:COMMAND`, `ros2:FILE` or `virtualhome:URL`. A robot that is not a
+/// simulation moves only if `live` is true, and only if no other program drives it. The request stops it from then on, and
+/// ends the opening of a robot behind a program that takes its time.
+pub(crate) fn open(named: &str, world: &World, live: bool, request: &StopRequest) -> Result<Opened> {
+    let opened = open_kind(named, world, live, request)?;
+    request.attach(opened.robot.stop_switch());
+    match request.is_requested() {
+        true => Err(failure(&RobotError::Stopped).into()),
+        false => Ok(opened),
+    }
+}
+
+fn open_kind(named: &str, world: &World, live: bool, request: &StopRequest) -> Result<Opened> {
     let (kind, rest) = named.split_once(':').unwrap_or((named, ""));
     match kind {
         "sim" => {
@@ -34,7 +43,7 @@ pub(crate) fn open(named: &str, world: &World, live: bool) -> Result<Opened> {
             moving(Box::new(sim))
         }
         #[cfg(unix)]
-        "process" if !rest.trim().is_empty() => process(rest, world, live),
+        "process" if !rest.trim().is_empty() => process(rest, world, live, request),
         "ros2" if !rest.trim().is_empty() => ros2(Path::new(rest), world, live),
         "virtualhome" => {
             let robot = VirtualHome::open(world.clone(), &virtualhome_options(rest)?);
@@ -47,11 +56,11 @@ pub(crate) fn open(named: &str, world: &World, live: bool) -> Result<Opened> {
 }
 
 #[cfg(unix)]
-fn process(command: &str, world: &World, live: bool) -> Result<Opened> {
+fn process(command: &str, world: &World, live: bool, request: &StopRequest) -> Result<Opened> {
     let command = longstep_robot::process::Command::parse(command).map_err(|error| failure(&error))?;
     let domain = world.domain().name.clone();
     let command = command.scene(&domain, world.environment().clone());
-    let robot = command.open().map_err(|error| failure(&error))?;
+    let robot = command.open_until(request).map_err(|error| failure(&error))?;
     if live || robot.describe().simulated {
         return moving(Box::new(robot));
     }
@@ -124,6 +133,9 @@ pub(crate) fn virtualhome_options(text: &str) -> Result<VirtualHomeOptions> {
 
 /// The failure for an error of a robot.
 pub(crate) fn failure(error: &RobotError) -> Failure {
+    if *error == RobotError::Stopped {
+        return Failure::new("stopped by a signal; nothing has moved", STOPPED);
+    }
     let failure = Failure::new(error.to_string(), exit_code(error));
     match error.hint() {
         Some(hint) => failure.hint(hint),

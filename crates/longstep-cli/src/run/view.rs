@@ -3,20 +3,22 @@
 use std::collections::BTreeMap;
 
 use longstep_core::environment::World;
-use longstep_core::execution::{Event, Execution, Order, Proposal, Stop};
+use longstep_core::execution::{Effect, Event, Execution, Order, Proposal, Stop, Subject};
 use longstep_core::plan::outline;
 use longstep_core::verify::VerifiedPlan;
-use longstep_robot::{Feedback, RobotError, RunLog, StopRequest, Watcher};
+use longstep_robot::{Feedback, RobotError, RunLog, Watcher};
 
-use super::person::Person;
+use super::person::Decide;
 use super::shown;
 use crate::output::{self, Style, print_line, remark};
 use crate::show;
 
 /// Prints events as they come, after they are on disk.
-pub(super) struct View {
+pub(crate) struct View<'a> {
     log: RunLog,
-    person: Person,
+    person: Box<dyn Decide + 'a>,
+    /// True if a person approved the plan before the run.
+    is_approved: bool,
     json: bool,
     /// True for a dry run, in which feedback is the result.
     is_dry: bool,
@@ -26,11 +28,12 @@ pub(super) struct View {
     under_way: BTreeMap<u64, String>,
 }
 
-impl View {
-    pub(super) fn new(log: RunLog, request: StopRequest, json: bool, is_dry: bool) -> Self {
+impl<'a> View<'a> {
+    pub(crate) fn new(log: RunLog, person: impl Decide + 'a, json: bool, is_dry: bool) -> Self {
         Self {
             log,
-            person: Person::new(request),
+            person: Box::new(person),
+            is_approved: false,
             json,
             is_dry,
             robot_error: None,
@@ -41,6 +44,14 @@ impl View {
     /// The error that stopped the robot, if one did.
     pub(super) fn robot_error(&self) -> Option<&RobotError> {
         self.robot_error.as_ref()
+    }
+
+    /// Returns the view of a plan that a person approved before the run.
+    pub(crate) fn of_approved(self) -> Self {
+        Self {
+            is_approved: true,
+            ..self
+        }
     }
 
     fn print(&mut self, world: &World, event: &Event) {
@@ -69,7 +80,7 @@ impl View {
                 self.under_way.remove(order);
                 print_line!("{order:>4}  {} {why}", "failed:".red());
             }
-            Event::Assessed { effect, because, steps } => assessed(effect, because, steps),
+            Event::Assessed { effect, because, steps } => assessed(*effect, because, steps),
             Event::Changed { steps, edits, .. } => {
                 for edit in edits {
                     print_line!("      {} {edit}", "change:".yellow());
@@ -85,23 +96,23 @@ impl View {
     }
 }
 
-fn assessed(effect: &str, because: &[String], steps: &[String]) {
+fn assessed(effect: Effect, because: &[String], steps: &[String]) {
     for fact in because {
         print_line!("      {} {fact}", "noticed:".yellow());
     }
     match effect {
-        "harmless" => {
+        Effect::Harmless => {
             if !because.is_empty() {
                 print_line!("      the plan still works");
             }
         }
-        "helpful" => print_line!("      skipped as needless: {}", steps.join(", ")),
-        "undone" => print_line!("      to be done again: {}", steps.join(", ")),
-        _ => print_line!("      the plan no longer works from here"),
+        Effect::Helpful => print_line!("      skipped as needless: {}", steps.join(", ")),
+        Effect::Undone => print_line!("      to be done again: {}", steps.join(", ")),
+        Effect::Harmful => print_line!("      the plan no longer works from here"),
     }
 }
 
-impl Watcher for View {
+impl Watcher for View<'_> {
     fn record(&mut self, execution: &Execution, events: &[Event]) -> Result<(), String> {
         self.log.append(events).map_err(|error| error.to_string())?;
         for event in events {
@@ -118,16 +129,17 @@ impl Watcher for View {
     }
 
     fn approve(&mut self, execution: &Execution, proposal: &Proposal) -> Option<bool> {
-        match proposal {
-            Proposal::Plan => {
+        match &proposal.subject {
+            Subject::Plan if self.is_approved => Some(true),
+            Subject::Plan => {
                 if !self.json {
                     steps(execution.plan());
                 }
                 self.person.decide("Run this plan?")
             }
             // Its steps were printed with the event.
-            Proposal::Change(_) => self.person.decide("Go on with this change?"),
-            Proposal::Step(order) => self.person.decide(&format!("Do this step: {}?", order.explanation)),
+            Subject::Change(_) => self.person.decide("Go on with this change?"),
+            Subject::Step(order) => self.person.decide(&format!("Do this step: {}?", order.explanation)),
             _ => None,
         }
     }
@@ -163,7 +175,7 @@ fn steps(plan: &VerifiedPlan) {
 }
 
 /// Prints how a run ended.
-pub(super) fn end(world: &World, stop: Option<&Stop>, is_dry: bool) {
+pub(crate) fn end(world: &World, stop: Option<&Stop>, is_dry: bool) {
     output::blank();
     match stop {
         None if is_dry => print_line!(

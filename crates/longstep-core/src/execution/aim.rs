@@ -16,6 +16,13 @@ pub enum Aim {
     Endings,
 }
 
+impl From<Option<String>> for Aim {
+    /// The aim of a plan that was made for a goal, or without one.
+    fn from(goal: Option<String>) -> Self {
+        goal.map_or(Self::Endings, Self::Goal)
+    }
+}
+
 impl Aim {
     /// Returns the purpose of a plan. Prohibitions of the plan's world stay in force besides it.
     ///

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::need::Stop;
-use super::{Approval, Event, Execution, Phase, Proposal, ground};
+use super::{Approval, Event, Execution, Subject, ground};
 use crate::model::{Difference, World};
 use crate::plan::{DraftStep, Node, Plan, Resolved, lanes};
 use crate::repair::{Edit, RepairOutcome, repair};
@@ -80,7 +80,7 @@ impl Execution {
                 self.events.push(Event::changed(here, &change));
                 match self.settings.approval {
                     Approval::Never => self.install(&change.plan),
-                    Approval::Changes | Approval::EachStep => self.phase = Phase::Approving(Proposal::Change(change)),
+                    Approval::Changes | Approval::EachStep => self.propose(Subject::Change(change)),
                 }
             }
             Attempt::NoPlan => {

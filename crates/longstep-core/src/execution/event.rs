@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::change::{Change, ChangeKind};
 use super::need::{Effect, Order};
-use super::{Aim, Approval, Settings, Watch};
+use super::{Aim, Approval, ProposalId, Settings, Watch};
 use crate::call::Call;
 use crate::environment::{Environment, Statements};
 use crate::model::{ActionId, Difference, EntityId, Fact, World, fact_text};
@@ -13,7 +13,7 @@ use crate::plan::{Plan, Written, write_tree};
 use crate::verify::VerifiedPlan;
 
 /// The version of the log.
-pub(super) const FORMAT: u32 = 1;
+pub(super) const FORMAT: u32 = 2;
 
 /// A plan in a log: its tree with all arguments, as in `task_tree` of a plan file.
 pub type PlanText = Value;
@@ -54,7 +54,10 @@ pub enum Event {
         skills: Value,
     },
     /// A person approved what was proposed last.
-    Approved,
+    Approved {
+        /// The proposal that the person saw.
+        proposal: ProposalId,
+    },
     /// A person refused what was proposed last.
     Refused,
     /// A robot is about to perform a step.
@@ -93,8 +96,8 @@ pub enum Event {
     },
     /// A difference between the expected and the observed world, and what follows from it.
     Assessed {
-        /// `harmless`, `helpful`, `undone` or `harmful`.
-        effect: String,
+        /// The effect on the rest of the plan.
+        effect: Effect,
         /// The differing facts, as sentences.
         because: Vec<String>,
         /// The steps that are needless or repeated.
@@ -194,7 +197,7 @@ impl Event {
 
     pub(super) fn assessed(world: &World, effect: Effect, because: &[Difference], steps: &[String]) -> Self {
         Self::Assessed {
-            effect: effect.to_string(),
+            effect,
             because: sentences(world, because),
             steps: steps.to_vec(),
         }
@@ -222,7 +225,7 @@ pub(super) fn sentences(world: &World, differences: &[Difference]) -> Vec<String
     first.map(|own| fact_text(world, own.fact, own.now_holds)).collect()
 }
 
-fn plan_text(world: &World, plan: &Plan) -> PlanText {
+pub(super) fn plan_text(world: &World, plan: &Plan) -> PlanText {
     write_tree(&Written::of_plan(world, plan))
 }
 

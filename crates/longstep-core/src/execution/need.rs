@@ -1,8 +1,8 @@
 //! What an execution needs next, and how it ends.
 
-use std::fmt;
+use serde::{Deserialize, Serialize};
 
-use super::change::Change;
+use super::Proposal;
 use crate::model::{ActionId, Difference, EntityId, Fact, World, fact_text};
 use crate::plan::StepId;
 use crate::search::WhyNot;
@@ -60,18 +60,6 @@ impl Order {
     pub fn written(&self, world: &World) -> String {
         super::event::written_step(world, self.action, &self.arguments)
     }
-}
-
-/// A matter that a person decides.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub enum Proposal {
-    /// The plan, before its first step.
-    Plan,
-    /// A change of the rest of the plan.
-    Change(Box<Change>),
-    /// One step, before it is performed.
-    Step(Order),
 }
 
 /// The reason of a stop.
@@ -166,7 +154,8 @@ impl Stop {
 }
 
 /// How a difference between the expected and the observed world affects the rest of a plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Effect {
     /// The rest is valid from the observed world and achieves its purpose.
     Harmless,
@@ -176,15 +165,4 @@ pub enum Effect {
     Undone,
     /// The rest does not achieve its purpose from the observed world.
     Harmful,
-}
-
-impl fmt::Display for Effect {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Harmless => "harmless",
-            Self::Helpful => "helpful",
-            Self::Undone => "undone",
-            Self::Harmful => "harmful",
-        })
-    }
 }

@@ -101,13 +101,13 @@ impl Execution {
             return Ok(());
         }
         match event {
-            Event::Approved | Event::Refused => {
+            Event::Approved { proposal } => {
                 self.next_need();
-                let decided = match event {
-                    Event::Approved => self.approve(),
-                    _ => self.refuse(),
-                };
-                decided.map_err(wrong)?;
+                self.approve(proposal).map_err(wrong)?;
+            }
+            Event::Refused => {
+                self.next_need();
+                self.refuse().map_err(wrong)?;
             }
             Event::Performed { order, outcome } => {
                 let own = self.running.iter().find(|own| own.number == *order);
@@ -201,10 +201,7 @@ fn begun(domain: &Domain, event: Option<&Event>) -> Result<Execution, ResumeErro
     }
     let world = constrained(&world, constraints)?;
     let plan = verified(&world, &file.task_cohesion)?;
-    let aim = match goal {
-        Some(goal) => Aim::Goal(goal.clone()),
-        None => Aim::Endings,
-    };
+    let aim = Aim::from(goal.clone());
     let settings = Settings {
         approval: *approval,
         watch: *watch,

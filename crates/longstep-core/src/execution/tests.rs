@@ -2,7 +2,7 @@ use super::*;
 use crate::domain;
 use crate::environment::{self, EntityId, fact_of};
 use crate::goal;
-use crate::model::{Domain, apply};
+use crate::model::{Domain, Fact, Moment, PredicateId, apply, holds};
 use crate::search::{Limits, Outcome, solve};
 use crate::verify::{VerifiedPlan, check};
 
@@ -122,7 +122,7 @@ impl Real<'_> {
                     let seen = self.observation(&world, &execution.settings.reports);
                     execution.observed(&seen).unwrap();
                 }
-                Need::Approve(_) => execution.approve().unwrap(),
+                Need::Approve(proposal) => execution.approve(&proposal.id).unwrap(),
                 end => {
                     self.log.extend(execution.take_events());
                     return end;
@@ -152,7 +152,7 @@ fn execution(world: &World, goal: &str, watch: Watch) -> Execution {
 /// The effects of the differences, and the changes, of a log.
 fn assessments(log: &[Event]) -> Vec<String> {
     let told = log.iter().filter_map(|event| match event {
-        Event::Assessed { effect, .. } => Some(effect.clone()),
+        Event::Assessed { effect, .. } => Some(format!("{effect:?}")),
         Event::Changed { kind, .. } => Some(format!("{kind:?}")),
         _ => None,
     });
@@ -169,13 +169,13 @@ fn a_difference_is_sorted_and_mended() {
     let moved = ["-<pen> on_something(<table>)", "+<pen> on_something(<shelf>)"];
     for (mishaps, expected, steps) in [
         (vec![], vec![], 6),
-        (vec![(2, Mishap::Then(&moved[..]))], vec!["harmless"], 6),
-        (vec![(3, Mishap::Fails)], vec!["harmless"], 7),
-        (vec![(2, Mishap::NoEffect)], vec!["undone"], 7),
-        (vec![(5, Mishap::NoEffect)], vec!["undone"], 7),
-        (vec![(1, Mishap::Then(&there[..]))], vec!["helpful"], 1),
-        (vec![(4, Mishap::Then(&fell[..]))], vec!["harmful", "Repaired"], 10),
-        (vec![(1, Mishap::Then(&away[..]))], vec!["harmful", "Repaired"], 15),
+        (vec![(2, Mishap::Then(&moved[..]))], vec!["Harmless"], 6),
+        (vec![(3, Mishap::Fails)], vec!["Harmless"], 7),
+        (vec![(2, Mishap::NoEffect)], vec!["Undone"], 7),
+        (vec![(5, Mishap::NoEffect)], vec!["Undone"], 7),
+        (vec![(1, Mishap::Then(&there[..]))], vec!["Helpful"], 1),
+        (vec![(4, Mishap::Then(&fell[..]))], vec!["Harmful", "Repaired"], 10),
+        (vec![(1, Mishap::Then(&away[..]))], vec!["Harmful", "Repaired"], 15),
     ] {
         for watch in [Watch::EachStep, Watch::OnFailure] {
             let mut execution = execution(&world, "put(cup, shelf)", watch);
@@ -255,13 +255,12 @@ fn nothing_that_was_not_approved_is_performed() {
     let plan = plan(&world, "put(cup, shelf)");
     let begin = |approval| Execution::new(&plan, &aim, settings(approval)).unwrap();
     let mut refused = begin(Approval::Changes);
-    assert!(matches!(refused.next_need(), Need::Approve(Proposal::Plan)));
+    assert!(matches!(subject(&mut refused), Subject::Plan));
     refused.refuse().unwrap();
     assert!(matches!(refused.next_need(), Need::Stopped(Stop::Refused)));
     // A change is refused.
     let mut own = begin(Approval::Changes);
-    own.next_need();
-    own.approve().unwrap();
+    approve(&mut own);
     let away = ["-<cup> on_something(<table>)", "+<cup> inside_something(<fridge>)"];
     let mishaps = [(1, Mishap::Then(&away))];
     let mut real = Real::of(&own, &mishaps);
@@ -272,7 +271,10 @@ fn nothing_that_was_not_approved_is_performed() {
                 own.performed(order.number, None).unwrap();
             }
             Need::Observe => own.observed(&real.observation(&world, &reports(&world))).unwrap(),
-            Need::Approve(Proposal::Change(change)) => {
+            Need::Approve(Proposal {
+                subject: Subject::Change(change),
+                ..
+            }) => {
                 assert!(!change.edits.is_empty());
                 break;
             }
@@ -280,10 +282,7 @@ fn nothing_that_was_not_approved_is_performed() {
         }
     }
     assert_eq!(real.calls.len(), 1);
-    assert!(
-        matches!(own.next_need(), Need::Approve(Proposal::Change(_))),
-        "it is asked again"
-    );
+    assert!(matches!(subject(&mut own), Subject::Change(_)), "it is asked again");
     own.refuse().unwrap();
     assert!(matches!(own.next_need(), Need::Stopped(Stop::Refused)));
     // Every step is asked about.
@@ -291,11 +290,10 @@ fn nothing_that_was_not_approved_is_performed() {
     let (mut steps, mut real) = (0, Real::of(&own, &[]));
     loop {
         match own.next_need() {
-            Need::Approve(Proposal::Step(_)) => {
-                steps += 1;
-                own.approve().unwrap();
+            Need::Approve(proposal) => {
+                steps += u32::from(matches!(proposal.subject, Subject::Step(_)));
+                own.approve(&proposal.id).unwrap();
             }
-            Need::Approve(_) => own.approve().unwrap(),
             Need::Perform(order) => {
                 real.perform(&world, &order);
                 own.performed(order.number, None).unwrap();
@@ -306,6 +304,72 @@ fn nothing_that_was_not_approved_is_performed() {
         }
     }
     assert_eq!((steps, real.calls.len()), (6, 6));
+}
+
+/// Returns the subject of the proposal that waits.
+fn subject(execution: &mut Execution) -> Subject {
+    match execution.next_need() {
+        Need::Approve(proposal) => proposal.subject,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Approves what waits; returns its id.
+fn approve(execution: &mut Execution) -> ProposalId {
+    let Need::Approve(proposal) = execution.next_need() else {
+        panic!("nothing is proposed")
+    };
+    execution.approve(&proposal.id).unwrap();
+    proposal.id
+}
+
+/// A change is proposed; before the person answers, the world changes again, and so does the change.
+#[test]
+fn an_approval_of_one_change_lets_no_other_through() {
+    let world = kitchen();
+    let settings = Settings {
+        reports: reports(&world),
+        ..Settings::default()
+    };
+    let aim = Aim::Goal("put(cup, shelf)".to_owned());
+    let mut own = Execution::new(&plan(&world, "put(cup, shelf)"), &aim, settings).unwrap();
+    let of_plan = approve(&mut own);
+    let mut real = Real::of(&own, &[]);
+    let mut in_the = |place: &str, own: &mut Execution| {
+        for other in [
+            "on_something(<table>)",
+            "inside_something(<fridge>)",
+            "inside_something(<bin>)",
+        ] {
+            let holds = other == place;
+            real.state.set(fact(&world, &format!("<cup> {other}")), holds);
+        }
+        own.observed(&real.observation(&world, &reports(&world))).unwrap();
+    };
+    assert!(matches!(own.next_need(), Need::Observe));
+    in_the("inside_something(<fridge>)", &mut own);
+    let Need::Approve(first) = own.next_need() else {
+        panic!()
+    };
+    assert_eq!(own.approve(&of_plan), Err(ExecutionError::AnotherProposal));
+    in_the("inside_something(<bin>)", &mut own);
+    let Need::Approve(second) = own.next_need() else {
+        panic!()
+    };
+    assert_ne!(first.id, second.id);
+    assert_eq!(own.approve(&first.id), Err(ExecutionError::AnotherProposal));
+    assert!(matches!(subject(&mut own), Subject::Change(_)), "it still waits");
+    // The cup is back on its table: the change is withdrawn, and the plan that was approved goes on.
+    in_the("on_something(<table>)", &mut own);
+    assert_eq!(own.approve(&second.id), Err(ExecutionError::NothingProposed));
+    let Need::Perform(order) = own.next_need() else {
+        panic!()
+    };
+    assert_eq!(order.written(&world), "move-hand(<cup>)");
+    // The log repeats all of this.
+    let log = own.take_events();
+    let again = Execution::replay(&household(), &log).unwrap();
+    assert_eq!(again.running(), [order]);
 }
 
 #[test]
@@ -415,7 +479,13 @@ fn a_failure_of_the_robot_approves_nothing() {
     own.robot_failed("the bridge is gone");
     let log = own.take_events();
     let mut again = Execution::resume(&household(), &log).unwrap();
-    assert!(matches!(again.next_need(), Need::Approve(Proposal::Plan)));
+    assert!(matches!(
+        again.next_need(),
+        Need::Approve(Proposal {
+            subject: Subject::Plan,
+            ..
+        })
+    ));
     let mut refused = Execution::resume(&household(), &log).unwrap();
     refused.refuse().unwrap();
     let log: Vec<Event> = log.into_iter().chain(refused.take_events()).collect();

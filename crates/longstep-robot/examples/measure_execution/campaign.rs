@@ -5,8 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use longstep_core::environment::{Moment, State, World, holds};
-use longstep_core::execution::{Aim, Approval, Event, Execution, Need, Order as Wanted, Proposal, Settings, Stop};
+use longstep_core::environment::{Moment, State, Words, World, holds};
+use longstep_core::execution::{
+    Aim, Approval, Effect, Event, Execution, Need, Order as Wanted, Proposal, Settings, Stop,
+};
+use longstep_core::json::Path as JsonPath;
 use longstep_core::search::{Limits, Outcome, solve};
 use longstep_core::verify::{Purpose, VerifiedPlan, check};
 use longstep_core::{domain, environment, goal, schedule};
@@ -103,9 +106,9 @@ impl Watcher for Approving {
                     self.open = true;
                     self.changes += 1;
                 }
-                Event::Approved => self.open = false,
+                Event::Approved { .. } => self.open = false,
                 Event::Ordered { .. } => self.unapproved += u32::from(self.open),
-                Event::Assessed { effect, .. } => self.skipped += u32::from(effect == "helpful"),
+                Event::Assessed { effect, .. } => self.skipped += u32::from(*effect == Effect::Helpful),
                 _ => {}
             }
         }
@@ -202,27 +205,62 @@ pub fn is_reached(case: &Case, state: &State) -> bool {
         .all(|own| holds(moment, &own.condition, &mut own.bindings.clone()))
 }
 
-/// Returns plans with lanes for pairs of goals of the suite `two-arms`, at most this many.
+/// Returns different plans with lanes, for two to four goals at once of the suite `two-arms`; at most this many.
 pub fn lanes(count: usize) -> Vec<Case> {
     let single = cases(&["two-arms"]);
     let mut found: Vec<Case> = Vec::new();
     let mut known = BTreeSet::new();
-    for distance in 1..single.len() {
-        for (index, one) in single.iter().enumerate() {
-            let other = &single[(index + distance) % single.len()];
-            let both = format!("{} & {}", one.goal, other.goal);
-            let same_scene = one.world.environment() == other.world.environment();
-            if found.len() == count || !same_scene || !known.insert(both.clone()) {
+    for (size, distance) in (2..=4).flat_map(|size| (1..single.len()).map(move |distance| (size, distance))) {
+        for index in 0..single.len() {
+            if found.len() == count {
+                return found;
+            }
+            let chosen: Vec<&Case> = (0..size)
+                .map(|own| &single[(index + own * distance) % single.len()])
+                .collect();
+            let scene = chosen[0].world.environment();
+            let goals: BTreeSet<&str> = chosen.iter().map(|own| own.goal.as_str()).collect();
+            let is_one_scene = chosen.iter().all(|own| own.world.environment() == scene);
+            let text = goals.iter().copied().collect::<Vec<_>>().join(" & ");
+            if goals.len() < size || !is_one_scene || !known.insert((chosen[0].name.clone(), text.clone())) {
                 continue;
             }
-            let Some(mut case) = solved(&one.world, &both, &both) else {
+            let Some(mut case) = solved(&chosen[0].world, &text, &text) else {
                 continue;
             };
-            if let Some(shared) = schedule::share(&case.world, &case.plan, &case.purpose) {
+            let Some(shared) = schedule::share(&case.world, &case.plan, &case.purpose) else {
+                continue;
+            };
+            // The same plan for other words is no other plan.
+            let written = format!("{scene:?} {:?}", shared.plan.plan());
+            if known.insert((String::new(), written)) {
                 case.plan = shared.plan;
                 found.push(case);
             }
         }
+    }
+    found
+}
+
+/// Returns the cases of the largest kitchen of the suites, with so many jars that it has this number of entities.
+pub fn kitchen_of(count: usize) -> Vec<Case> {
+    let all = cases(&["kitchen"]);
+    let size = |case: &Case| case.world.entities().count();
+    let Some(largest) = all.iter().map(size).max() else {
+        return all;
+    };
+    let mut found = Vec::new();
+    for case in all.iter().filter(|case| size(case) == largest) {
+        let mut kitchen = case.world.environment().clone();
+        let place = format!("on_something({})", kitchen.assets[0]);
+        for number in 1..=count.saturating_sub(largest) {
+            let jar = format!("<jar_{number}>");
+            kitchen.object_states.insert(jar.clone(), Words::One(place.clone()));
+            kitchen.objects.push(jar);
+        }
+        let domain = case.world.domain();
+        let world = environment::read(domain, &kitchen, &case.name, "", &JsonPath::default()).unwrap();
+        found.extend(solved(&world, &case.name, &case.goal));
     }
     found
 }

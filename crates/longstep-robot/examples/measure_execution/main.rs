@@ -1,8 +1,8 @@
 //! Measures executions in the simulator; `docs/execution.md` has the figures.
 //!
-//!     cargo run --release -p longstep-robot --example measure_execution -- runs 1000
-//!     cargo run --release -p longstep-robot --example measure_execution -- lanes 200
-//!     cargo run --release -p longstep-robot --example measure_execution -- cost
+//!     cargo run -p longstep-robot --example measure_execution -- runs 1000 [FIRST SEED]
+//!     cargo run -p longstep-robot --example measure_execution -- lanes 200
+//!     cargo run -p longstep-robot --example measure_execution -- cost 40
 
 #![allow(
     clippy::unwrap_used,
@@ -17,29 +17,30 @@ mod campaign;
 
 use std::time::Duration;
 
-use campaign::{cases, costs, in_lanes, lanes, monitored, plain};
+use campaign::{cases, costs, in_lanes, kitchen_of, lanes, monitored, plain};
 
 const SUITES: [&str; 5] = ["household", "kitchen", "long", "branching", "two-arms"];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let count = arguments.get(2).and_then(|text| text.parse().ok());
+    let first = arguments.get(3).and_then(|text| text.parse().ok());
     match arguments.get(1).map(String::as_str) {
-        Some("runs") => runs(count.unwrap_or(1_000)),
+        Some("runs") => runs(count.unwrap_or(1_000), first.unwrap_or(0)),
         Some("lanes") => side_by_side(count.unwrap_or(200)),
-        Some("cost") => cost(),
-        _ => println!("runs [COUNT] | lanes [COUNT] | cost"),
+        Some("cost") => cost(count.unwrap_or(40)),
+        _ => println!("runs [COUNT [FIRST SEED]] | lanes [COUNT] | cost [ENTITIES]"),
     }
 }
 
-fn runs(count: usize) {
+fn runs(count: usize, first: u64) {
     let cases = cases(&SUITES);
     let (mut reached, mut proven, mut other, mut wrong, mut plainly) = (0, 0, Vec::new(), Vec::new(), 0);
     let (mut inapplicable, mut unapproved, mut changes, mut skipped, mut mishaps, mut steps) = (0, 0, 0, 0, 0, 0);
     for index in 0..count {
         // A prime step spreads few runs over all suites.
         let case = &cases[index * 97 % cases.len()];
-        let (seed, faults) = (index as u64, 1 + index as u32 % 3);
+        let (seed, faults) = (first + index as u64, 1 + index as u32 % 3);
         let run = monitored(case, seed, faults);
         inapplicable += run.counts.inapplicable;
         mishaps += run.counts.mishaps;
@@ -81,32 +82,29 @@ fn runs(count: usize) {
 fn side_by_side(count: usize) {
     let plans = lanes(count);
     let (mut promised, mut conflicts, mut inapplicable, mut together) = (0, 0, 0, 0);
-    for seed in 0..count {
-        let run = in_lanes(&plans[seed % plans.len()], seed as u64, 0);
+    for (seed, plan) in plans.iter().enumerate() {
+        let run = in_lanes(plan, seed as u64, 0);
         promised += usize::from(run.as_promised && run.stop.is_none());
         conflicts += run.counts.conflicts;
         inapplicable += run.counts.inapplicable;
         together += usize::from(run.together > 1);
     }
     println!(
-        "plans with lanes {}, runs {count}, as promised {promised}, with steps at the same time {together}",
+        "different plans with lanes {}, as promised {promised}, with steps at the same time {together}",
         plans.len()
     );
     println!("conflicting steps at the same time {conflicts}, steps whose precondition did not hold {inapplicable}");
 }
 
-fn cost() {
-    let cases = cases(&["kitchen"]);
-    let Some(largest) = cases.iter().map(|case| case.world.entities().count()).max() else {
-        return;
-    };
-    let mut all: Vec<Duration> = Vec::new();
-    for case in cases.iter().filter(|case| case.world.entities().count() == largest) {
-        all.extend(costs(case));
+fn cost(entities: usize) {
+    let cases = kitchen_of(entities);
+    let mut all: Vec<Duration> = cases.iter().flat_map(costs).collect();
+    if all.is_empty() {
+        return println!("no kitchen");
     }
     all.sort_unstable();
     let at = |percent: usize| all[(all.len() - 1) * percent / 100];
-    println!("entities {largest}, steps {}", all.len());
+    println!("entities {}, steps {}", cases[0].world.entities().count(), all.len());
     println!(
         "monitoring a step: median {:?}, 99 % {:?}, most {:?}",
         at(50),

@@ -105,6 +105,8 @@ struct Capabilities {
     parallel: Option<usize>,
     #[serde(default)]
     observe: bool,
+    #[serde(default)]
+    reports: Vec<String>,
 }
 
 /// Timeouts in seconds.
@@ -252,6 +254,8 @@ pub(super) fn initialized(value: Value) -> Result<Description, RobotError> {
         actions: read.capabilities.actions,
         parallel,
         observes: read.capabilities.observe,
+        reports: read.capabilities.reports,
+        counts_events: false,
         timeouts: Timeouts {
             perform: duration(read.timeouts.perform, defaults.perform)?,
             actions: actions.collect::<Result<_, RobotError>>()?,

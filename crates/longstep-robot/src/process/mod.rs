@@ -30,6 +30,7 @@ use crate::error::RobotError;
 use crate::observation::{Observation, Scope};
 use crate::order::{Handle, Order};
 use crate::robot::{Progress, Robot, StopSwitch};
+use crate::stop::StopRequest;
 
 pub use message::{LINE_LIMIT, PROTOCOL_VERSION};
 
@@ -116,6 +117,15 @@ impl Command {
     /// A program that cannot be started, that ends or that does not answer, another protocol version, and an answer that
     /// breaks the protocol. The program is ended then.
     pub fn open(self) -> Result<Process, RobotError> {
+        self.open_until(&StopRequest::default())
+    }
+
+    /// Starts the program as [`Command::open`] does, unless a request to stop comes before the robot is initialized.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Command::open`]; [`RobotError::Stopped`] after the request.
+    pub fn open_until(self, request: &StopRequest) -> Result<Process, RobotError> {
         let (child, watched) = Child::spawn(&self.words, self.folder.as_deref())?;
         let shared = Arc::new(Shared {
             link: Mutex::new(Link::new(child)),
@@ -135,6 +145,7 @@ impl Command {
             shared,
             thread: Some(thread),
         };
+        request.attach(process.stop_switch());
         let mut parameters = json!({
             "protocol": PROTOCOL_VERSION,
             "client": { "name": "longstep", "version": env!("CARGO_PKG_VERSION") },

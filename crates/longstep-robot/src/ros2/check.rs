@@ -287,7 +287,10 @@ impl Checker<'_> {
         }
         for name in &configuration.reports {
             let domain = self.domain;
-            let names = || domain.predicates.iter().map(|own| own.name.as_str());
+            let reportable = longstep_core::environment::Observation::reportable(domain);
+            // What happened in an earlier plan must not count for this one.
+            let lasting = reportable.iter().filter(|id| !domain.words(**id).event);
+            let names = || lasting.clone().map(|id| domain.predicate(*id).name.as_str());
             if !names().any(|own| own == name.get_ref()) {
                 self.unknown(name, "predicate", names());
             }

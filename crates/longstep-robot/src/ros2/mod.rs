@@ -120,6 +120,7 @@ fn description(configuration: &Configuration) -> Description {
     description.actions = Some(allowed.collect());
     description.parallel = configuration.parallel;
     description.observes = !configuration.observations.is_empty();
+    description.reports = configuration.reports.iter().map(|own| own.get_ref().clone()).collect();
     description.timeouts = Timeouts {
         perform: limits.perform,
         actions: timeouts.collect(),
@@ -161,7 +162,6 @@ fn description(configuration: &Configuration) -> Description {
 pub struct Ros2 {
     description: Description,
     mapping: Arc<Mapping>,
-    reports: Vec<String>,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -263,7 +263,6 @@ impl Ros2 {
         };
         let connection = Connection::open(&configuration.url, configuration.limits.connect).map_err(unreachable)?;
         let description = description(&configuration);
-        let reports = configuration.reports.iter().map(|own| own.get_ref().clone()).collect();
         let mapping = Arc::new(Mapping::new(configuration, domain));
         let shared = Arc::new(Shared {
             link: Mutex::new(Link::new(Arc::clone(&mapping), connection)),
@@ -275,7 +274,6 @@ impl Ros2 {
         Ok(Self {
             description,
             mapping,
-            reports,
             shared,
             thread: Some(thread),
         })
@@ -383,10 +381,6 @@ impl<'a> Waiting<'a> {
 impl Robot for Ros2 {
     fn describe(&self) -> &Description {
         &self.description
-    }
-
-    fn reports(&self) -> &[String] {
-        &self.reports
     }
 
     fn start(&mut self, order: &Order) -> Result<Handle, RobotError> {

@@ -39,7 +39,7 @@ impl Mishap {
 }
 
 /// What happened in the simulated world, as far as mishaps depend on it.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct History {
     /// The last place of each object.
     places: BTreeMap<EntityId, Fact>,

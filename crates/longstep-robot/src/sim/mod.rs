@@ -52,7 +52,6 @@ pub struct Sim {
     world: World,
     state: State,
     reports: Vec<PredicateId>,
-    report_names: Vec<String>,
     options: SimOptions,
     random: Random,
     /// The mishaps by the number of the order.
@@ -97,17 +96,7 @@ impl Sim {
     /// A state file that cannot be read.
     pub fn new(world: World, options: &SimOptions) -> Result<Self, RobotError> {
         let domain = world.domain();
-        let hidden = |index: &usize| {
-            let id = PredicateId::new(*index);
-            let words = domain.words(id);
-            let is_stated = longstep_core::model::state_word(domain, id).is_some();
-            words.fluent && !is_stated && !domain.is_sensed(id) && !domain.predicate(id).parameters.is_empty()
-        };
-        let reports: Vec<PredicateId> = (0..domain.predicates.len())
-            .filter(hidden)
-            .map(PredicateId::new)
-            .collect();
-        let report_names = reports.iter().map(|id| domain.predicate(*id).name.clone()).collect();
+        let reports = Seen::reportable(domain);
         let mut random = Random::new(options.seed);
         let mut mishaps = BTreeMap::new();
         for _ in 0..options.faults {
@@ -118,13 +107,14 @@ impl Sim {
         description.observes = true;
         description.parallel = 64;
         description.simulated = true;
+        description.counts_events = true;
+        description.reports = reports.iter().map(|id| domain.predicate(*id).name.clone()).collect();
         let mut sim = Self {
             description,
             state: world.state.clone(),
             history: History::of(&world),
             world,
             reports,
-            report_names,
             options: options.clone(),
             random,
             mishaps,
@@ -261,10 +251,6 @@ impl Robot for Sim {
         &self.description
     }
 
-    fn reports(&self) -> &[String] {
-        &self.report_names
-    }
-
     fn start(&mut self, order: &Order) -> Result<Handle, RobotError> {
         self.check()?;
         let step = self.step_of(order)?;
@@ -349,6 +335,32 @@ impl Robot for Sim {
     fn stop_switch(&self) -> StopSwitch {
         let stopped = Arc::clone(&self.stopped);
         StopSwitch::new(move || stopped.store(true, Ordering::SeqCst))
+    }
+
+    fn begin_plan(&mut self, world: &World) {
+        self.world.share_values(world);
+        let domain = self.world.domain();
+        let events = self.state.iter().filter(|fact| domain.words(fact.predicate()).event);
+        for event in events.collect::<Vec<_>>() {
+            self.state.set(event, false);
+        }
+    }
+
+    fn revived(&self) -> Option<Box<dyn Robot>> {
+        Some(Box::new(Self {
+            description: self.description.clone(),
+            world: self.world.clone(),
+            state: self.state.clone(),
+            reports: self.reports.clone(),
+            options: self.options.clone(),
+            random: self.random.clone(),
+            mishaps: self.mishaps.clone(),
+            history: self.history.clone(),
+            running: BTreeMap::new(),
+            orders: self.orders,
+            stopped: Arc::default(),
+            counts: self.counts,
+        }))
     }
 
     fn wait(&mut self, limit: Duration) {

@@ -1,0 +1,121 @@
+//! Proposals, and the decisions of a person about them.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::change::Change;
+use super::event::plan_text;
+use super::{Event, Execution, ExecutionError, Order, Phase, Stop};
+
+/// The number of bytes of an id.
+const ID_LENGTH: usize = 16;
+
+/// A matter that a person decides.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    /// The id, which [`Execution::approve`] takes.
+    pub id: ProposalId,
+    /// The subject.
+    pub subject: Subject,
+}
+
+/// The subject of a proposal.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Subject {
+    /// The plan, before its first step.
+    Plan,
+    /// A change of the rest of the plan.
+    Change(Box<Change>),
+    /// One step, before it is performed.
+    Step(Order),
+}
+
+/// A hash of a proposal: of the steps, of the observed world, and of its place in the run.
+///
+/// An approval names the proposal that the person saw. So it never approves another one, which may have taken its place
+/// because the world has changed in the meantime.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct ProposalId(String);
+
+impl fmt::Display for ProposalId {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+impl Execution {
+    /// Waits for a decision about a subject.
+    pub(super) fn propose(&mut self, subject: Subject) {
+        let id = self.proposal_id(&subject);
+        self.phase = Phase::Approving(Proposal { id, subject });
+    }
+
+    fn proposal_id(&self, subject: &Subject) -> ProposalId {
+        let content = match subject {
+            Subject::Plan => serde_json::json!({ "plan": plan_text(&self.world, self.plan().plan()) }),
+            Subject::Change(change) => serde_json::json!({ "change": Event::changed(&self.world, change) }),
+            Subject::Step(order) => serde_json::json!({
+                "step": Event::ordered(&self.world, order),
+                "skills": order.skills,
+                "plan": plan_text(&self.world, self.plan().plan()),
+            }),
+        };
+        // Equal proposals at two places of a run are two decisions.
+        let place = (self.changes, self.orders);
+        let mut hash = Sha256::new();
+        hash.update(serde_json::json!([place, self.environment(), content]).to_string());
+        let bytes = hash.finalize();
+        ProposalId(bytes[..ID_LENGTH].iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+
+    /// Approves what was proposed, and nothing else.
+    ///
+    /// # Errors
+    ///
+    /// If nothing waits for a decision, or another proposal does. Nothing is approved then.
+    pub fn approve(&mut self, id: &ProposalId) -> Result<(), ExecutionError> {
+        let Phase::Approving(proposal) = &self.phase else {
+            return Err(ExecutionError::NothingProposed);
+        };
+        if proposal.id != *id {
+            return Err(ExecutionError::AnotherProposal);
+        }
+        let Proposal { id, subject } = proposal.clone();
+        self.phase = Phase::Active;
+        self.events.push(Event::Approved { proposal: id });
+        match subject {
+            Subject::Plan => {}
+            Subject::Step(order) => self.approved = Some(order),
+            Subject::Change(change) => self.install(&change.plan),
+        }
+        Ok(())
+    }
+
+    /// Refuses what was proposed: the execution stops. A refusal needs no id, for nothing moves because of it.
+    ///
+    /// # Errors
+    ///
+    /// If nothing waits for a decision.
+    pub fn refuse(&mut self) -> Result<(), ExecutionError> {
+        let Phase::Approving(_) = self.phase else {
+            return Err(ExecutionError::NothingProposed);
+        };
+        self.events.push(Event::Refused);
+        self.end(Stop::Refused);
+        Ok(())
+    }
+
+    /// Withdraws a change or a step that waits for a decision, because the world is not as it was. A plan stays: it is
+    /// to be approved before its first step in any world.
+    pub(super) fn withdraw(&mut self) {
+        if let Phase::Approving(proposal) = &self.phase
+            && !matches!(proposal.subject, Subject::Plan)
+        {
+            self.phase = Phase::Active;
+        }
+    }
+}

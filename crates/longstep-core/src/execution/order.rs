@@ -1,0 +1,145 @@
+//! Orders: steps that a robot performs, and how they end.
+
+use super::{Approval, Event, Execution, ExecutionError, Need, Order, Subject, Watch};
+use crate::cursor::CursorError;
+use crate::model::{Fact, Moment, holds};
+use crate::plan::{Step, StepId};
+use crate::search::GroundAction;
+
+impl Execution {
+    /// Orders a step, unless it has to be assessed first.
+    pub(super) fn order(&mut self, id: StepId) -> Option<Need> {
+        let step = self.cursor.step(id).clone();
+        let domain = self.world.domain();
+        let action = domain.action(step.action);
+        let moment = Moment {
+            world: &self.world,
+            state: self.cursor.state(),
+        };
+        let is_possible = holds(moment, &action.precondition, &mut step.arguments.clone())
+            && self.world.forbids(step.action, &step.arguments).is_none()
+            && !self.is_forbidden(&ground(&step));
+        if !is_possible {
+            // The prediction was wrong where nothing was observed.
+            self.suspicious = true;
+            return None;
+        }
+        let order = Order {
+            number: self.orders + 1,
+            step: id,
+            lane: step.actor(domain),
+            action: step.action,
+            outcomes: self.cursor.outcomes(id),
+            skills: self.settings.skills.values(&self.world, step.action, &step.arguments),
+            arguments: step.arguments,
+            explanation: step.explanation,
+        };
+        let approved = self.approved.take();
+        if self.settings.approval == Approval::EachStep && approved.as_ref() != Some(&order) {
+            self.propose(Subject::Step(order));
+            return None;
+        }
+        self.orders += 1;
+        self.events.push(Event::ordered(&self.world, &order));
+        self.running.push(order.clone());
+        Some(match order.outcomes.is_empty() {
+            true => Need::Perform(order),
+            false => Need::Sense(order),
+        })
+    }
+
+    pub(super) fn is_forbidden(&self, step: &GroundAction) -> bool {
+        self.forbidden.iter().any(|(own, _)| own == step)
+    }
+
+    fn take_running(&mut self, number: u64) -> Result<Order, ExecutionError> {
+        if self.is_ended() {
+            return Err(ExecutionError::Ended);
+        }
+        let place = self.running.iter().position(|order| order.number == number);
+        let place = place.ok_or(ExecutionError::UnknownOrder(number))?;
+        Ok(self.running.remove(place))
+    }
+
+    /// Records that the robot says that it performed a step, with the outcome of a sensing step.
+    ///
+    /// # Errors
+    ///
+    /// An order that is not under way, and an outcome that is missing or is none of the step's. The execution is
+    /// unchanged then.
+    pub fn performed(&mut self, number: u64, outcome: Option<Fact>) -> Result<(), ExecutionError> {
+        let order = self.take_running(number)?;
+        if let Err(error) = self.complete(&order, outcome) {
+            self.running.push(order);
+            self.running.sort_by_key(|order| order.number);
+            return Err(error.into());
+        }
+        self.events.push(Event::performed(&self.world, number, outcome));
+        self.due = self.settings.watch == Watch::EachStep || self.suspicious;
+        Ok(())
+    }
+
+    /// Moves on behind a step.
+    pub(super) fn complete(&mut self, order: &Order, outcome: Option<Fact>) -> Result<(), CursorError> {
+        let mut cursor = self.cursor.clone();
+        let other = |fact: &&Fact| outcome.is_some_and(|seen| seen != **fact) && cursor.state().holds(**fact);
+        let contradicts = order.outcomes.iter().find(other).copied();
+        if let Some(known) = contradicts.filter(|_| outcome.is_some_and(|seen| order.outcomes.contains(&seen))) {
+            // What was known has changed: what is seen now counts.
+            let mut state = cursor.state().clone();
+            state.set(known, false);
+            cursor.correct(state);
+        }
+        let before = cursor.state().clone();
+        cursor.complete(order.step, outcome)?;
+        self.suspicious |= contradicts.is_some();
+        let action = self.world.domain().action(order.action);
+        let states = (&before, cursor.state());
+        self.progress
+            .step(&self.world, &self.purpose, states, action, &order.arguments);
+        self.cursor = cursor;
+        self.since.push(GroundAction {
+            action: order.action,
+            arguments: order.arguments.clone(),
+        });
+        Ok(())
+    }
+
+    /// Records that the robot could not do a step. The world is observed then.
+    ///
+    /// # Errors
+    ///
+    /// An order that is not under way.
+    pub fn failed(&mut self, number: u64, why: &str) -> Result<(), ExecutionError> {
+        let order = self.take_running(number)?;
+        let why: String = why.chars().take(500).collect();
+        self.events.push(Event::Failed {
+            order: number,
+            why: why.clone(),
+        });
+        let step = GroundAction {
+            action: order.action,
+            arguments: order.arguments,
+        };
+        self.count_failure(step, &why);
+        self.due = true;
+        self.suspicious = true;
+        Ok(())
+    }
+
+    /// Counts a failure of a step, which is forbidden when it has failed too often.
+    pub(super) fn count_failure(&mut self, step: GroundAction, why: &str) {
+        let failures = self.failures.entry(step.clone()).or_default();
+        *failures += 1;
+        if *failures > self.world.domain().action(step.action).retries && !self.is_forbidden(&step) {
+            self.forbidden.push((step, why.to_owned()));
+        }
+    }
+}
+
+pub(super) fn ground(step: &Step) -> GroundAction {
+    GroundAction {
+        action: step.action,
+        arguments: step.arguments.clone(),
+    }
+}
