@@ -205,41 +205,70 @@ pub fn is_reached(case: &Case, state: &State) -> bool {
         .all(|own| holds(moment, &own.condition, &mut own.bindings.clone()))
 }
 
-/// Returns different plans with lanes, for two to four goals at once of the suite `two-arms`; at most this many.
+/// Numbers that look random and are the same each time (SplitMix64).
+struct Draws(u64);
+
+impl Draws {
+    /// Returns a number below the limit.
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) % limit as u64) as usize
+    }
+}
+
+/// Returns different plans with lanes: drawn scenes of the suite `two-arms` in which objects have exchanged their places,
+/// and two to four drawn goals of the scene at once. At most this many.
 pub fn lanes(count: usize) -> Vec<Case> {
     let single = cases(&["two-arms"]);
-    let mut found: Vec<Case> = Vec::new();
-    let mut known = BTreeSet::new();
-    for (size, distance) in (2..=4).flat_map(|size| (1..single.len()).map(move |distance| (size, distance))) {
-        for index in 0..single.len() {
-            if found.len() == count {
-                return found;
-            }
-            let chosen: Vec<&Case> = (0..size)
-                .map(|own| &single[(index + own * distance) % single.len()])
-                .collect();
-            let scene = chosen[0].world.environment();
-            let goals: BTreeSet<&str> = chosen.iter().map(|own| own.goal.as_str()).collect();
-            let is_one_scene = chosen.iter().all(|own| own.world.environment() == scene);
-            let text = goals.iter().copied().collect::<Vec<_>>().join(" & ");
-            if goals.len() < size || !is_one_scene || !known.insert((chosen[0].name.clone(), text.clone())) {
-                continue;
-            }
-            let Some(mut case) = solved(&chosen[0].world, &text, &text) else {
-                continue;
-            };
-            let Some(shared) = schedule::share(&case.world, &case.plan, &case.purpose) else {
-                continue;
-            };
-            // The same plan for other words is no other plan.
-            let written = format!("{scene:?} {:?}", shared.plan.plan());
-            if known.insert((String::new(), written)) {
-                case.plan = shared.plan;
-                found.push(case);
-            }
+    let mut draws = Draws(0);
+    let (mut found, mut known) = (Vec::new(), BTreeSet::new());
+    for _ in 0..40 * count {
+        if found.len() == count {
+            break;
+        }
+        let first = &single[draws.below(single.len())];
+        let scene = first.world.environment();
+        let here: Vec<&Case> = single.iter().filter(|own| own.world.environment() == scene).collect();
+        let mut goals = BTreeSet::new();
+        for _ in 0..2 + draws.below(3) {
+            goals.insert(here[draws.below(here.len())].goal.as_str());
+        }
+        let world = with_places_exchanged(&first.world, &mut draws);
+        let text = goals.iter().copied().collect::<Vec<_>>().join(" & ");
+        let Some(mut case) = solved(&world, &first.name, &text) else {
+            continue;
+        };
+        let Some(shared) = schedule::share(&case.world, &case.plan, &case.purpose) else {
+            continue;
+        };
+        // The same plan for other words is no other plan.
+        if known.insert(format!("{:?} {:?}", world.environment(), shared.plan.plan())) {
+            case.plan = shared.plan;
+            found.push(case);
         }
     }
     found
+}
+
+/// Returns the world in which the objects that only lie somewhere have exchanged their places.
+fn with_places_exchanged(world: &World, draws: &mut Draws) -> World {
+    let mut scene = world.environment().clone();
+    let lying: Vec<String> = scene
+        .object_states
+        .iter()
+        .filter(|(_, words)| matches!(words.as_slice(), [word] if word.contains("_something(")))
+        .map(|(object, _)| object.clone())
+        .collect();
+    for end in (1..lying.len()).rev() {
+        let other = draws.below(end + 1);
+        let [own, another] = [&lying[end], &lying[other]].map(|object| scene.object_states[object].clone());
+        scene.object_states.insert(lying[end].clone(), another);
+        scene.object_states.insert(lying[other].clone(), own);
+    }
+    let read = environment::read(world.domain(), &scene, "exchanged", "", &JsonPath::default());
+    read.unwrap_or_else(|_| world.clone())
 }
 
 /// Returns the cases of the largest kitchen of the suites, with so many jars that it has this number of entities.
@@ -252,10 +281,14 @@ pub fn kitchen_of(count: usize) -> Vec<Case> {
     let mut found = Vec::new();
     for case in all.iter().filter(|case| size(case) == largest) {
         let mut kitchen = case.world.environment().clone();
-        let place = format!("on_something({})", kitchen.assets[0]);
+        // A jar stands beside an object that only stands somewhere.
+        let stands = |words: &&Words| matches!(words.as_slice(), [word] if word.starts_with("ON("));
+        let Some(place) = kitchen.object_states.values().find(stands).cloned() else {
+            continue;
+        };
         for number in 1..=count.saturating_sub(largest) {
             let jar = format!("<jar_{number}>");
-            kitchen.object_states.insert(jar.clone(), Words::One(place.clone()));
+            kitchen.object_states.insert(jar.clone(), place.clone());
             kitchen.objects.push(jar);
         }
         let domain = case.world.domain();
