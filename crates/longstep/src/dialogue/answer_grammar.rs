@@ -59,8 +59,12 @@ impl Form {
 
     /// A form between one and `most` times, with a separator.
     pub(crate) fn separated(self, separator: Self, most: usize) -> Self {
+        // Engines refuse a range that ends with 0.
+        if most <= 1 {
+            return self;
+        }
         let form = self.shared();
-        let more = Self::Row(vec![separator, form.clone()]).times(0, most.saturating_sub(1));
+        let more = Self::Row(vec![separator, form.clone()]).times(0, most - 1);
         Self::Row(vec![form, more])
     }
 
@@ -161,4 +165,22 @@ pub(crate) fn closed(entries: &[(&str, Value)]) -> Value {
         .map(|(key, value)| ((*key).to_owned(), value.clone()))
         .collect();
     json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_form_with_a_separator_is_repeated_at_most_so_often() {
+        for (most, expected) in [
+            (1, "start: ANSWER\nANSWER: \"a\"\n"),
+            (
+                3,
+                "start: ANSWER\nANSWER: (PART0 ((\" & \" PART0)){0,2})\nPART0: \"a\"\n",
+            ),
+        ] {
+            assert_eq!(Form::text("a").separated(Form::text(" & "), most).grammar(), expected);
+        }
+    }
 }
