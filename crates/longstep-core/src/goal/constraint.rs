@@ -104,7 +104,14 @@ impl Constraint {
                 ANY => None,
                 name => {
                     let kind = action.parameters[*parameter].kind;
-                    Some(language::entities(world, text, &[name], &[kind])?[0])
+                    // A goal of entities that it does not take is no call of an action with the same name.
+                    let read = language::entities(world, text, &[name], &[kind]);
+                    Some(
+                        read.map_err(|own| match &error {
+                            GoalError::WrongType { .. } => error.clone(),
+                            _ => own,
+                        })?[0],
+                    )
                 }
             });
         }

@@ -103,6 +103,16 @@ fn a_group_stands_for_its_members() {
     }
 }
 
+/// In a domain with an action that is called like a goal word, too.
+#[test]
+fn a_prohibition_leaves_out_members_that_its_goal_does_not_take() {
+    let virtualhome = crate::domain::shipped("virtualhome").unwrap().unwrap();
+    let text = r#"{"assets": ["<stove_5>"], "objects": ["<mug_6>", "<plate_7>"]}"#;
+    let world = crate::environment::parse(&virtualhome, "env.json", text).unwrap();
+    let goal = parse(&world, "never put(<plate_7>, top of all thing)").unwrap();
+    assert_eq!(goal.exact(&world), ["never put(<plate_7>, top of <stove_5>)"]);
+}
+
 #[test]
 fn a_group_that_stands_for_nothing_is_an_error() {
     let world = kitchen();
