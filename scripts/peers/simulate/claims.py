@@ -32,7 +32,15 @@ def possible(world: World) -> set[tuple]:
     return world.brought_about
 
 
-def hides_place(call) -> list[str]:
+def subject(world: World, fact: tuple) -> str | None:
+    """The entity or term that a fact is said of: that of the state word which says it, or else the first argument."""
+    for word in world.words.states.values():
+        if word.predicate == fact[0] and "?self" in word.terms:
+            return fact[1 + word.terms.index("?self")]
+    return fact[1] if len(fact) > 1 else None
+
+
+def hides_place(world: World, call) -> list[str]:
     """The predicates of the places of a call's object, if the call changes them and hides an argument besides the object."""
     if call.object is None or not set(call.hidden) - {call.object, call.actor}:
         return []
@@ -44,7 +52,7 @@ def hides_place(call) -> list[str]:
                 look(part)
         elif effect[0] in ("forall", "when"):
             look(effect[2])
-        elif len(effect[2]) == 2 and effect[2][0] == call.object:
+        elif len(effect[2]) == 2 and subject(world, (effect[1], *effect[2])) == call.object:
             found.append(effect[1])
 
     look(call.action.effect)
@@ -62,9 +70,9 @@ def promises(bound: Bound, after: dict) -> set[tuple]:
         if not action:
             continue
         parameters = [name for name, _ in step.call.action.parameters]
-        for predicate in hides_place(step.call):
+        for predicate in hides_place(world, step.call):
             thing = action.arguments[parameters.index(step.call.object)]
-            wanted |= {fact for fact in said if fact[:2] == (predicate, thing) and fact in may | world.initial}
+            wanted |= {fact for fact in said if fact[0] == predicate and subject(world, fact) == thing and fact in may | world.initial}
     return wanted
 
 

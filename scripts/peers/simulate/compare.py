@@ -75,7 +75,12 @@ def compare_search(case: Case, world: World, answer: dict) -> Comparison:
     if own == search.OVER or status == "gave_up":
         return Comparison(over=True)
     theirs = len(answer["steps"]) if status == "verified" else status
-    if own != theirs:
+    told = answer.get("search") or {}
+    if status == "verified" and isinstance(own, int) and told.get("shortest") is False:
+        # The search says itself how much shorter a plan may be.
+        if not told["at_least"] <= own <= theirs:
+            return Comparison(f"search: {told['at_least']} to {theirs} there, {own} here")
+    elif own != theirs:
         return Comparison(f"search: {theirs} there, {own} here")
     if status == "verified" and own:
         plan = read({"task_cohesion": flat_of(answer)}, world)
