@@ -25,7 +25,7 @@ const MEMORY: u32 = 500_000;
 /// A program that is still there by then hangs. Nothing is measured by this.
 const HANGS: Duration = Duration::from_secs(300);
 
-/// What came of a run.
+/// The result of a run.
 struct Ran {
     status: ExitStatus,
     stdout: String,

@@ -64,7 +64,7 @@ fn instruction(random: &mut Random) -> String {
     format!("Put the {} on the {}\n", random.one_of(&THINGS), random.one_of(&PLACES))
 }
 
-/// What a person says, line by line.
+/// The words of a person, line by line.
 fn script(random: &mut Random, yes: bool) -> String {
     let mut script = String::new();
     for _ in 0..3 + random.below(6) {
@@ -85,7 +85,7 @@ fn script(random: &mut Random, yes: bool) -> String {
 /// A plan was accepted (`true`) or undone.
 type Step = (bool, usize);
 
-/// What the program said had happened.
+/// The events that the program reported.
 fn announced(text: &str) -> Vec<Step> {
     let number = |text: &str| text.trim().parse().unwrap();
     // The last line may be cut off anywhere.

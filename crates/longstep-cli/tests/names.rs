@@ -1,4 +1,4 @@
-//! What a domain makes of an environment, and suites that cannot be passed.
+//! Derivations of a domain from an environment, and suites that cannot be passed.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
 mod common;

@@ -23,7 +23,7 @@ fn longstep(arguments: &[&str]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// What a person sees: exit code, stdout, stderr; times are masked.
+/// The view of a person: exit code, stdout, stderr; times are masked.
 fn seen(arguments: &[&str]) -> String {
     let (code, stdout, stderr) = longstep(arguments);
     let mut seen = format!("exit code {code}\n");

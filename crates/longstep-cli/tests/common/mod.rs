@@ -1,4 +1,4 @@
-//! What the tests of the program share: a small server that speaks OpenAI's dialect and says what it is told to, and
+//! The shared parts of the tests of the program: a small server that speaks OpenAI's dialect and says what it is told to, and
 //! the program with its input and output.
 #![allow(dead_code, clippy::unwrap_used, clippy::panic, missing_docs, unreachable_pub)]
 
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 pub const PANTRY: &str = "examples/environments/pantry.json";
 
-/// What the server does when it is asked for a reply.
+/// The reaction of the server to a request for a reply.
 #[derive(Debug, Clone)]
 pub enum Answer {
     /// The model says this.
@@ -87,7 +87,7 @@ impl Server {
         &self.address
     }
 
-    /// What `--model` takes.
+    /// The reference for `--model`.
     pub fn reference(&self) -> String {
         format!("{}#recorded", self.address)
     }
@@ -209,7 +209,7 @@ pub fn longstep(home: &Path) -> Command {
     command
 }
 
-/// What came of a run.
+/// The result of a run.
 #[derive(Debug)]
 pub struct Ran {
     pub code: i32,

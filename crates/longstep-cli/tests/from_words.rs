@@ -1,10 +1,10 @@
-//! The fifteen instructions of the `household` suite from words to a world in which objects have moved: five scenes, each
-//! a chain, with one `longstep run` for each instruction.
+//! Instructions from words to a world in which objects have moved, with one `longstep run` for each instruction: the fifteen of
+//! the `household` suite (five scenes, each a chain) in MuJoCo, and the twenty of pyrobosim.
 //!
-//!     LONGSTEP_TEST_MODEL=MODEL cargo test -p longstep-cli --test household -- --ignored --nocapture
+//!     LONGSTEP_TEST_MODEL=MODEL cargo test -p longstep-cli --test from_words -- --ignored --nocapture
 //!
-//! `LONGSTEP_TEST_MODEL` is whatever `--model` takes. The robot is the one of `LONGSTEP_TEST_ROBOT`, or else the reference
-//! robot in MuJoCo (`scripts/robots/mujoco.sh` installs it).
+//! `LONGSTEP_TEST_MODEL` is the reference for `--model`. The robots are those that `scripts/robots/mujoco.sh` and
+//! `scripts/robots/pyrobosim.sh` install; `LONGSTEP_TEST_ROBOT` names another one for the household.
 #![cfg(unix)]
 #![allow(
     clippy::unwrap_used,
@@ -25,10 +25,62 @@ use common::{Server, goals, longstep, root};
 use longstep_core::environment::{self, Moment, World, holds};
 use longstep_core::execution::{Event, Execution};
 use longstep_core::model::Domain;
-use longstep_core::{domain, goal};
+use longstep_core::goal;
+use longstep_llm::load_domain;
 use longstep_robot::RunLog;
 
-const MUJOCO: &str = "process:examples/robots/mujoco/run";
+/// A suite, and the robot for each of its scenes.
+struct Suite {
+    /// The name of a shipped domain, or its folder.
+    domain: String,
+    folder: PathBuf,
+    cases: &'static str,
+    robot: fn(&str) -> String,
+}
+
+impl Suite {
+    fn household(robot: fn(&str) -> String) -> Self {
+        Self {
+            domain: "household".to_owned(),
+            folder: root().join("suites/household"),
+            cases: "chains.toml",
+            robot,
+        }
+    }
+
+    fn pyrobosim() -> Self {
+        let domain = root().join("examples/robots/pyrobosim/domain");
+        Self {
+            folder: domain.join("suite"),
+            domain: domain.display().to_string(),
+            cases: "instructions.toml",
+            robot: |scene| {
+                let world = match scene {
+                    "simple_world" => "pddlstream_simple_world.yaml",
+                    _ => "test_world.yaml",
+                };
+                format!("process:examples/robots/pyrobosim/run --world {world}")
+            },
+        }
+    }
+
+    fn chains(&self) -> Vec<Chain> {
+        let text = fs::read_to_string(self.folder.join(self.cases)).unwrap();
+        let table: toml::Table = text.parse().unwrap();
+        let instruction = |step: &toml::Value| Instruction {
+            says: step["says"].as_str().unwrap().to_owned(),
+            goal: step["goal"].as_str().unwrap().to_owned(),
+        };
+        let chain = |case: &toml::Value| Chain {
+            scene: case["scene"].as_str().unwrap().to_owned(),
+            instructions: match case.get("steps") {
+                Some(steps) => steps.as_array().unwrap().iter().map(instruction).collect(),
+                None => vec![instruction(case)],
+            },
+        };
+        table["case"].as_array().unwrap().iter().map(chain).collect()
+    }
+}
 
 /// One instruction of a chain.
 struct Instruction {
@@ -38,25 +90,8 @@ struct Instruction {
 
 /// A scene with its instructions.
 struct Chain {
-    scene: PathBuf,
+    scene: String,
     instructions: Vec<Instruction>,
-}
-
-fn chains() -> Vec<Chain> {
-    let folder = root().join("suites/household");
-    let text = fs::read_to_string(folder.join("chains.toml")).unwrap();
-    let table: toml::Table = text.parse().unwrap();
-    let chain = |case: &toml::Value| {
-        let instruction = |step: &toml::Value| Instruction {
-            says: step["says"].as_str().unwrap().to_owned(),
-            goal: step["goal"].as_str().unwrap().to_owned(),
-        };
-        Chain {
-            scene: folder.join(format!("scenes/{}.json", case["scene"].as_str().unwrap())),
-            instructions: case["steps"].as_array().unwrap().iter().map(instruction).collect(),
-        }
-    };
-    table["case"].as_array().unwrap().iter().map(chain).collect()
 }
 
 /// The end of an instruction.
@@ -87,14 +122,21 @@ fn is_reached(domain: &Domain, world: &World, wanted: &str, events: &[Event]) ->
     wanted.iter().all(met)
 }
 
-fn run(home: &Path, environment: &Path, instruction: &Instruction, number: usize, model: &str, robot: &str) -> Outcome {
-    let domain = domain::shipped("household").unwrap().unwrap();
+fn run(
+    suite: &Suite,
+    home: &Path,
+    environment: &Path,
+    instruction: &Instruction,
+    (model, robot): (&str, &str),
+    number: usize,
+) -> Outcome {
+    let domain = load_domain(&suite.domain).unwrap();
     let text = fs::read_to_string(environment).unwrap();
     let world = environment::parse(&domain, "env.json", &text).unwrap();
     let log = home.join(format!("{number}.jsonl"));
     let begun = Instant::now();
     let mut command = longstep(home);
-    command.args(["run", &instruction.says, "--model", model, "--robot", robot]);
+    command.args(["run", &instruction.says, "--model", model, "--robot", robot, "--domain", &suite.domain]);
     command.args(["--approve", "never", "--json", "--env"]).arg(environment);
     command
         .arg("--log")
@@ -124,13 +166,14 @@ fn run(home: &Path, environment: &Path, instruction: &Instruction, number: usize
 }
 
 /// Runs all chains; returns the number of instructions, and of those that reach the goal of the suite.
-fn run_all(model: &str, robot: &str) -> (usize, usize) {
+fn run_all(suite: &Suite, model: &str) -> (usize, usize) {
     let (mut count, mut reached, mut whole) = (0, 0, Duration::ZERO);
-    for chain in chains() {
+    for chain in suite.chains() {
         let home = tempfile::tempdir().unwrap();
-        let mut environment = chain.scene.clone();
+        let mut environment = suite.folder.join(format!("scenes/{}.json", chain.scene));
+        let robot = (suite.robot)(&chain.scene);
         for instruction in &chain.instructions {
-            let outcome = run(home.path(), &environment, instruction, count, model, robot);
+            let outcome = run(suite, home.path(), &environment, instruction, (model, &robot), count);
             count += 1;
             reached += usize::from(outcome.reached);
             whole += outcome.time;
@@ -158,20 +201,35 @@ fn run_all(model: &str, robot: &str) -> (usize, usize) {
     (count, reached)
 }
 
+fn model() -> String {
+    std::env::var("LONGSTEP_TEST_MODEL").expect("LONGSTEP_TEST_MODEL is the reference for `--model`")
+}
+
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL, and MuJoCo or LONGSTEP_TEST_ROBOT"]
-fn the_suite_from_words_to_moved_objects() {
-    let model = std::env::var("LONGSTEP_TEST_MODEL").expect("LONGSTEP_TEST_MODEL is what `--model` takes");
-    let robot = std::env::var("LONGSTEP_TEST_ROBOT").unwrap_or_else(|_| MUJOCO.to_owned());
-    let (count, reached) = run_all(&model, &robot);
+fn the_household_in_mujoco() {
+    let mujoco = |_: &str| {
+        let other = std::env::var("LONGSTEP_TEST_ROBOT");
+        other.unwrap_or_else(|_| "process:examples/robots/mujoco/run".to_owned())
+    };
+    let (count, reached) = run_all(&Suite::household(mujoco), &model());
     assert_eq!(count, 15);
     assert!(reached > 0, "no instruction reached its goal");
 }
 
-/// The same commands with a small server in place of a model, which wants what the suite wants, in the simulator.
+#[test]
+#[ignore = "needs LONGSTEP_TEST_MODEL, and pyrobosim"]
+fn twenty_instructions_in_pyrobosim() {
+    let (count, reached) = run_all(&Suite::pyrobosim(), &model());
+    assert_eq!(count, 20);
+    assert!(reached > 0, "no instruction reached its goal");
+}
+
+/// These commands with a small server in place of a model, which wants the goals of the suite, in the simulator.
 #[test]
 fn fifteen_instructions_move_objects() {
-    let chains = chains();
+    let suite = Suite::household(|_| "sim:seed=5".to_owned());
+    let chains = suite.chains();
     let wanted: Vec<(String, String)> = chains
         .iter()
         .flat_map(|chain| &chain.instructions)
@@ -184,5 +242,5 @@ fn fifteen_instructions_move_objects() {
         let (_, goal) = wanted.iter().max_by_key(|(says, _)| place(says)).unwrap();
         goals(&[goal])
     });
-    assert_eq!(run_all(&server.reference(), "sim:seed=5"), (15, 15));
+    assert_eq!(run_all(&suite, &server.reference()), (15, 15));
 }
