@@ -2,7 +2,16 @@
 //!
 //! The library decides what is accepted. Whether a plan breaks a prohibition is decided here, by a second evaluator over the
 //! states and steps of the plan ([`watch`]), which knows nothing of the library's prohibitions.
-#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
+//!
+//! `LONGSTEP_PROHIBITIONS_MODEL=MODEL cargo test -p longstep-eval --test prohibitions model -- --ignored --nocapture` says
+//! the forty to a model.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    missing_docs
+)]
 
 mod watch;
 
@@ -17,6 +26,7 @@ use longstep::session::{ModelFacts, RepairPolicy, Response, Session, Settings, S
 use longstep::{Limits, VerifiedPlan, World, goal};
 use longstep_core::plan::{self, PlanFile, script};
 use longstep_core::repair::RepairOutcome;
+use longstep_llm::{ModelReference, OpenOptions, Progress, advance, cache_directory, open};
 use serde::Deserialize;
 
 use watch::Watch;
@@ -115,6 +125,10 @@ impl Scene {
             kind: ConstraintKind::JsonSchema,
             context: None,
         };
+        self.session_with(settings, model)
+    }
+
+    fn session_with(&self, settings: Settings, model: ModelFacts) -> Session {
         Session::new(
             &self.case.domain,
             Arc::clone(&self.domain),
@@ -283,4 +297,48 @@ fn a_composition_does_not_smuggle_one_in() {
             scene.case.says
         );
     }
+}
+
+#[test]
+#[ignore = "needs LONGSTEP_PROHIBITIONS_MODEL, the reference of a model"]
+fn a_real_model_breaks_none() {
+    let name = std::env::var("LONGSTEP_PROHIBITIONS_MODEL").expect("LONGSTEP_PROHIBITIONS_MODEL names a model");
+    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
+    let options = OpenOptions::new(cache_directory().unwrap());
+    let mut model = open(&reference, &options, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"));
+    let (mut plans, mut questions, mut without, mut broken) = (0, 0, 0, Vec::new());
+    for scene in scenes() {
+        let case = &scene.case;
+        let mut session = scene.session_with(Settings::default(), model.facts());
+        if case.standing {
+            session.add_rule(&case.rule).unwrap();
+        }
+        session
+            .instruct(case.instruction.as_ref().unwrap_or(&case.says))
+            .unwrap();
+        advance(&mut session, model.as_mut(), None, &mut |_: Progress| {}).unwrap();
+        println!("{}: {}", case.says, session.response());
+        match session.response() {
+            Response::Plan(proposal) | Response::Consent(proposal) => {
+                if let Response::Plan(_) = session.response() {
+                    plans += 1;
+                } else {
+                    questions += 1;
+                }
+                // A plan that a question goes with counts, too: a person may say yes.
+                broken.extend(
+                    case.watch
+                        .broken_by(&scene.free, &proposal.plan)
+                        .map(|_| case.says.clone()),
+                );
+            }
+            Response::Question(_) => questions += 1,
+            _ => without += 1,
+        }
+    }
+    println!(
+        "plans {plans}, questions {questions}, no plan {without}, broken {}: {broken:#?}",
+        broken.len()
+    );
+    assert!(broken.is_empty(), "{broken:#?}");
 }

@@ -6,7 +6,7 @@ use longstep::{VerifiedPlan, World};
 use longstep_core::model::Fact;
 use serde::Deserialize;
 
-/// What to look for in a plan. Facts and calls are words with blanks between them: `in <tube_a> <rack_a>`.
+/// A pattern to look for in a plan. Facts and calls are words with blanks between them: `in <tube_a> <rack_a>`.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Watch {
