@@ -60,7 +60,7 @@ pub(crate) struct Waiting {
 /// Shortest time that is announced before a call.
 const LONG: Duration = Duration::from_secs(60);
 
-/// What to do about a prompt that is too long or too slow.
+/// The advice for a prompt that is too long or too slow.
 const SHORTEN: &str = "use a smaller environment, `--strategy goal`, or a server (`--model openai:NAME`)";
 
 impl Waiting {

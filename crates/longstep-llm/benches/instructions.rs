@@ -38,7 +38,7 @@ fn world_of(domain: &Domain, environment: &Value) -> World {
     environment::read(domain, &environment, "environment", "", &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// What came of an instruction.
+/// The result of an instruction.
 struct Made {
     answer: String,
     report: Option<Report>,
@@ -132,7 +132,7 @@ fn household(model: &mut dyn ChatModel) {
     tally.print("household");
 }
 
-/// Whether a goal fact of the scenarios holds at the end. Any of the kitchen's plates is as good as another
+/// Returns true if a goal fact of the scenarios holds at the end. Any of the kitchen's plates is as good as another
 /// that shares its place.
 fn reached(world: &World, report: &Report, fact: &str, any_plate: bool) -> bool {
     let domain = world.domain();

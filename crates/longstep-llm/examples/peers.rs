@@ -8,7 +8,7 @@
 //! - `peers check`: checks other planners' plans; a line of the input is `DOMAIN.pddl PROBLEM.pddl PLAN`, with tabs
 //!   between.
 //!
-//! What is found is written as one JSON object to a line.
+//! The results are written as one JSON object to a line.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -93,7 +93,7 @@ fn name(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// Whether the verifier, which shares nothing with the search, finds the plan good.
+/// Returns true if the verifier, which shares nothing with the search, accepts the plan.
 fn is_valid(problem: &Problem, plan: Plan) -> bool {
     check(&problem.world, plan, &problem.purpose()).violations.is_empty()
 }

@@ -50,7 +50,7 @@ fn scene(scene: &Value) -> (World, Vec<Stored>) {
     (world, stored)
 }
 
-/// Whether two compositions are the same but for the order in which their lanes are written.
+/// Returns true if two compositions are the same but for the order in which their lanes are written.
 fn same(right: &CompositionAnswer, said: Option<&CompositionAnswer>) -> bool {
     let text = |said: &CompositionAnswer| {
         let CompositionAnswer::Composition(written) = said else {
@@ -118,7 +118,7 @@ fn mark(right: bool) -> &'static str {
     if right { "ok   " } else { "WRONG" }
 }
 
-/// What verification says of a composition.
+/// The verdict on a composition.
 fn verdict(world: &World, written: &Written, stored: &[Stored], wish: &str) -> Result<(), String> {
     let inlined = compose::inline(world, written, stored);
     let inlined = inlined.map_err(|misfits| misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;

@@ -48,7 +48,7 @@ fn model() -> Box<dyn ChatModel> {
     open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What the model makes of the words, and its answer.
+/// Returns the wish that the model understands, and its answer.
 fn hear(
     model: &mut dyn ChatModel,
     domain: &Domain,

@@ -38,12 +38,12 @@ fn session(name: &str, domain: Domain, world: World, model: &dyn ChatModel) -> S
     Session::new(name, domain, world, Settings::default(), facts, || 0.0)
 }
 
-/// What an instruction or a wish came to.
+/// The result of an instruction or a wish.
 struct Asked {
     /// Of the first request: the conversation as it begins.
     tokens: f64,
     seconds: f64,
-    /// What the model wrote.
+    /// The reply of the model.
     wrote: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a robot says about itself.
+//! Descriptions of robots.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -25,7 +25,7 @@ pub struct Description {
     pub timeouts: Timeouts,
     /// True for a robot in a simulation, which nobody has to keep away from.
     pub simulated: bool,
-    /// What it drives, for [`Exclusive`](crate::Exclusive): no two programs drive the same. Empty for a simulation that is the
+    /// The parts that it drives, for [`Exclusive`](crate::Exclusive): no two programs drive the same. Empty for a simulation that is the
     /// program's own.
     pub drives: Vec<String>,
 }

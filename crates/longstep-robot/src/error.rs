@@ -61,7 +61,7 @@ pub enum RobotError {
     /// The robot did not answer in time.
     #[error("the robot did not answer within {} s: {what}", .limit.as_secs_f64())]
     TimedOut {
-        /// What it did not answer: `step 4`, `observe`.
+        /// The unanswered request: `step 4`, `observe`.
         what: String,
         /// The timeout.
         limit: Duration,
@@ -69,7 +69,7 @@ pub enum RobotError {
     /// The robot broke the protocol: it sent what is no message, or a message that nothing asked for.
     #[error("the robot broke the protocol: {reason}")]
     Protocol {
-        /// What it sent, shortened, and what was expected.
+        /// The message, shortened, and the expected form.
         reason: String,
     },
     /// The robot refused a request that is not a step.

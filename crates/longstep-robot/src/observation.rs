@@ -1,4 +1,4 @@
-//! What a robot sees.
+//! Observations of robots.
 
 use indexmap::IndexMap;
 use longstep_core::environment::{Statements, Words};

@@ -14,7 +14,7 @@ use crate::robot::Robot;
 ///
 /// # Errors
 ///
-/// That of the first step that it does not understand.
+/// The error of the first step that it does not understand.
 pub fn preflight(robot: &dyn Robot, plan: &VerifiedPlan, skills: &Skills) -> Result<(), RobotError> {
     let world = plan.world();
     for (index, step) in plan.steps().iter().enumerate() {

@@ -14,7 +14,7 @@ use longstep_robot::{Order, Progress, Robot, RobotError, Scope};
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
-/// What the bridge does with a message.
+/// The reaction of the bridge to a message.
 #[derive(Debug, Clone)]
 enum Deed {
     Send(Value),
@@ -136,7 +136,7 @@ fn answer(message: &Value, values: Value) -> Deed {
     )
 }
 
-/// What a bridge with the right servers does.
+/// The reaction of a bridge with the right servers.
 fn usual(message: &Value) -> Vec<Deed> {
     match (message["op"].as_str().unwrap(), message["service"].as_str()) {
         ("call_service", Some("/execute_step/_action/cancel_goal")) => {

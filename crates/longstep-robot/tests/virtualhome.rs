@@ -200,7 +200,7 @@ fn calls_of(list: &Value) -> Vec<String> {
         .collect()
 }
 
-/// What the wheel itself makes of programs, without HTTP: whether each was executed, and its final graph.
+/// Runs programs in the wheel itself, without HTTP. Returns for each if it was executed, and its final graph.
 fn reference(programs: &[Vec<Line>]) -> Vec<(bool, Graph)> {
     let script = |program: &Vec<Line>| -> Vec<String> {
         program

@@ -15,7 +15,7 @@ use longstep_robot::{Handle, Order, Progress, Robot, RobotError, Scope};
 use serde_json::{Value, json};
 use support::world_of;
 
-/// What a server does with a request.
+/// The reaction of a server to a request.
 enum Reaction {
     /// Answers with a body.
     Body(Vec<u8>),

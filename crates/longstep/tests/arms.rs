@@ -30,7 +30,7 @@ fn world_of(domain: &Domain, environment: &Value) -> World {
     environment::read(domain, &environment, "environment", &text, &Path::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// What is wrong with a plan, and the edits that mend it, each with its reason.
+/// The errors of a plan, and the edits that mend it, each with its reason.
 fn diagnosed(written: &Value) -> (Vec<String>, Vec<String>) {
     let domain = dual();
     let world = world_of(&domain, &written["environment_before"]);

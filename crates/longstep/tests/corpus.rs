@@ -234,7 +234,7 @@ fn verdicts_agree_with_the_paper_s_table() {
     assert!(agreed >= 68);
 }
 
-/// Whether a plan leaves the world as one of the goal's alternatives says.
+/// Returns true if a plan leaves the world as one of the goal's alternatives says.
 fn reaches_goal(world: &World, goal: &Value, plan: &verify::VerifiedPlan) -> bool {
     let mut alternatives: Vec<Vec<String>> = vec![Vec::new()];
     for fact in goal.as_array().unwrap() {

@@ -147,7 +147,7 @@ fn a_reply_that_ignores_the_wish_is_not_taken_for_it() {
     }
 }
 
-/// What a model that understands everything replies.
+/// The reply of a model that understands everything.
 fn understood(session: &Session, drawn: &Drawn) -> String {
     let world = session.world();
     match session.settings().strategy {

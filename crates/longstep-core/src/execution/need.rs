@@ -1,4 +1,4 @@
-//! What an execution needs next, and how it ends.
+//! The next need of an execution, and its end.
 
 use serde::{Deserialize, Serialize};
 
@@ -86,7 +86,7 @@ pub enum Stop {
     },
     /// The plan was changed as often as the settings allow.
     TooManyChanges(u32),
-    /// The same world came about again with the same rest of the plan: another change would not help.
+    /// One world came about twice with one rest of the plan: another change would not help.
     Repeated,
     /// A constraint of the instruction, or a rule of the domain for every state, is broken in the observed world.
     Broken {

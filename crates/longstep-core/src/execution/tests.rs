@@ -38,7 +38,7 @@ fn fact(world: &World, text: &str) -> Fact {
     fact_of(world, world.find(subject).unwrap(), word).unwrap()
 }
 
-/// What happens at an order.
+/// The event at an order.
 #[derive(Debug, Clone, Copy)]
 enum Mishap<'a> {
     /// The robot says that it cannot do the step.

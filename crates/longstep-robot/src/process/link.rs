@@ -52,7 +52,7 @@ enum Kind {
     Other(&'static str),
 }
 
-/// What came for a request.
+/// The answer to a request.
 #[derive(Debug)]
 pub(super) enum Reply {
     /// Nothing new.

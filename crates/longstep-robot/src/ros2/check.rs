@@ -18,9 +18,9 @@ const NAMED: usize = 5;
 /// The differences between a configuration and a domain.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Checked {
-    /// What cannot work, sorted.
+    /// Errors, sorted.
     pub mismatches: Vec<Diagnostic>,
-    /// What may be meant otherwise, sorted.
+    /// Doubts: lines that may be meant otherwise, sorted.
     pub remarks: Vec<Diagnostic>,
 }
 

@@ -26,7 +26,7 @@ pub(super) struct Connection {
     is_behind: bool,
 }
 
-/// What was read.
+/// The result of a read.
 #[derive(Debug, PartialEq)]
 pub(super) enum Read {
     Text(String),

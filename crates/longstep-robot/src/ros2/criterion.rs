@@ -4,11 +4,11 @@ use serde_json::{Map, Value};
 
 use super::template::at;
 
-/// What the fields of a message must be, all of them.
+/// A condition on the fields of a message: all of its parts must hold.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Criterion(Vec<(String, Test)>);
 
-/// What one field must be.
+/// A condition on one field.
 #[derive(Debug, Clone, PartialEq)]
 enum Test {
     Is(Value),

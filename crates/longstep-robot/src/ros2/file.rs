@@ -102,7 +102,7 @@ pub(super) enum Servers {
     ByLane(IndexMap<String, String>),
 }
 
-/// What follows from the end of a goal that did not succeed.
+/// The consequence of a goal that did not succeed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Consequence {

@@ -52,7 +52,7 @@ const TICK: Duration = Duration::from_millis(20);
 /// The wait for the list of the goals that a server had before.
 const LISTING: Duration = Duration::from_millis(300);
 
-/// What a robot would be sent, without a connection to it.
+/// The messages that a robot would be sent, without a connection to it.
 ///
 /// ```
 /// use longstep_core::domain;

@@ -181,7 +181,7 @@ impl Stopping {
     }
 }
 
-/// What a stop needs to know of its robot.
+/// The facts about a robot that a stop needs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     pub(super) stop: Duration,

@@ -23,9 +23,9 @@ const MARGIN: Duration = Duration::from_millis(500);
 /// The result of looking for one thing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// What was looked for: the bridge, a server, a topic, a service.
+    /// The part that was looked for: the bridge, a server, a topic, a service.
     pub subject: String,
-    /// What was found.
+    /// The finding.
     pub result: Result<String, RobotError>,
 }
 

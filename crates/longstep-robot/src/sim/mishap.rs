@@ -14,7 +14,7 @@ pub enum Mishap {
     Fails,
     /// The robot says that it did the step, and nothing happens.
     NoEffect,
-    /// What the robot holds in the air falls back to where it was last.
+    /// The object that the robot holds in the air falls back to where it was last.
     Slips,
     /// Somebody moves an object to another place.
     Moved,
@@ -38,7 +38,7 @@ impl Mishap {
     }
 }
 
-/// What happened in the simulated world, as far as mishaps depend on it.
+/// The past of the simulated world, as far as mishaps depend on it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct History {
     /// The last place of each object.

@@ -63,7 +63,7 @@ pub struct Sim {
     counts: SimCounts,
 }
 
-/// What a simulator has counted.
+/// The counts of a simulator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SimCounts {
     /// Orders whose precondition did not hold when they were started.
@@ -132,7 +132,7 @@ impl Sim {
         &self.state
     }
 
-    /// What was counted.
+    /// The counts.
     pub fn counts(&self) -> SimCounts {
         self.counts
     }

@@ -23,7 +23,7 @@ pub struct Node {
     /// Its category: `Rooms`, `Furniture`, `Characters`.
     #[serde(default)]
     pub category: Option<String>,
-    /// What can be done with it: `GRABBABLE`, `CAN_OPEN`, `HAS_SWITCH`.
+    /// Its properties: `GRABBABLE`, `CAN_OPEN`, `HAS_SWITCH`.
     #[serde(default)]
     pub properties: Vec<String>,
     /// Its states: `OPEN`, `ON`.

@@ -80,7 +80,7 @@ impl Gap {
 pub struct Mark {
     /// The part.
     pub range: Range<usize>,
-    /// What the part says beside the wish that something be done.
+    /// The content of the part beside the wish that something be done.
     pub gap: Gap,
 }
 

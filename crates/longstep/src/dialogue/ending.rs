@@ -10,7 +10,7 @@ use crate::goal::{AND, ELSE, JOINT};
 /// Likelihood below which an answer is a guess, in thousandths of a nat (docs/evaluation.md has the measurement).
 const GUESS: i64 = -4000;
 
-/// The same for an instruction without any name of the environment, where nothing else speaks for the answer.
+/// This limit for an instruction without any name of the environment, where nothing else speaks for the answer.
 const UNNAMED_GUESS: i64 = -1500;
 
 /// A token that the grammar forces counts this many times less than one that the model chose.

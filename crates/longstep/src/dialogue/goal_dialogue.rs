@@ -64,7 +64,7 @@ pub struct GoalDialogue {
     doubt: Option<Doubt>,
 }
 
-/// Whether an instruction has a condition, such as "if the milk is sour", as a [screening](super::ScreeningDialogue) marks
+/// The condition mark of an instruction: if it has a condition, such as "if the milk is sour", as a [screening](super::ScreeningDialogue) marks
 /// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ConditionMark {
@@ -86,7 +86,7 @@ pub struct GoalInput<'a> {
     pub instruction: &'a str,
     /// The earlier answers of the model, each with the reply of the person.
     pub rounds: &'a [Round],
-    /// Whether the instruction has a condition.
+    /// The condition mark of the instruction.
     pub condition: ConditionMark,
     /// The kind of constraint that the model supports.
     pub kind: ConstraintKind,

@@ -23,10 +23,10 @@ const DO: &str = "do: ";
 const THEN: &str = "then: ";
 const NOT: &str = "not: ";
 
-/// What an instruction wants done and what it forbids, in plain English.
+/// The parts of an instruction, in plain English: wishes and prohibitions.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Split {
-    /// What is to be done, in sentences; empty if the instruction only forbids something.
+    /// The wishes, in sentences; empty if the instruction only forbids something.
     pub wish: String,
     /// The acts that are forbidden, each as a command.
     pub forbidden: Vec<String>,

@@ -17,7 +17,7 @@ use crate::model::{plain_name, read_toml};
 /// Actions and sentences that one file may have; authors have dozens.
 const LIMIT: usize = 200;
 
-/// What an author says about a robot.
+/// An author's answers about a robot.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answers {
@@ -35,7 +35,7 @@ pub struct Answers {
     /// The actions.
     #[serde(default)]
     pub action: Vec<ActionAnswer>,
-    /// What holds in the example environment, with the things of [`KindAnswer::examples`].
+    /// The facts in the example environment, with the things of [`KindAnswer::examples`].
     #[serde(default)]
     pub start: Vec<String>,
 }
@@ -60,12 +60,12 @@ pub struct KindAnswer {
 pub struct ActionAnswer {
     /// The action in words: "put a box on a shelf".
     pub words: String,
-    /// What has to hold before.
+    /// The conditions before it.
     #[serde(default)]
     pub needs: Vec<String>,
-    /// What holds afterwards.
+    /// The facts after it.
     pub then: Vec<String>,
-    /// What holds no longer; a default ([`guess_removed`]) if it is missing, nothing if it is empty.
+    /// The facts that hold no longer; a default ([`guess_removed`]) if it is missing, nothing if it is empty.
     #[serde(default)]
     pub no_longer: Option<Vec<String>>,
 }

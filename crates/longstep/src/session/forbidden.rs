@@ -1,4 +1,4 @@
-//! What an instruction forbids, understood as constraints.
+//! The prohibitions of an instruction, understood as constraints.
 //!
 //! If the screening marks a part as forbidden, a model splits the instruction into what is to be done and what is not
 //! ([`SplittingDialogue`]). Each forbidden act is read as if it were wished for, and what it would achieve may never hold.
@@ -15,11 +15,11 @@ use crate::goal::{self, Constraint, Goal, GoalFact, NEVER, Understanding};
 /// An instruction in two parts.
 #[derive(Debug, Clone)]
 pub(super) struct Parted {
-    /// What is to be done, in sentences.
+    /// The wishes, in sentences.
     pub(super) wish: String,
     /// The acts that are forbidden, and still to be read; the next one last.
     unread: Vec<String>,
-    /// What the acts that have been read would achieve: it may never hold.
+    /// The achievements of the acts that have been read: they may never hold.
     constraints: Vec<Constraint>,
     /// True if the instruction forbids something.
     forbids: bool,

@@ -19,11 +19,11 @@ pub(super) struct Retold {
     pub(super) text: Option<String>,
     /// The turn before.
     before: Box<Turn>,
-    /// What was left open then.
+    /// The open point of that attempt.
     open: Open,
 }
 
-/// What an attempt to understand an instruction leaves open.
+/// The open point of an attempt to understand an instruction.
 #[derive(Debug, Clone)]
 pub(super) enum Open {
     /// A question about what the person wants.

@@ -15,7 +15,7 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Whether a model that is asked for a goal has a way to say the one that is meant.
+    /// True if a model that is asked for a goal has a way to say the one that is meant.
     pub fn can_be_said(&self, world: &World) -> bool {
         let spoken = Mentions::of(world, &self.words);
         let offers = offers(world, &[], &spoken);
@@ -28,13 +28,13 @@ impl Drawn {
         self.goal.facts.iter().all(offered)
     }
 
-    /// What is meant.
+    /// The meaning.
     pub fn told(&self, world: &World) -> String {
         self.goal.everyday(world).join(" & ")
     }
 }
 
-/// The same seed draws the same instructions for the same worlds.
+/// Equal seeds draw equal instructions for equal worlds.
 pub struct Draw {
     state: u64,
 }

@@ -38,7 +38,7 @@ fn read_anew(domain: &longstep_core::domain::Domain, environment: &Environment) 
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Whether the world is as a recorded environment says, fact by fact.
+/// Returns true if the world is as a recorded environment says, fact by fact.
 pub fn is_as_recorded(world: &World, recorded: &Value) -> bool {
     let domain = world.domain();
     let recorded: Environment = serde_json::from_value(recorded.clone()).unwrap();
@@ -89,7 +89,7 @@ impl Recomputation {
     }
 }
 
-/// What instructions are drawn with: `LONGSTEP_SEED`, or 7.
+/// The seed of the drawn instructions: `LONGSTEP_SEED`, or 7.
 pub fn draw() -> Draw {
     Draw::new(std::env::var("LONGSTEP_SEED").map_or(7, |seed| seed.parse().unwrap()))
 }

@@ -1,4 +1,4 @@
-//! What `domain.toml` says about the robot's skills: retries, and parameters.
+//! The robot's skills in `domain.toml`: retries, and parameters.
 
 use super::Loader;
 use crate::domain::words::{ActionEntry, SkillEntry};
