@@ -71,7 +71,7 @@ class Flat:
 
     def put_down(self, step: Step, choice: tuple[str, ...]) -> set[str]:
         """The object of a call that hides where it goes, if there is a claim that may speak of it."""
-        if self.after is None or not hides_place(step.call):
+        if self.after is None or not hides_place(self.world, step.call):
             return set()
         parameters = [name for name, _ in step.call.action.parameters]
         return {choice[parameters.index(step.call.object)]}
