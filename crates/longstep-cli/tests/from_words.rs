@@ -24,8 +24,8 @@ use std::time::{Duration, Instant};
 use common::{Server, goals, longstep, root};
 use longstep_core::environment::{self, Moment, World, holds};
 use longstep_core::execution::{Event, Execution};
-use longstep_core::model::Domain;
 use longstep_core::goal;
+use longstep_core::model::Domain;
 use longstep_llm::load_domain;
 use longstep_robot::RunLog;
 
@@ -136,7 +136,16 @@ fn run(
     let log = home.join(format!("{number}.jsonl"));
     let begun = Instant::now();
     let mut command = longstep(home);
-    command.args(["run", &instruction.says, "--model", model, "--robot", robot, "--domain", &suite.domain]);
+    command.args([
+        "run",
+        &instruction.says,
+        "--model",
+        model,
+        "--robot",
+        robot,
+        "--domain",
+        &suite.domain,
+    ]);
     command.args(["--approve", "never", "--json", "--env"]).arg(environment);
     command
         .arg("--log")

@@ -246,6 +246,11 @@ pub(crate) fn named(world: &World, text: &str) -> Vec<EntityId> {
     Mentions::of(world, text).within(&(0..text.len())).collect()
 }
 
+/// Returns the entities of each name in a text that stands for several.
+pub(crate) fn shared_names(world: &World, text: &str) -> Vec<Vec<EntityId>> {
+    Mentions::of(world, text).shared().map(<[EntityId]>::to_vec).collect()
+}
+
 /// Returns true if a text names an entity in full.
 pub(crate) fn names_entity(world: &World, text: &str) -> bool {
     !named(world, text).is_empty()

@@ -74,6 +74,12 @@ impl Mentions {
         self.0.iter().any(covers)
     }
 
+    /// Returns the entities of each name that stands for several.
+    pub(super) fn shared(&self) -> impl Iterator<Item = &[EntityId]> {
+        let entities = self.0.iter().map(|mention| mention.entities.as_slice());
+        entities.filter(|entities| entities.len() > 1)
+    }
+
     /// Returns the entities that are named within a range.
     pub(super) fn within(&self, range: &Range<usize>) -> impl Iterator<Item = EntityId> {
         let inside = |mention: &&Mention| range.start <= mention.range.start && mention.range.end <= range.end;

@@ -201,3 +201,13 @@ fn what_is_forbidden_is_cut_out() {
     assert_eq!(rest, "Oil the hinge ,");
     assert_eq!(without_prohibitions(text, &[]), (String::new(), text.to_owned()));
 }
+
+#[test]
+fn a_name_may_stand_for_several_entities() {
+    let text = r#"{"assets": ["<desk>"], "objects": ["<pen>", "<jar_1>", "<jar_2>"]}"#;
+    let world = Planner::shipped("household").unwrap().world(text).unwrap();
+    for (text, expected) in [("Put the pen on the jar", &[2][..]), ("Put the pen on jar 2", &[])] {
+        let sizes: Vec<usize> = shared_names(&world, text).iter().map(Vec::len).collect();
+        assert_eq!(sizes, expected, "{text}");
+    }
+}

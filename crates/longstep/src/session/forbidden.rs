@@ -41,7 +41,11 @@ impl Session {
     }
 
     /// Takes the parts of an instruction; none if the model is not sure of them.
+    ///
+    /// Parts without a prohibition overrule the screening only if it took the whole instruction for one. If it marked a
+    /// prohibition beside a wish, such parts have lost it.
     pub(super) fn split(&mut self, mut turn: Turn, split: Option<Split>) {
+        let split = split.filter(|split| !split.forbidden.is_empty() || self.wish(&turn).is_none());
         let Some(Split { wish, mut forbidden }) = split else {
             return self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
         };
@@ -96,6 +100,8 @@ impl Session {
         // said. A standing rule is what the person confirms, and need not be stronger.
         let off = match (parted.wish.is_empty(), &read) {
             (true, Some(_)) => None,
+            // An act that is not understood may be about what the wish is about.
+            (_, None) if self.may_be_about_wish(parted) => None,
             _ => self.hands_off(parted),
         };
         match read.into_iter().chain(off).reduce(|read, off| [read, off].concat()) {
@@ -119,6 +125,16 @@ impl Session {
                 }
             }
         }
+    }
+
+    /// Returns true if a name in the act stands for several entities, and the wish is about one of them.
+    fn may_be_about_wish(&self, parted: &Parted) -> bool {
+        let (Some(goal), Some(act)) = (&parted.goal, parted.act()) else {
+            return false;
+        };
+        let wished: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(&self.domain)).collect();
+        let shared = coverage::shared_names(&self.world, act);
+        shared.iter().flatten().any(|entity| wished.contains(entity))
     }
 
     /// Returns the constraints that nothing touches the entities which the act names in full, and the wish is not about:

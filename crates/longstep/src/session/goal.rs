@@ -292,7 +292,7 @@ impl Session {
     ///
     /// The rest is a wish if it names an entity, or if neither it nor the prohibition names one and it is not much
     /// shorter: "please" in front of a prohibition is no wish.
-    fn wish(&self, turn: &Turn) -> Option<String> {
+    pub(super) fn wish(&self, turn: &Turn) -> Option<String> {
         let text = turn.text();
         let (forbidden, rest) = coverage::without_prohibitions(&text, &turn.marks);
         if forbidden.is_empty() {

@@ -288,13 +288,32 @@ fn a_model_that_is_certain_overrules_its_screening() {
     let split = "do: Put the pen on the shelf.";
     let mut session = grammar(Settings::default());
     let replies = [
-        ("forbids: El boli", -1),
+        ("forbids: El boli, al estante", -1),
         (split, -900),
         ("wish", -1),
         ("put(pen, shelf)", -500),
     ];
     play_weighed(&mut session, SAID, &replies);
     assert_eq!(end(&session), "put(<pen>, <shelf>)");
+}
+
+#[test]
+fn parts_without_the_prohibition_beside_a_wish_do_not_count() {
+    let split = "do: Put the pen on the shelf.";
+    let mut session = grammar(Settings::default());
+    let replies = [
+        (MARKED, -1),
+        (split, -1),
+        ("put(pen, shelf)", -500),
+        (RETOLD, -2000),
+        ("wish", -1),
+        ("put(pen, shelf)", -500),
+    ];
+    play_weighed(&mut session, MIXED, &replies);
+    assert_eq!(
+        question(&session),
+        "I cannot represent \"but not the ruler\" and \"without the cupboard\"; the plan ignores it. Go on?"
+    );
 }
 
 #[test]
