@@ -11,7 +11,7 @@ use anyhow::Result;
 use longstep_core::environment::World;
 use longstep_core::execution::{Approval, Execution, Stop, Watch};
 use longstep_llm::{load_domain, session_directory};
-use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, preflight, reports};
+use longstep_robot::{Robot, RunHeader, RunLog, StopRequest, drive, reports};
 
 use crate::arguments::{ApprovalArgument, ObserveArgument, RunArguments};
 use crate::exit_code::{LIMIT, NOT_VALID, ROBOT, STOPPED};
@@ -22,7 +22,7 @@ use crate::signals::{self, Armed};
 use begin::Begun;
 use person::Person;
 
-pub(crate) use begin::{aim_of, observing, settings};
+pub(crate) use begin::{aim_of, execution, observing};
 pub(crate) use person::{Decide, decision};
 pub(crate) use robot::{Opened, exit_code as robot_exit_code, failure as robot_failure, open};
 pub(crate) use view::{View, end};
@@ -50,14 +50,8 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     let request = StopRequest::default();
     let _armed = armed(&request)?;
     let opened = open(named, plan.world(), arguments.execution.live, &request)?;
-    let mut settings = settings(&arguments.execution, opened.robot.as_ref(), plan.world())?;
-    if opened.is_dry {
-        settings.approval = Approval::Never;
-    }
-    preflight(opened.robot.as_ref(), &plan, &settings.skills).map_err(|error| robot::failure(&error))?;
-    let execution = Execution::new(&plan, &aim, settings).map_err(|error| {
-        Failure::unreadable(error.to_string()).hint("nothing has moved; pass the values with `--skills FILE`")
-    })?;
+    let teach = "nothing has moved; pass the values with `--skills FILE`";
+    let execution = execution(&arguments.execution, &opened, &plan, &aim, teach)?;
     let path = match &arguments.log {
         Some(path) => path.clone(),
         None => new_log(&runs_folder()?)?,
@@ -135,10 +129,7 @@ fn carry_out(
         );
     }
     let before = execution.world().environment().clone();
-    remark!("The log is {}", path.display());
-    if is_dry {
-        remark!("Dry run: nothing is sent to the robot, and nothing moves. Steps do what the plan predicts.");
-    }
+    announce(path, is_dry);
     let mut view = View::new(log, Person::new(request.clone()), arguments.json, is_dry);
     let stop = drive(&mut execution, robot, &mut view, request);
     // Ends the program of a robot behind one.
@@ -161,6 +152,14 @@ fn carry_out(
         (Some(Stop::Robot(_)), Some(error)) => robot::exit_code(error),
         (stop, _) => stop.map_or(0, |stop| code(&stop)),
     })
+}
+
+/// Says where the log of a run is, and that a dry run is one.
+pub(crate) fn announce(log: &Path, is_dry: bool) {
+    remark!("The log is {}", log.display());
+    if is_dry {
+        remark!("Dry run: nothing is sent to the robot, and nothing moves. Steps do what the plan predicts.");
+    }
 }
 
 fn resume_hint(execution: &Execution, stop: &Stop, path: &Path) {

@@ -7,11 +7,11 @@ mod common;
 use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Child, ChildStdin, Command, Output, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{Answer, PANTRY, Ran, Server, goals, longstep, run};
+use common::{Answer, PANTRY, Ran, Server, ended, goals, longstep, run};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -290,20 +290,6 @@ fn kill(child: &Child, signal: &str) {
     assert!(sent.success());
 }
 
-fn ended(child: Child) -> Output {
-    let id = child.id();
-    let watch = thread::spawn(move || child.wait_with_output().unwrap());
-    let begun = Instant::now();
-    while !watch.is_finished() {
-        if begun.elapsed() > LIMIT {
-            let _ = Command::new("kill").args(["-KILL", &id.to_string()]).status();
-            panic!("the program did not end");
-        }
-        thread::sleep(Duration::from_millis(5));
-    }
-    watch.join().unwrap()
-}
-
 #[test]
 fn ctrl_c_stops_the_robot_and_returns_to_the_prompt() {
     let home = Home::new();
@@ -317,7 +303,7 @@ fn ctrl_c_stops_the_robot_and_returns_to_the_prompt() {
     wait_for(&home, "stop", 2);
     input.write_all(b"/plan\n/quit\n").unwrap();
     drop(input);
-    let output = ended(child);
+    let output = ended(child, LIMIT);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{stderr}");
     assert!(stderr.contains("stopped at a request"), "{stderr}");
@@ -339,7 +325,7 @@ fn sigterm_stops_the_robot_and_ends_the_program() {
         let home = Home::new();
         let (child, input) = hanging(&home);
         kill(&child, signal);
-        let output = ended(child);
+        let output = ended(child, LIMIT);
         drop(input);
         assert_eq!(output.status.code(), Some(50), "{output:?}");
         assert_eq!(noted(&home, "stop"), 1);

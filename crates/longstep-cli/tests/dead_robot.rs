@@ -22,7 +22,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::longstep;
+use common::{check_log, ended, longstep};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -64,20 +64,6 @@ fn send(id: u32, signal: &str) -> bool {
     command.status().unwrap().success()
 }
 
-fn ended(child: Child) -> Output {
-    let id = child.id();
-    let watch = thread::spawn(move || child.wait_with_output().unwrap());
-    let begun = Instant::now();
-    while !watch.is_finished() {
-        if begun.elapsed() > LIMIT {
-            send(id, "KILL");
-            panic!("the program did not end");
-        }
-        thread::sleep(Duration::from_millis(2));
-    }
-    watch.join().unwrap()
-}
-
 /// The exit codes of a robot that failed.
 fn is_robot_failure(output: &Output) -> bool {
     output.status.code().is_some_and(|code| (51..60).contains(&code))
@@ -110,28 +96,6 @@ fn unknown(events: &[Value]) -> Vec<u64> {
         .iter()
         .map(|order| order.as_u64().unwrap())
         .collect()
-}
-
-/// Orders count up from 1 without a gap. Between two orders of the same step, of which the first is unknown, there is an
-/// observation or a decision of a person.
-fn check_log(events: &[Value]) {
-    let (mut orders, mut open): (u64, Option<String>) = (0, None);
-    let mut running: Option<String> = None;
-    for event in events {
-        match event["event"].as_str().unwrap() {
-            "ordered" => {
-                orders += 1;
-                assert_eq!(event["order"], orders);
-                let call = event["call"].as_str().unwrap().to_owned();
-                assert_ne!(open.as_ref(), Some(&call), "{call} twice without a look");
-                running = Some(call);
-            }
-            "performed" | "failed" => running = None,
-            "interrupted" => open = running.take(),
-            "observed" | "judged" => open = None,
-            _ => {}
-        }
-    }
 }
 
 /// Marsaglia's xorshift: the same moments in every run.
@@ -218,7 +182,7 @@ impl<'a> Bench<'a> {
         let mut child = command.spawn().unwrap();
         // It may not ask.
         let _ = child.stdin.take().unwrap().write_all(answer.as_bytes());
-        ended(child)
+        ended(child, LIMIT)
     }
 
     /// One run, whose robot dies after `wait`. Returns where in the run that was.
@@ -235,7 +199,7 @@ impl<'a> Bench<'a> {
         while !self.robot.kill(&folder) && begun.elapsed() < LIMIT {
             thread::sleep(Duration::from_millis(2));
         }
-        let output = ended(child);
+        let output = ended(child, LIMIT);
         let first = events(&log);
         let told = || format!("number {number}, {wait:?}: {}", text(&output.stderr));
         if first.is_empty() {
@@ -306,7 +270,7 @@ fn deaths(robot: &mut dyn Mortal) {
     let mut child = bench.run(&folder);
     begins(&mut child, &folder.join("run.jsonl"));
     let begun = Instant::now();
-    let whole = ended(child);
+    let whole = ended(child, LIMIT);
     let longest = u64::try_from(begun.elapsed().as_millis()).unwrap();
     assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stderr));
     assert_eq!(performed(&folder).len(), bench.steps());

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU16, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{PANTRY, longstep, root};
+use common::{PANTRY, ended, longstep, root};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -211,7 +211,7 @@ impl Bench {
 
     /// Runs the plan for real.
     fn run(&self, log: &str) -> Output {
-        ended(self.live(log).spawn().unwrap())
+        ended(self.live(log).spawn().unwrap(), LONGEST)
     }
 
     fn live(&self, log: &str) -> Command {
@@ -265,20 +265,6 @@ impl Bench {
     }
 }
 
-fn ended(child: Child) -> Output {
-    let id = child.id();
-    let watch = thread::spawn(move || child.wait_with_output().unwrap());
-    let begun = Instant::now();
-    while !watch.is_finished() {
-        if begun.elapsed() > LONGEST {
-            signal(id, "KILL");
-            panic!("the program did not end");
-        }
-        thread::sleep(Duration::from_millis(2));
-    }
-    watch.join().unwrap()
-}
-
 #[track_caller]
 fn check_end(output: &Output, code: i32, words: &str) {
     let both = text(&output.stdout) + &text(&output.stderr);
@@ -298,14 +284,18 @@ fn a_verified_plan_runs_on_real_action_servers() {
     ] {
         check_end(&checked, 0, words);
     }
-    let dry = ended(bench.command("dry.jsonl", &[]).spawn().unwrap());
+    let dry = ended(bench.command("dry.jsonl", &[]).spawn().unwrap(), LONGEST);
     check_end(
         &dry,
         0,
         "would send {\"op\":\"send_action_goal\",\"action\":\"/execute_step\"",
     );
     assert!(bench.journal().is_empty(), "a dry run moves nothing");
-    check_end(&ended(bench.resume("dry.jsonl").spawn().unwrap()), 30, "dry run");
+    check_end(
+        &ended(bench.resume("dry.jsonl").spawn().unwrap(), LONGEST),
+        30,
+        "dry run",
+    );
     check_end(&bench.run("live.jsonl"), 0, "the goal is reached in the observed world");
     assert!(bench.count("done") >= 10, "{:?}", bench.journal());
     assert_eq!(bench.count("begun"), bench.count("done"));
@@ -352,7 +342,7 @@ fn ctrl_c_cancels_and_the_server_sees_it() {
     let child = bench.live("run.jsonl").spawn().unwrap();
     bench.wait_for("begun 4");
     signal(child.id(), "INT");
-    check_end(&ended(child), 50, "stopped at a request");
+    check_end(&ended(child, LONGEST), 50, "stopped at a request");
     bench.wait_for("cancelled 4");
     assert_eq!(bench.count("begun"), 4);
     let events = bench.events("run.jsonl");
@@ -367,7 +357,7 @@ fn one_run_drives_a_robot_at_a_time() {
     bench.wait_for("begun 3");
     check_end(&bench.run("second.jsonl"), 55, "another program drives the robot");
     signal(first.id(), "KILL");
-    drop(ended(first));
+    drop(ended(first, LONGEST));
     // The connection is gone, and the heartbeat with it: the robot stands still by itself.
     let begun = Instant::now();
     while bench.count("cancelled 3") + bench.count("aborted 3") == 0 {
@@ -420,7 +410,7 @@ fn a_robot_that_falls_silent_ends_the_run() {
     bench.wait_for("begun 3");
     let robot = bench.robot.as_ref().unwrap();
     robot.signal("STOP");
-    check_end(&ended(child), 53, "the robot did not answer within");
+    check_end(&ended(child, LONGEST), 53, "the robot did not answer within");
     robot.signal("CONT");
     thread::sleep(Duration::from_secs(1));
     assert_eq!(bench.count("begun"), 3, "{:?}", bench.journal());
@@ -433,14 +423,14 @@ fn a_bridge_that_is_killed_and_restarted_is_gone_on_with() {
     let child = bench.live("run.jsonl").spawn().unwrap();
     bench.wait_for("begun 5");
     bench.bridge = None;
-    let output = ended(child);
+    let output = ended(child, LONGEST);
     check_end(&output, 52, "the robot failed: the robot is gone");
     check_end(&output, 52, "longstep run --resume");
     // The robot hears no heartbeat any more.
     bench.wait_for("aborted 5");
     assert_eq!(bench.count("begun"), 5);
     check_end(
-        &ended(bench.resume("run.jsonl").spawn().unwrap()),
+        &ended(bench.resume("run.jsonl").spawn().unwrap(), LONGEST),
         52,
         "cannot start the robot",
     );
@@ -448,7 +438,7 @@ fn a_bridge_that_is_killed_and_restarted_is_gone_on_with() {
     let mut child = bench.resume("run.jsonl").stdin(Stdio::piped()).spawn().unwrap();
     // Step 5 moves the hand, which no observation shows.
     std::io::Write::write_all(&mut child.stdin.take().unwrap(), b"n\n").unwrap();
-    check_end(&ended(child), 0, "the goal is reached in the observed world");
+    check_end(&ended(child, LONGEST), 0, "the goal is reached in the observed world");
     assert_eq!(repeated(&bench.performed()), BTreeMap::new());
 }
 
@@ -484,7 +474,7 @@ fn killed_at(number: u64) {
     } else {
         bench.robot = None;
     }
-    let output = ended(child);
+    let output = ended(child, LONGEST);
     if output.status.code() != Some(0) {
         let what = if kills_bridge { "bridge" } else { "robot" };
         assert!(
@@ -530,7 +520,7 @@ fn go_on(bench: &Bench, log: &str, stopped: &Value) {
         .collect();
     let mut child = bench.resume(log).stdin(Stdio::piped()).spawn().unwrap();
     std::io::Write::write_all(&mut child.stdin.take().unwrap(), answers.as_bytes()).unwrap();
-    check_end(&ended(child), 0, "the goal is reached in the observed world");
+    check_end(&ended(child, LONGEST), 0, "the goal is reached in the observed world");
 }
 
 /// With `LONGSTEP_ROS2_KILLS=50` this kills at as many moments.

@@ -7,11 +7,11 @@ mod common;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{PANTRY, Server, goals, longstep, question};
+use common::{PANTRY, Server, check_log, ended, goals, longstep, question};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -68,20 +68,6 @@ impl Bench {
             .map(|line| serde_json::from_str(line).unwrap())
             .collect()
     }
-}
-
-fn ended(child: Child, limit: Duration) -> Output {
-    let id = child.id();
-    let watch = thread::spawn(move || child.wait_with_output().unwrap());
-    let begun = Instant::now();
-    while !watch.is_finished() {
-        if begun.elapsed() > limit {
-            kill(id, "KILL");
-            panic!("the program did not end");
-        }
-        thread::sleep(Duration::from_millis(2));
-    }
-    watch.join().unwrap()
 }
 
 fn kill(id: u32, signal: &str) {
@@ -416,28 +402,6 @@ fn a_real_robot_moves_only_when_it_is_said_and_for_one_run_at_a_time() {
     }
     kill(third.id(), "INT");
     assert_eq!(ended(third, Duration::from_secs(60)).status.code(), Some(50));
-}
-
-/// Checks a log: orders count up from 1 without a gap, and between two orders of the same step at a time when the first
-/// is unknown there is an observation or a decision of a person.
-fn check_log(events: &[Value]) {
-    let (mut orders, mut unknown): (u64, Option<String>) = (0, None);
-    let mut running: Option<String> = None;
-    for event in events {
-        match event["event"].as_str().unwrap() {
-            "ordered" => {
-                orders += 1;
-                assert_eq!(event["order"], orders);
-                let call = event["call"].as_str().unwrap().to_owned();
-                assert_ne!(unknown.as_ref(), Some(&call), "{call} twice without a look");
-                running = Some(call);
-            }
-            "performed" | "failed" => running = None,
-            "interrupted" => unknown = running.take(),
-            "observed" | "judged" => unknown = None,
-            _ => {}
-        }
-    }
 }
 
 fn killed_at(bench: &Bench, number: u64) {

@@ -7,9 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use longstep::session::{ObserveError, Observed};
 use longstep_core::environment::{Statements, World};
-use longstep_core::execution::{Approval, Execution};
 use longstep_llm::read_text;
-use longstep_robot::{RunHeader, RunLog, Scope, StopRequest, drive, preflight};
+use longstep_robot::{RunHeader, RunLog, Scope, StopRequest, drive};
 
 use super::input::Lines;
 use super::{Chat, screen};
@@ -149,17 +148,11 @@ impl Chat<'_> {
         let accepted = &self.session.accepted()[number];
         let plan = accepted.plan.clone();
         let own = robot.ready(&mut opened, self.session.robot_world(), &request)?;
-        let (body, is_dry) = (own.robot.as_mut(), own.is_dry);
-        body.begin_plan(plan.world());
-        let mut settings = run::settings(robot.arguments, body, plan.world())?;
-        if is_dry {
-            settings.approval = Approval::Never;
-        }
-        preflight(body, &plan, &settings.skills).map_err(|error| run::robot_failure(&error))?;
+        own.robot.begin_plan(plan.world());
         let aim = run::aim_of(accepted.goal.as_ref(), &accepted.before);
-        let mut execution = Execution::new(&plan, &aim, settings).map_err(|error| {
-            Failure::unreadable(error.to_string()).hint("nothing has moved; begin again with `--skills FILE`")
-        })?;
+        let teach = "nothing has moved; begin again with `--skills FILE`";
+        let mut execution = run::execution(robot.arguments, own, &plan, &aim, teach)?;
+        let (body, is_dry) = (own.robot.as_mut(), own.is_dry);
         execution.observe_first();
         let path = run::new_log(self.folder.path())?;
         let header = RunHeader {
@@ -168,10 +161,7 @@ impl Chat<'_> {
         };
         let log = RunLog::create(&path, &header).map_err(|error| Failure::unreadable(error.to_string()))?;
         print_line!("{} {}", format!("Running plan {number}:").bold(), accepted.instruction);
-        remark!("The log is {}", path.display());
-        if is_dry {
-            remark!("Dry run: nothing is sent to the robot, and nothing moves. Steps do what the plan predicts.");
-        }
+        run::announce(&path, is_dry);
         let asked = Asked {
             lines,
             request: request.clone(),

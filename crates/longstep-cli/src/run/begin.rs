@@ -7,12 +7,13 @@ use longstep::Goal;
 use longstep::report::{Answer, Status};
 use longstep::session::{Response, Session};
 use longstep_core::environment::World;
-use longstep_core::execution::{Aim, Settings};
+use longstep_core::execution::{Aim, Approval, Execution, Settings};
 use longstep_core::skill::Skills;
 use longstep_core::verify::VerifiedPlan;
 use longstep_llm::{advance, read_text};
-use longstep_robot::{Robot, reports};
+use longstep_robot::{Robot, preflight, reports};
 
+use super::robot::{Opened, failure};
 use crate::arguments::{DraftArguments, ExecutionArguments, RunArguments};
 use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
@@ -104,16 +105,34 @@ pub(crate) fn observing(robot: &dyn Robot) -> Result<()> {
     }
 }
 
-/// Returns the settings of an execution on a robot.
-pub(crate) fn settings(arguments: &ExecutionArguments, robot: &dyn Robot, world: &World) -> Result<Settings> {
-    let domain = world.domain();
+/// Begins the execution of a plan on a robot that understands every step. `teach` says what to do about missing values of
+/// skill parameters.
+pub(crate) fn execution(
+    arguments: &ExecutionArguments,
+    opened: &Opened,
+    plan: &VerifiedPlan,
+    aim: &Aim,
+    teach: &str,
+) -> Result<Execution> {
+    let settings = settings(arguments, opened, plan.world())?;
+    preflight(opened.robot.as_ref(), plan, &settings.skills).map_err(|error| failure(&error))?;
+    let execution = Execution::new(plan, aim, settings);
+    Ok(execution.map_err(|error| Failure::unreadable(error.to_string()).hint(teach))?)
+}
+
+/// Returns the settings of an execution on a robot. Nobody approves a dry run.
+fn settings(arguments: &ExecutionArguments, opened: &Opened, world: &World) -> Result<Settings> {
+    let (robot, domain) = (opened.robot.as_ref(), world.domain());
     let skills = match &arguments.skills {
         Some(path) => Skills::parse(domain, &path.display().to_string(), &read_text(path)?)?,
         None => Skills::default(),
     };
     observing(robot)?;
     Ok(Settings {
-        approval: arguments.approve.into(),
+        approval: match opened.is_dry {
+            true => Approval::Never,
+            false => arguments.approve.into(),
+        },
         watch: arguments.observe.into(),
         changes: arguments.changes,
         reports: reports(robot, world).map_err(|error| Failure::unreadable(error.to_string()))?,

@@ -5,11 +5,11 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
@@ -250,4 +250,41 @@ pub fn seen(command: &mut Command, input: &str) -> String {
     reader.read_to_string(&mut text).unwrap();
     let code = child.wait().unwrap().code().unwrap_or(-1);
     format!("{text}--- exit code {code}\n")
+}
+
+/// Waits for the end of a program. One that does not end within the limit is killed, and the test fails.
+pub fn ended(child: Child, limit: Duration) -> Output {
+    let id = child.id();
+    let watch = thread::spawn(move || child.wait_with_output().unwrap());
+    let begun = Instant::now();
+    while !watch.is_finished() {
+        if begun.elapsed() > limit {
+            let _ = Command::new("kill").args(["-KILL", &id.to_string()]).status();
+            panic!("the program did not end");
+        }
+        thread::sleep(Duration::from_millis(2));
+    }
+    watch.join().unwrap()
+}
+
+/// Checks the log of a run: orders count up from 1 without a gap, and between two orders of the same step at a time when the
+/// first is unknown there is an observation or a decision of a person.
+pub fn check_log(events: &[Value]) {
+    let (mut orders, mut unknown): (u64, Option<String>) = (0, None);
+    let mut running: Option<String> = None;
+    for event in events {
+        match event["event"].as_str().unwrap() {
+            "ordered" => {
+                orders += 1;
+                assert_eq!(event["order"], orders);
+                let call = event["call"].as_str().unwrap().to_owned();
+                assert_ne!(unknown.as_ref(), Some(&call), "{call} twice without a look");
+                running = Some(call);
+            }
+            "performed" | "failed" => running = None,
+            "interrupted" => unknown = running.take(),
+            "observed" | "judged" => unknown = None,
+            _ => {}
+        }
+    }
 }

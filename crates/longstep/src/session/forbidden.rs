@@ -127,12 +127,17 @@ impl Session {
         }
     }
 
+    /// Returns the entities that the wish is about; none before it was read.
+    fn wished(&self, parted: &Parted) -> Option<Vec<EntityId>> {
+        let goal = parted.goal.as_ref()?;
+        Some(goal.facts.iter().flat_map(|fact| fact.about(&self.domain)).collect())
+    }
+
     /// Returns true if a name in the act stands for several entities, and the wish is about one of them.
     fn may_be_about_wish(&self, parted: &Parted) -> bool {
-        let (Some(goal), Some(act)) = (&parted.goal, parted.act()) else {
+        let (Some(wished), Some(act)) = (self.wished(parted), parted.act()) else {
             return false;
         };
-        let wished: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(&self.domain)).collect();
         let shared = coverage::shared_names(&self.world, act);
         shared.iter().flatten().any(|entity| wished.contains(entity))
     }
@@ -140,8 +145,7 @@ impl Session {
     /// Returns the constraints that nothing touches the entities which the act names in full, and the wish is not about:
     /// more than was said, and never less. None if there is no such entity.
     fn hands_off(&self, parted: &Parted) -> Option<Vec<Constraint>> {
-        let goal = parted.goal.as_ref()?;
-        let wished: Vec<EntityId> = goal.facts.iter().flat_map(|fact| fact.about(&self.domain)).collect();
+        let wished = self.wished(parted)?;
         let mut named = coverage::named(&self.world, parted.act()?);
         named.retain(|entity| !wished.contains(entity));
         named.sort_unstable();
