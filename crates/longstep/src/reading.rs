@@ -45,6 +45,8 @@ pub enum ReadingOf {
     Prohibition,
     /// They are retold in plain English.
     Retelling,
+    /// Answers to them are weighed, in each of their wordings.
+    Weighing,
 }
 
 /// An answer of a model.
@@ -66,6 +68,8 @@ pub struct Candidate {
 pub enum Doubt {
     /// The model finds it unlikely.
     Unlikely,
+    /// The model finds another answer nearly as likely.
+    Close,
     /// A goal is about an entity that the words do not name, although they name others.
     Unnamed,
     /// Several entities fit the words.
@@ -100,6 +104,7 @@ impl Reading {
             ReadingOf::Wish => "the wish",
             ReadingOf::Prohibition => "what is forbidden:",
             ReadingOf::Retelling => "in plain English:",
+            ReadingOf::Weighing => "weighed for",
         };
         let mut lines = vec![format!("{of} \"{}\"", self.words)];
         for candidate in &self.candidates {
@@ -118,6 +123,7 @@ impl Reading {
         match (doubt, self.of) {
             (Doubt::Unlikely, ReadingOf::Retelling) => format!("not used: it is less likely{least}"),
             (Doubt::Unlikely, _) => format!("a question: it is less likely{least}"),
+            (Doubt::Close, _) => "a question: another answer is nearly as likely".to_owned(),
             (Doubt::Unnamed, _) => "a question: a goal is about something that the words do not name".to_owned(),
             (Doubt::Several, _) => "a question: several things fit the words".to_owned(),
             (Doubt::NoGoal, _) => "a question: there is no goal".to_owned(),

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::answer_grammar::question_in;
+use super::answer_grammar::{Form, question_in};
 use super::ending::{Endings, least};
 use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
@@ -221,6 +221,14 @@ impl GoalDialogue {
             may_end: !must_depend,
         };
         goal_grammar(&self.world, &ways, place)
+    }
+
+    /// Returns the request that tells how likely a whole answer is. The reply is the answer, or the answer and the joint of a
+    /// further goal.
+    pub(crate) fn weighing(&self, answer: &str) -> ChatRequest {
+        let form = Form::Row(vec![Form::text(answer), Form::text(goal::JOINT).optional()]);
+        let tokens = STEP_TOKENS * u32::try_from(GOAL_LIMIT).unwrap_or(u32::MAX);
+        self.transcript.under_grammar(form.grammar(), tokens)
     }
 
     /// Returns true if a goal still has to have a condition.

@@ -15,6 +15,8 @@ use crate::environment::World;
 const PROMPT: &str = include_str!("retelling.txt");
 /// Likelihood below which what a model says in plain English is not used, in thousandths of a nat (docs/evaluation.md has the measurement).
 pub(super) const SURE: i64 = -4500;
+/// Likelihood below which it is not even compared with the instruction.
+const WORTHLESS: i64 = -10_000;
 /// Token budget of an answer.
 const TOKENS: u32 = 128;
 /// Maximum number of characters of an answer.
@@ -31,7 +33,7 @@ const LENGTH: usize = 300;
 /// let likelihood = Some(Likelihood { text: -2100, ..Likelihood::default() });
 /// let text = "Put the pen on the shelf.".to_owned();
 /// let retold = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood })?;
-/// assert_eq!(retold.flatten().as_deref(), Some("Put the pen on the shelf."));
+/// assert_eq!(retold.flatten().unwrap().text, "Put the pen on the shelf.");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -40,6 +42,15 @@ pub struct RetellingDialogue {
     transcript: Transcript,
     /// The plain English, as a reading.
     reading: Reading,
+}
+
+/// An instruction in plain English.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Retelling {
+    /// The plain English.
+    pub text: String,
+    /// True if the model is sure of it; otherwise it counts only where the instruction itself agrees.
+    pub is_sure: bool,
 }
 
 impl RetellingDialogue {
@@ -69,8 +80,8 @@ impl RetellingDialogue {
 }
 
 impl Dialogue for RetellingDialogue {
-    /// The retold instruction; none if the model is not sure of it, or if it is what the person said.
-    type Output = Option<String>;
+    /// The retold instruction; none if it is worthless, or if it is what the person said.
+    type Output = Option<Retelling>;
 
     fn request(&self) -> ChatRequest {
         let grammar = format!("start: LINE\nLINE: /[^\\n]{{1,{LENGTH}}}/\n");
@@ -82,16 +93,17 @@ impl Dialogue for RetellingDialogue {
     /// # Errors
     ///
     /// The reply is cut off or refused.
-    fn supply(&mut self, reply: &Reply) -> Result<Option<Option<String>>, DialogueError> {
+    fn supply(&mut self, reply: &Reply) -> Result<Option<Option<Retelling>>, DialogueError> {
         self.transcript.receive(reply)?;
         let text = plain_line(&reply.text);
-        let is_sure = reply.likelihood.is_some_and(|likelihood| likelihood.text >= SURE);
+        let likelihood = reply.likelihood.map_or(i64::MIN, |likelihood| likelihood.text);
+        let (is_sure, is_usable) = (likelihood >= SURE, likelihood >= WORTHLESS);
         let is_new = !letters(&text).is_empty() && letters(&text) != letters(&self.instruction);
         let mut candidate = Candidate::new(text.clone(), reply.likelihood.map(|likelihood| likelihood.text));
         candidate.chosen = is_sure && is_new;
         self.reading.doubt = (!is_sure).then_some(Doubt::Unlikely);
         self.reading.candidates.push(candidate);
-        Ok(Some((is_sure && is_new).then_some(text)))
+        Ok(Some((is_usable && is_new).then_some(Retelling { text, is_sure })))
     }
 
     fn transcript(&self) -> &Transcript {
@@ -129,13 +141,14 @@ mod tests {
             .unwrap();
         let said = "take the PEN";
         let replies = [
-            ("Take the pen from the desk.", Some(-4400), true),
-            ("Take the pen from the desk.", Some(-4600), false),
-            ("Take the pen from the desk.", None, false),
-            ("Take the pen.", Some(-10), false),
-            (" .", Some(-10), false),
+            ("Take the pen from the desk.", Some(-4400), Some(true)),
+            ("Take the pen from the desk.", Some(-4600), Some(false)),
+            ("Take the pen from the desk.", Some(-10_001), None),
+            ("Take the pen from the desk.", None, None),
+            ("Take the pen.", Some(-10), None),
+            (" .", Some(-10), None),
         ];
-        for (text, likelihood, counts) in replies {
+        for (text, likelihood, expected) in replies {
             let mut dialogue = RetellingDialogue::new(&world, said);
             let asked = dialogue.request().messages.last().unwrap().text.clone();
             assert!(
@@ -152,7 +165,7 @@ mod tests {
                 }),
             };
             let retold = dialogue.supply(&reply).unwrap().unwrap();
-            assert_eq!(retold.is_some(), counts, "{text}: {retold:?}");
+            assert_eq!(retold.map(|own| own.is_sure), expected, "{text}");
         }
     }
 }

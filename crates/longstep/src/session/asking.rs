@@ -9,6 +9,7 @@ use crate::feedback::{FeedbackDialogue, FeedbackInput, Wish};
 
 use super::Strategy;
 use super::retold::Open;
+use super::weighed::Weighed;
 
 /// A pending model request.
 #[derive(Debug, Clone)]
@@ -28,6 +29,8 @@ pub(super) enum What {
     Splitting(Box<SplittingDialogue>),
     /// A goal. The dialogue starts when the token budget is known.
     Goal(Option<Box<FittedDialogue>>),
+    /// The likelihoods of answers, after a retelling.
+    Weighing(Box<Weighed>),
     /// A whole plan.
     Plan,
     /// The interpretation of feedback on a plan.
@@ -113,6 +116,7 @@ impl Session {
             What::Splitting(dialogue) => self.short_request(dialogue.request(), counter),
             What::Retelling(dialogue) => self.short_request(dialogue.request(), counter),
             What::Goal(goal) => self.goal_request(&turn, goal, counter),
+            What::Weighing(weighed) => self.weighing_request(&turn, weighed, counter),
             What::Plan => self.plan_request(&turn, counter),
             What::Wish(dialogue, _) => Ok(Prepared {
                 request: dialogue.request(),
@@ -199,11 +203,15 @@ impl Session {
                 self.split(turn, split);
             }
             What::Retelling(mut dialogue) => {
-                let text = dialogue.supply(reply).ok().flatten().flatten();
+                let retelling = dialogue.supply(reply).ok().flatten().flatten();
                 turn.readings.push(dialogue.reading().clone());
-                self.retold(turn, text);
+                self.retold(turn, retelling);
             }
             What::Goal(goal) => self.goal_reply(turn, goal, reply),
+            What::Weighing(mut weighed) => {
+                weighed.weighing.count(reply);
+                self.weighed(turn, weighed);
+            }
             What::Plan => self.plan_reply(turn, reply),
             What::Wish(mut dialogue, words) => match dialogue.supply(reply) {
                 Ok(None) => self.stage = Stage::Asking(turn, Asking::new(What::Wish(dialogue, words))),

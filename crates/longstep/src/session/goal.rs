@@ -77,7 +77,7 @@ impl Session {
         })
     }
 
-    fn goal_input<'a>(&'a self, turn: &'a Turn, world: &'a World, instruction: &'a str) -> GoalInput<'a> {
+    pub(super) fn goal_input<'a>(&'a self, turn: &'a Turn, world: &'a World, instruction: &'a str) -> GoalInput<'a> {
         GoalInput {
             domain: &self.domain,
             world,
@@ -164,9 +164,7 @@ impl Session {
                     Some(understood) if !of_server && self.wish(&turn).is_none() => {
                         self.offer_rule(turn, &understood);
                     }
-                    Some(Understanding::Goal(goal)) if self.is_shaky(&turn) => {
-                        self.leave_open(turn, Open::Question(goal::guess(&self.world, &goal)));
-                    }
+                    Some(Understanding::Goal(_)) if self.is_shaky(&turn) => self.weigh(turn),
                     Some(Understanding::Goal(goal)) if turn.accepts_as_goal(&goal) => {
                         self.pursue_within(turn, goal);
                     }

@@ -68,6 +68,7 @@ mod stage;
 mod tests;
 #[cfg(test)]
 mod value_tests;
+mod weighed;
 mod why;
 
 pub use accepted::Accepted;

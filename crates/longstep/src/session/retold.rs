@@ -6,17 +6,19 @@
 
 use super::asking::{Asking, What};
 use super::{Failure, Proposal, Session, Stage, Strategy, Turn};
-use crate::dialogue::{ConstraintKind, RetellingDialogue};
+use crate::dialogue::{ConstraintKind, Retelling, RetellingDialogue};
 use crate::goal::{self, Goal};
 
-/// Likelihood in nats below which the goal of a retelling is not used if the instruction names nothing itself.
+/// Likelihood in nats below which the goal of a retelling is not used as it is, if the instruction names nothing itself.
 const MADE_UP: f64 = -2.8;
 
 /// An instruction that is retold.
 #[derive(Debug, Clone)]
 pub(super) struct Retold {
     /// The instruction in plain English; none while it is awaited.
-    pub(super) text: Option<String>,
+    text: Option<String>,
+    /// True if the model is sure of it.
+    is_sure: bool,
     /// The turn before.
     before: Box<Turn>,
     /// The open point of that attempt.
@@ -50,11 +52,15 @@ impl Session {
     /// before is what is open now.
     pub(super) fn leave_open(&mut self, mut turn: Turn, open: Open) {
         if turn.is_retold_now() {
-            self.take_back(turn);
+            match open {
+                Open::Question(_) | Open::Doubtful(_) => self.weigh(turn),
+                Open::Which(_) | Open::Consent(_) | Open::Failure(_) => self.take_back(turn),
+            }
         } else if self.may_retell(&turn) && open.may_be_words() {
             let dialogue = RetellingDialogue::new(&self.world, &turn.instruction);
             turn.retold = Some(Retold {
                 text: None,
+                is_sure: false,
                 before: Box::new(turn.clone()),
                 open,
             });
@@ -76,12 +82,14 @@ impl Session {
     }
 
     /// Understands the retold instruction from the beginning, or leaves open what was open before.
-    pub(super) fn retold(&mut self, mut turn: Turn, text: Option<String>) {
-        match (&mut turn.retold, text) {
-            (Some(retold), Some(text)) => {
+    pub(super) fn retold(&mut self, mut turn: Turn, retelling: Option<Retelling>) {
+        let retelling = retelling.filter(|own| own.is_sure || self.settings.weighing);
+        match (&mut turn.retold, retelling) {
+            (Some(retold), Some(Retelling { text, is_sure })) => {
                 self.world.add_values(&text);
                 let asking = self.first_request(&text);
                 retold.text = Some(text);
+                retold.is_sure = is_sure;
                 turn.marks.clear();
                 turn.parted = None;
                 self.stage = Stage::Asking(turn, asking);
@@ -90,16 +98,18 @@ impl Session {
         }
     }
 
-    /// Returns true if the goal of a retelling is not likely enough, for an instruction that names nothing itself: then the
-    /// retelling may have made up what it names.
+    /// Returns true if the goal of a retelling is not used as it is: the model is not sure of the retelling, or it may have made
+    /// up what it names, for an instruction that names nothing itself.
     pub(super) fn is_shaky(&self, turn: &Turn) -> bool {
         let likelihood = || {
             let reading = turn.readings.last()?;
             reading.candidates.iter().find(|candidate| candidate.chosen)?.likelihood
         };
-        turn.is_retold_now()
-            && goal::Mentions::of(&self.world, &turn.instruction).entities.is_empty()
-            && likelihood().is_some_and(|likelihood| likelihood < MADE_UP)
+        let is_made_up = || {
+            goal::Mentions::of(&self.world, &turn.instruction).entities.is_empty()
+                && likelihood().is_some_and(|likelihood| likelihood < MADE_UP)
+        };
+        turn.is_retold_now() && (turn.retold.as_ref().is_some_and(|retold| !retold.is_sure) || is_made_up())
     }
 
     /// Returns to what was open before the instruction was retold.
@@ -143,9 +153,19 @@ impl Turn {
     /// Returns the words to be understood: the instruction or what it was retold as, without what it forbids.
     pub(super) fn words(&self) -> &str {
         let wish = self.parted.as_ref().map(|parted| parted.wish.as_str());
-        let retold = || self.retold.as_ref().and_then(|retold| retold.text.as_deref());
         let wish = wish.filter(|wish| !wish.is_empty());
-        wish.or_else(retold).unwrap_or(&self.instruction)
+        wish.or_else(|| self.retelling()).unwrap_or(&self.instruction)
+    }
+
+    /// Returns the instruction in plain English, if a model has retold it.
+    pub(super) fn retelling(&self) -> Option<&str> {
+        self.retold.as_ref()?.text.as_deref()
+    }
+
+    /// Returns true if neither the instruction nor its retelling has been split.
+    pub(super) fn is_whole(&self) -> bool {
+        let before = self.retold.as_ref().map(|retold| retold.before.parted.is_none());
+        self.parted.is_none() && before.unwrap_or(true)
     }
 
     /// Returns true if the person has said nothing but the instruction, and nothing is proposed.

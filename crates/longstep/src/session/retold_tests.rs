@@ -3,7 +3,7 @@
 use super::coverage_tests::{check_log, play, question, session};
 use super::tests::reply;
 use super::{Response, Session, Settings};
-use crate::dialogue::{ConstraintKind, EstimatedTokens, Likelihood, Reply};
+use crate::dialogue::{ConstraintKind, EstimatedTokens, Likelihood, ReadingOf, Reply};
 
 const SAID: &str = "El boli, al estante.";
 const DOUBT: &str = "question: I see no boli here, which pen do you mean?";
@@ -13,6 +13,12 @@ const GUESS: [(&str, i64); 4] = [
     ("opened(cupboard)", -9500),
     ("closed(cupboard)", -9600),
     ("put(pen, shelf)", -9500),
+];
+/// The three likeliest of them are weighed, and none is likely.
+const WEIGHED_LOW: [(&str, i64); 3] = [
+    ("put(ruler, shelf)", -6000),
+    ("opened(cupboard)", -9000),
+    ("put(pen, shelf)", -9000),
 ];
 const RETOLD: &str = "Put the pen on the shelf.";
 
@@ -81,10 +87,16 @@ fn a_question_is_asked_only_if_the_retold_instruction_leaves_one() {
             .concat(),
             plan,
         ),
-        (&[("wish", -1), (DOUBT, -9), (RETOLD, -5000)], ASKED),
+        (&[("wish", -1), (DOUBT, -9), (RETOLD, -11_000)], ASKED),
         (&[("wish", -1), (DOUBT, -9), ("El boli... al estante", -10)], ASKED),
         (
-            &[&[("wish", -1), (DOUBT, -9), (RETOLD, -2000), ("wish", -1)], &GUESS[..]].concat(),
+            &[
+                &[("wish", -1), (DOUBT, -9), (RETOLD, -2000), ("wish", -1)],
+                &GUESS[..],
+                &WEIGHED_LOW,
+                &WEIGHED_LOW,
+            ]
+            .concat(),
             ASKED,
         ),
         (&[("wish", -1), (DOUBT, -9), (RETOLD, -2000), ("no mark", -1)], ASKED),
@@ -113,6 +125,95 @@ fn a_question_is_asked_only_if_the_retold_instruction_leaves_one() {
 }
 
 #[test]
+fn an_answer_is_taken_that_is_likely_for_both_wordings_and_ahead_of_the_others() {
+    const ASKED: &str = "I am not sure what you want. Do you mean: the ruler is at the shelf?";
+    // The likelihoods of the retelling and its goal; those of the answers for the instruction and the retelling; and what the
+    // person sees in the end.
+    type Case<'a> = (i64, i64, [i64; 4], [i64; 4], &'a str);
+    let cases: [Case<'_>; 6] = [
+        // The model is not sure of the retelling, and both wordings agree.
+        (
+            -6000,
+            -500,
+            [-9000, -9000, -9000, -3000],
+            [-9000, -9000, -9000, -1000],
+            "put(<pen>, <shelf>)",
+        ),
+        (
+            -6000,
+            -500,
+            [-9000, -9000, -9000, -3000],
+            [-9000, -9000, -9000, -5500],
+            ASKED,
+        ),
+        (
+            -6000,
+            -500,
+            [-3000, -9000, -9000, -3500],
+            [-2000, -9000, -9000, -1000],
+            ASKED,
+        ),
+        // The retelling may have made up what it names.
+        (
+            -2000,
+            -3000,
+            [-9000, -9000, -9000, -3000],
+            [-9000, -9000, -9000, -1000],
+            "put(<pen>, <shelf>)",
+        ),
+        // The retelling names the pen, and no part of the goal is about it.
+        (
+            -2000,
+            -3000,
+            [-3000, -9000, -9000, -9000],
+            [-2000, -9000, -9000, -3000],
+            ASKED,
+        ),
+        (
+            -2000,
+            -3000,
+            [-3000, -9000, -9000, -9000],
+            [-7000, -9000, -9000, -1000],
+            ASKED,
+        ),
+    ];
+    for (sure, goal, said, retold, expected) in cases {
+        let weighed = |likelihoods: [i64; 4]| {
+            let texts = [
+                "put(ruler, shelf)",
+                "opened(cupboard)",
+                "closed(cupboard)",
+                "put(pen, shelf)",
+            ];
+            texts.into_iter().zip(likelihoods).collect::<Vec<_>>()
+        };
+        let replies = [
+            &[("wish", -1)],
+            &GUESS[..3],
+            &[
+                ("opened(cupboard)", -9600),
+                (RETOLD, sure),
+                ("wish", -1),
+                ("put(pen, shelf)", goal),
+            ],
+            &weighed(said),
+            &weighed(retold),
+        ];
+        let mut session = grammar(Settings::default());
+        play_weighed(&mut session, SAID, &replies.concat());
+        assert_eq!(end(&session), expected, "{replies:?}");
+        let last = session
+            .readings()
+            .iter()
+            .rev()
+            .find(|own| own.of == ReadingOf::Weighing);
+        assert!(last.unwrap().lines()[0].contains(RETOLD), "{last:?}");
+        let events = session.take_events();
+        check_log(&mut session, &events);
+    }
+}
+
+#[test]
 fn a_goal_that_the_words_do_not_show_is_taken_if_nothing_else_is_found() {
     const HALF: &str = "El boli, al shelf";
     let first = [("wish", -1), ("put(pen, shelf)", -3000)];
@@ -121,8 +222,17 @@ fn a_goal_that_the_words_do_not_show_is_taken_if_nothing_else_is_found() {
     // The replies after the first reading, and what the person sees in the end.
     type Case<'a> = (&'a [(&'a str, i64)], &'a str);
     let cases: [Case<'_>; 3] = [
-        (&[(RETOLD, -5000)], plan),
-        (&[(RETOLD, -2000), ("wish", -1), (DOUBT, -9)], plan),
+        (&[(RETOLD, -11_000)], plan),
+        (
+            &[
+                (RETOLD, -2000),
+                ("wish", -1),
+                (DOUBT, -9),
+                ("put(pen, shelf)", -9000),
+                ("put(pen, shelf)", -9000),
+            ],
+            plan,
+        ),
         (
             &[
                 ("Put the ruler on the shelf.", -2000),
@@ -251,7 +361,7 @@ fn what_is_forbidden_beside_a_wish_becomes_a_constraint() {
         ("put(pen, shelf)", -500),
         ("opened(cupboard)", -500),
         ("question: What?", -1),
-        (RETOLD, -9000),
+        (RETOLD, -11_000),
     ];
     let mut unread = grammar(Settings::default());
     play_weighed(&mut unread, MIXED, &replies);
@@ -324,7 +434,7 @@ fn an_answer_to_a_question_keeps_what_is_forbidden() {
         ("do: Put it on the shelf.\nnot: Open the cupboard.", -2000),
         ("wish", -1),
         ("question: Put what on the shelf?", -9),
-        (RETOLD, -9000),
+        (RETOLD, -11_000),
     ];
     play_weighed(&mut session, MIXED, &replies);
     session.answer("the pen").unwrap();

@@ -58,6 +58,10 @@ pub struct Settings {
     /// an instruction that it could only ask about. The question is asked if that does not lead to a plan either.
     #[serde(default)]
     pub retelling: bool,
+    /// True if the answers to an instruction and to its retelling are weighed, each for both. Logs of older programs have no such
+    /// requests.
+    #[serde(default)]
+    pub weighing: bool,
     /// True if a plan that leaves out a part of the instruction is proposed like any other; otherwise it is a question
     /// ([`Response::Consent`](super::Response::Consent)).
     #[serde(default)]
@@ -79,6 +83,7 @@ impl Default for Settings {
             screening: true,
             forbidding: true,
             retelling: true,
+            weighing: true,
             partial: false,
         }
     }
