@@ -6,7 +6,7 @@
 
 use super::asking::{Asking, What};
 use super::{Failure, Proposal, Session, Stage, Strategy, Turn};
-use crate::dialogue::{ConstraintKind, Retelling, RetellingDialogue};
+use crate::dialogue::{ConstraintKind, Doubt, ReadingOf, Retelling, RetellingDialogue};
 use crate::goal::{self, Goal};
 
 /// Likelihood in nats below which the goal of a retelling is not used as it is, if the instruction names nothing itself.
@@ -160,6 +160,25 @@ impl Turn {
     /// Returns the instruction in plain English, if a model has retold it.
     pub(super) fn retelling(&self) -> Option<&str> {
         self.retold.as_ref()?.text.as_deref()
+    }
+
+    /// Puts a better guess in place of one that would be asked about.
+    pub(super) fn ask_instead(&mut self, question: String) {
+        let Some(retold) = &mut self.retold else {
+            return;
+        };
+        let wish = retold
+            .before
+            .readings
+            .iter()
+            .rev()
+            .find(|own| own.of == ReadingOf::Wish);
+        let is_guess = wish.is_some_and(|own| own.doubt == Some(Doubt::Unlikely));
+        if let Open::Question(open) = &mut retold.open
+            && is_guess
+        {
+            *open = question;
+        }
     }
 
     /// Returns true if neither the instruction nor its retelling has been split.

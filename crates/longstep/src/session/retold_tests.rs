@@ -126,7 +126,9 @@ fn a_question_is_asked_only_if_the_retold_instruction_leaves_one() {
 
 #[test]
 fn an_answer_is_taken_that_is_likely_for_both_wordings_and_ahead_of_the_others() {
-    const ASKED: &str = "I am not sure what you want. Do you mean: the ruler is at the shelf?";
+    const RULER: &str = "I am not sure what you want. Do you mean: the ruler is at the shelf?";
+    // The question is about the likeliest answer.
+    const PEN: &str = "I am not sure what you want. Do you mean: the pen is at the shelf?";
     // The likelihoods of the retelling and its goal; those of the answers for the instruction and the retelling; and what the
     // person sees in the end.
     type Case<'a> = (i64, i64, [i64; 4], [i64; 4], &'a str);
@@ -144,14 +146,14 @@ fn an_answer_is_taken_that_is_likely_for_both_wordings_and_ahead_of_the_others()
             -500,
             [-9000, -9000, -9000, -3000],
             [-9000, -9000, -9000, -5500],
-            ASKED,
+            PEN,
         ),
         (
             -6000,
             -500,
             [-3000, -9000, -9000, -3500],
             [-2000, -9000, -9000, -1000],
-            ASKED,
+            PEN,
         ),
         // The retelling may have made up what it names.
         (
@@ -167,14 +169,14 @@ fn an_answer_is_taken_that_is_likely_for_both_wordings_and_ahead_of_the_others()
             -3000,
             [-3000, -9000, -9000, -9000],
             [-2000, -9000, -9000, -3000],
-            ASKED,
+            RULER,
         ),
         (
             -2000,
             -3000,
             [-3000, -9000, -9000, -9000],
             [-7000, -9000, -9000, -1000],
-            ASKED,
+            RULER,
         ),
     ];
     for (sure, goal, said, retold, expected) in cases {

@@ -72,9 +72,13 @@ impl Session {
             .first()
             .and_then(|best| goal::parse(&self.world, &best.text).ok());
         turn.readings.push(reading);
-        let Some(goal) = goal.filter(|_| !is_guess) else {
+        let Some(goal) = goal else {
             return self.take_back(turn);
         };
+        if is_guess {
+            turn.ask_instead(goal::guess(&self.world, &goal));
+            return self.take_back(turn);
+        }
         let mentions = Mentions::of(&self.world, turn.words());
         match goal::understand_mentions(&self.world, &mentions, goal) {
             Understanding::Goal(goal) | Understanding::Doubtful(goal) => self.pursue_within(turn, goal),
