@@ -99,7 +99,13 @@ impl Circle {
     /// Adds the direction of the turn.
     fn oriented(mut self, points: &[Vector3<f64>], prior: Option<Vector3<f64>>, against_prior: Option<f64>) -> Arc {
         let angles = self.angles(points);
-        let last = angles.last().copied().unwrap_or(0.0);
+        let (first, end) = (
+            noise::end(points.iter(), self.deviation),
+            noise::end(points.iter().rev(), self.deviation),
+        );
+        let frames = |end: &Option<noise::End>| end.as_ref().map_or(1, |end| end.frames);
+        let mean = |angles: &[f64]| angles.iter().sum::<f64>() / angles.len().max(1) as f64;
+        let last = mean(&angles[angles.len() - frames(&end)..]) - mean(&angles[..frames(&first)]);
         let backward = match prior.filter(|_| against_prior.is_none()) {
             Some(prior) => self.axis.dot(&prior) < 0.0,
             None => last < 0.0,
@@ -109,7 +115,8 @@ impl Circle {
         let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
         let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let radius_uncertainty = self.variance(5).sqrt();
-        let ends = 2f64.sqrt() * self.deviation / self.radius;
+        let uncertainty = |end: Option<noise::End>| end.map_or(self.deviation, |end| end.uncertainty);
+        let ends = uncertainty(first).hypot(uncertainty(end)) / self.radius;
         let scale = last * radius_uncertainty / self.radius;
         Arc {
             axis: self.axis,

@@ -64,8 +64,12 @@ pub fn fit_line(points: &[Vector3<f64>]) -> Option<Line> {
     let side = |across: Vector3<f64>| points.iter().map(|point| off(point).dot(&across)).collect::<Vec<_>>();
     let inflation = noise::inflation(&side(one)).max(noise::inflation(&side(other)));
     let direction_variance = 2.0 * variance * inflation / spread;
-    let length = way.dot(&direction);
-    let ends = 2.0 * variance;
+    let (first, last) = (
+        noise::end(points.iter(), variance.sqrt())?,
+        noise::end(points.iter().rev(), variance.sqrt())?,
+    );
+    let length = (last.position - first.position).dot(&direction);
+    let ends = first.uncertainty.powi(2) + last.uncertainty.powi(2);
     Some(Line {
         direction,
         direction_uncertainty: direction_variance.sqrt(),

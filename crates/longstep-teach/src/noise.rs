@@ -34,3 +34,35 @@ pub(crate) fn inflation(residuals: &[f64]) -> f64 {
     let kept = (product / square).clamp(0.0, 0.95);
     (1.0 + kept) / (1.0 - kept)
 }
+
+/// The most frames at the end of a path that are taken together: a third of a second at 30 Hz.
+const RESTING: usize = 10;
+
+/// An end of a path: the mean of the frames in which the hand rests there.
+pub(crate) struct End {
+    pub(crate) position: Vector3<f64>,
+    /// The standard uncertainty of each coordinate.
+    pub(crate) uncertainty: f64,
+    /// The number of frames.
+    pub(crate) frames: usize,
+}
+
+/// Returns an end of a path, given from that end on. One frame is as uncertain as the noise; frames that do not differ
+/// more than by noise are one place.
+pub(crate) fn end<'a>(mut points: impl Iterator<Item = &'a Vector3<f64>>, noise: f64) -> Option<End> {
+    let mut position = *points.next()?;
+    let mut frames = 1;
+    for point in points.take(RESTING - 1) {
+        if (point - position).norm() > 2.5 * noise {
+            break;
+        }
+        frames += 1;
+        position += (point - position) / frames as f64;
+    }
+    Some(End {
+        position,
+        // A hand that moves slowly is as near, too, so more frames count no more.
+        uncertainty: noise / (frames as f64).sqrt().min(1.4),
+        frames,
+    })
+}

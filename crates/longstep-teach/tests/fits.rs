@@ -1,44 +1,20 @@
 //! The fits of random motions with 5 mm of noise at 30 Hz: the bounds of docs/teaching.md.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod person;
+
 use longstep_teach::{fit_arc, fit_line, fit_plane, noise};
 use nalgebra::{Rotation3, Unit, Vector3};
+use person::{Random, eased};
 
 const NOISE: f64 = 0.005;
 
-/// Random numbers of a seed (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let (one, other) = (self.uniform(1e-12, 1.0), self.uniform(0.0, std::f64::consts::TAU));
-        (-2.0 * one.ln()).sqrt() * other.cos()
-    }
-
-    fn vector(&mut self) -> Vector3<f64> {
-        Vector3::new(self.normal(), self.normal(), self.normal())
-    }
-
-    fn direction(&mut self) -> Vector3<f64> {
-        self.vector().normalize()
-    }
-
-    fn noisy(&mut self, point: Vector3<f64>) -> Vector3<f64> {
-        point + self.vector() * NOISE
-    }
+fn direction(random: &mut Random) -> Vector3<f64> {
+    random.vector().normalize()
 }
 
-/// Slow at both ends, as a hand is.
-fn eased(share: f64) -> f64 {
-    share * share * (3.0 - 2.0 * share)
+fn noisy(random: &mut Random, point: Vector3<f64>) -> Vector3<f64> {
+    point + random.vector() * NOISE
 }
 
 /// The angle between two directions, in degrees.
@@ -98,7 +74,7 @@ struct Turn {
 
 fn turn(random: &mut Random, radius: f64, degrees: f64, axis: Vector3<f64>) -> Turn {
     let centre = random.vector() * 0.5;
-    let start = axis.cross(&random.direction()).normalize() * radius;
+    let start = axis.cross(&direction(random)).normalize() * radius;
     let frames = (random.uniform(2.0, 4.0) * 30.0) as usize;
     let angle = degrees.to_radians();
     let point = |part: usize| {
@@ -106,7 +82,7 @@ fn turn(random: &mut Random, radius: f64, degrees: f64, axis: Vector3<f64>) -> T
         centre + Rotation3::from_axis_angle(&Unit::new_normalize(axis), turned) * start
     };
     let points = (0..frames).map(point).collect::<Vec<_>>();
-    let points = points.into_iter().map(|point| random.noisy(point)).collect();
+    let points = points.into_iter().map(|point| noisy(random, point)).collect();
     Turn {
         axis,
         centre,
@@ -121,7 +97,7 @@ fn check_turns(prior: bool, bounds: [f64; 4]) {
     let [mut axes, mut centres, mut radii, mut angles] = [(); 4].map(|()| Errors::default());
     for _ in 0..400 {
         let (radius, degrees) = (random.uniform(0.2, 0.6), random.uniform(60.0, 120.0));
-        let axis = random.direction();
+        let axis = direction(&mut random);
         let shown = turn(&mut random, radius, degrees, axis);
         // The domain's axis is a few degrees off.
         let prior = prior.then(|| (shown.axis + random.vector() * 0.03).normalize());
@@ -209,11 +185,11 @@ fn slides_are_found() {
     let mut random = Random(13);
     let [mut directions, mut displacements, mut noises] = [(); 3].map(|()| Errors::default());
     for _ in 0..400 {
-        let (start, direction) = (random.vector() * 0.5, random.direction());
+        let (start, direction) = (random.vector() * 0.5, direction(&mut random));
         let (length, frames) = (random.uniform(0.1, 0.5), random.uniform(45.0, 120.0) as usize);
         let point = |part: usize| start + direction * (length * eased(part as f64 / (frames - 1) as f64));
         let points: Vec<_> = (0..frames).map(point).collect();
-        let points: Vec<_> = points.into_iter().map(|point| random.noisy(point)).collect();
+        let points: Vec<_> = points.into_iter().map(|point| noisy(&mut random, point)).collect();
         let line = fit_line(&points).unwrap();
         directions.add(
             between(line.direction, direction),
@@ -236,8 +212,8 @@ fn wiped_planes_are_found() {
         let mut random = Random(17);
         let mut normals = Errors::default();
         for _ in 0..400 {
-            let normal = random.direction();
-            let along = normal.cross(&random.direction()).normalize();
+            let normal = direction(&mut random);
+            let along = normal.cross(&direction(&mut random)).normalize();
             let aside = normal.cross(&along);
             let (middle, long, wide) = (
                 random.vector() * 0.5,
@@ -250,7 +226,7 @@ fn wiped_planes_are_found() {
                 middle + along * (long * (share * 40.0).sin()) + aside * (wide * (2.0 * share - 1.0))
             };
             let points: Vec<_> = (0..120).map(point).collect();
-            let points: Vec<_> = points.into_iter().map(|point| random.noisy(point)).collect();
+            let points: Vec<_> = points.into_iter().map(|point| noisy(&mut random, point)).collect();
             let expected = prior.then(|| (normal + random.vector() * 0.03).normalize());
             let plane = fit_plane(&points, expected).unwrap();
             let error = between(plane.normal, normal).min(180.0 - between(plane.normal, normal));
