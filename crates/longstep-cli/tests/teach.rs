@@ -294,9 +294,9 @@ fn mistakes_are_named_with_the_next_step() {
     let output = bench.longstep(&["teach", "invalid.json", "--demo", "demo.csv", "-o", "other.json"], "");
     assert_eq!(output.status.code(), Some(10), "{}", text(&output.stderr));
     assert!(
-        text(&output.stderr).contains("only a verified plan is taught"),
+        text(&output.stdout).contains("only a verified plan is taught"),
         "{}",
-        text(&output.stderr)
+        text(&output.stdout)
     );
     assert!(!bench.path("other.json").exists());
 }
@@ -355,8 +355,8 @@ fn one_step_after_the_other_is_asked_for() {
     assert_eq!(output.status.code(), Some(10));
     assert_eq!(bench.skills().as_object().unwrap().len(), 1);
     assert!(
-        text(&output.stderr).contains("values are missing"),
+        text(&output.stdout).contains("values are missing"),
         "{}",
-        text(&output.stderr)
+        text(&output.stdout)
     );
 }
