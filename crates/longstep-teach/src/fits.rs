@@ -388,7 +388,7 @@ impl Fitted {
     fn path(points: &[Vector3<f64>]) -> Self {
         let each = points.len().div_ceil(POINTS - 1).max(1);
         let mut kept: Vec<Value> = points.iter().step_by(each).map(coordinates).collect();
-        if let Some(last) = points.last().filter(|_| (points.len() - 1) % each != 0) {
+        if let Some(last) = points.last().filter(|_| !(points.len() - 1).is_multiple_of(each)) {
             kept.push(coordinates(last));
         }
         Self {
