@@ -22,9 +22,6 @@ use crate::failure::Failure;
 use crate::output::{self, Style, print_line, remark};
 use crate::show;
 
-/// The most points of a path that are shown.
-const SHOWN: usize = 1;
-
 pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
     let draft = Draft::read(&DraftArguments {
         plan: arguments.plan.clone(),
@@ -49,6 +46,17 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
         .into());
     }
     let expectations = expectations(arguments)?;
+    if let Some(unknown) = expectations
+        .objects
+        .keys()
+        .find(|name| plan.world().find(name).is_none())
+    {
+        return Err(
+            Failure::unreadable(format!("--positions: the world has no `{unknown}`"))
+                .hint("use the identifiers of the environment, with their brackets")
+                .into(),
+        );
+    }
     let lesson = match arguments.demo.is_empty() {
         true => questions::lesson(&requests, &expectations)?,
         false => learn(&requests, &segments(arguments, &requests)?, &expectations),
@@ -86,7 +94,7 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
 fn conclude(arguments: &TeachArguments, lesson: &Lesson) {
     let (plan, file, domain) = (arguments.plan.display(), arguments.output.display(), &arguments.domain);
     let values: usize = lesson.steps.iter().map(|step| step.values.len()).sum();
-    print_line!("{values} values of {} steps are in {file}", lesson.steps.len());
+    print_line!("{file} has {values} value(s) of {} step(s)", lesson.steps.len());
     match lesson.is_complete() {
         true => show::hint(&format!(
             "`longstep run {plan} --domain {domain} --skills {file} --robot ROBOT` uses them"
@@ -203,7 +211,7 @@ fn shown(value: &TaughtValue) -> String {
     };
     let text = match &value.value {
         Value::String(text) => return text.clone(),
-        Value::Array(points) if points.len() > SHOWN && points[0].is_array() => {
+        Value::Array(points) if points.iter().all(Value::is_array) => {
             return format!("{} points", points.len());
         }
         Value::Array(parts) => format!("({})", parts.iter().map(number).collect::<Vec<_>>().join(", ")),

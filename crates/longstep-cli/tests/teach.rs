@@ -211,6 +211,7 @@ fn mistakes_are_named_with_the_next_step() {
         ("demo.bag", whole.clone()),
         ("empty.json", "[]".to_owned()),
         ("positions.json", r#"{"<drawer_handle>": [1, 1, 1]}"#.to_owned()),
+        ("others.json", r#"{"<cup>": [1, 1, 1]}"#.to_owned()),
         ("places.json", r#"{"<drawer_handle>": [1, 1]}"#.to_owned()),
     ] {
         bench.write(name, &text);
@@ -262,6 +263,11 @@ fn mistakes_are_named_with_the_next_step() {
             &["--demo", "demo.csv", "--positions", "places.json"],
             30,
             "hint: write an object of positions",
+        ),
+        (
+            &["--demo", "demo.csv", "--positions", "others.json"],
+            30,
+            "--positions: the world has no `<cup>`",
         ),
         (
             &["--demo", "demo.csv", "--segments", "1:2"],

@@ -120,7 +120,16 @@ pub fn one_each(recordings: &[Demonstration], requests: &[Request]) -> Result<Ve
 /// The finding why the steps cannot be told apart.
 pub fn cut(recording: &Demonstration, requests: &[Request]) -> Result<Vec<Segment>, Finding> {
     if recording.frames.iter().any(|frame| frame.step.is_some()) {
-        return Ok(cut_by_column(recording));
+        let mut segments = cut_by_column(recording);
+        if let Some(other) = segments.pop_if(|last| last.step > requests.len()) {
+            let reason = format!(
+                "it shows step {}, and the plan has {}; record this plan",
+                other.step,
+                requests.len()
+            );
+            return Err(unclear(recording.source.clone(), reason));
+        }
+        return Ok(segments);
     }
     if let [only] = &taught(requests).collect::<Vec<_>>()[..] {
         let all = Segment::of(recording, only.number(), f64::NEG_INFINITY, f64::INFINITY);

@@ -434,6 +434,11 @@ fn steps_that_cannot_be_told_apart_are_named() {
     let short: Vec<Line> = lines.iter().filter(|line| line.step < 12).cloned().collect();
     let error = cut(&recording(&short, columns), &requests).unwrap_err().to_string();
     assert!(error.contains("the plan has grasp, release, grasp, release, grasp, release, and the recording shows grasp, release, grasp;"), "{error}");
+    let error = cut(&recording(&lines, ALL), &requests[..4]).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "demo.csv: it shows step 19, and the plan has 4; record this plan"
+    );
     let mut hurried = Person::new(NOISE);
     hurried.rest(0.3).go([0.3, -0.3, 0.6]).close().open();
     let error = cut(
