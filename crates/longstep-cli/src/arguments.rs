@@ -1,6 +1,7 @@
 //! The command line's arguments.
 
 mod robot;
+mod teach;
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -10,6 +11,7 @@ use longstep::Effort;
 use longstep::session::{RepairPolicy, Settings, Strategy};
 
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
+pub(crate) use teach::TeachArguments;
 
 /// Turns instructions in plain English into verified robot action plans.
 #[derive(Debug, Parser)]
@@ -38,6 +40,8 @@ pub(crate) enum Command {
     Verify(VerifyArguments),
     /// Make a plan valid with the cheapest edits
     Repair(RepairArguments),
+    /// Fit the skill parameters of a plan's steps to demonstrations
+    Teach(TeachArguments),
     /// Carry out a plan on a robot: monitor each step, and mend the plan when the world changes
     Run(RunArguments),
     /// Check the configuration of a robot, or make an environment file from a running simulator

@@ -31,6 +31,7 @@ mod session;
 mod show;
 mod signals;
 mod solve;
+mod teach;
 mod verify;
 
 use std::process::ExitCode;
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         Command::Session(command) => session::run(&command),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Repair(arguments) => repair::run(&arguments),
+        Command::Teach(arguments) => teach::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Robot(command) => robot::run(&command),
         Command::Export(arguments) => export::run(&arguments),

@@ -50,7 +50,7 @@ fn begin(arguments: &RunArguments, what: &str) -> Result<u8> {
     let request = StopRequest::default();
     let _armed = armed(&request)?;
     let opened = open(named, plan.world(), arguments.execution.live, &request)?;
-    let teach = "nothing has moved; pass the values with `--skills FILE`";
+    let teach = "nothing has moved; `longstep teach PLAN.json --demo FILE` writes the values for `--skills FILE`";
     let execution = execution(&arguments.execution, &opened, &plan, &aim, teach)?;
     let path = match &arguments.log {
         Some(path) => path.clone(),

@@ -104,6 +104,15 @@ impl Files {
                 REVIEWED[usize::from(name == "esc_question.txt") + 2 * usize::from(name == "esc_env.json")],
             );
         }
+        files.write(
+            "demo.csv",
+            &format!("t,hand,x,y,z,step\n0,right,0,0,0,1\n0.1,{HOSTILE},0,0,0,1\n"),
+        );
+        let rows: Vec<Value> = (0..20)
+            .map(|row| json!({"t": row, "hand": "right", "x": 0, "y": 0, "z": 0}))
+            .collect();
+        files.write(&format!("{NAME}.csv"), "t,hand,x,y,z\n0,right,0,0,0\n");
+        files.write(&format!("{NAME} demo.json"), &json!(rows).to_string());
         files.domain();
         files.suite();
         files
@@ -213,6 +222,39 @@ fn without_a_model(files: &Files) -> Vec<Case> {
             cases.push(case(&[command, &plan, "--env", &env, "--json"]));
         }
         cases.push(case(&["verify", &plan, "--env", &env, "--feedback"]));
+        for demo in [
+            "demo.csv",
+            &format!("{NAME}.csv"),
+            &format!("{NAME} demo.json"),
+            HOSTILE,
+        ] {
+            let (demo, output) = (path(demo), path("skills.json"));
+            cases.push(case(&["teach", &plan, "--env", &env, "--demo", &demo, "-o", &output]));
+            cases.push(case(&[
+                "teach",
+                &plan,
+                "--env",
+                &env,
+                "--demo",
+                &demo,
+                "--segments",
+                "1:0-9",
+                "-o",
+                &output,
+            ]));
+            cases.push(case(&[
+                "teach",
+                &plan,
+                "--env",
+                &env,
+                "--demo",
+                &demo,
+                "--segments",
+                HOSTILE,
+                "-o",
+                &output,
+            ]));
+        }
         for format in ["python", "json", HOSTILE] {
             cases.push(case(&["export", &plan, "--env", &env, "--format", format]));
         }

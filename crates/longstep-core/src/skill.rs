@@ -3,6 +3,7 @@
 //! A domain declares the parameters ([`SkillParameter`]); a person teaches the values, or the robot finds them. Planning
 //! does not depend on them: they are passed to the robot with the step.
 
+use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -37,9 +38,9 @@ const LARGEST: f64 = 1e9;
 /// # let env = r#"{"assets": ["<desk>"], "objects": ["<pen>", "<cup>"]}"#;
 /// # let world = longstep_core::environment::parse(&domain, "env.json", env).unwrap();
 /// # let (grasp, _) = domain.action_ids().find(|(_, action)| action.name == "grasp").unwrap();
-/// let pen = skills.values(&world, grasp, &[world.find("<pen>").unwrap()]);
+/// let pen = skills.values(&world, None, grasp, &[world.find("<pen>").unwrap()]);
 /// assert_eq!(pen["width"], 0.01);
-/// let cup = skills.values(&world, grasp, &[world.find("<cup>").unwrap()]);
+/// let cup = skills.values(&world, None, grasp, &[world.find("<cup>").unwrap()]);
 /// assert_eq!(cup["width"], 0.08);
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -54,6 +55,8 @@ struct SkillEntry {
     action: ActionId,
     /// By parameter: the identifier; none for any.
     arguments: Vec<Option<String>>,
+    /// The step of the plan; none for any.
+    step: Option<StepId>,
     values: Map<String, Value>,
 }
 
@@ -61,7 +64,22 @@ struct SkillEntry {
 #[serde(deny_unknown_fields)]
 struct EntryText {
     arguments: Vec<String>,
+    /// The number of the step in the plan, from 1.
+    step: Option<std::num::NonZeroU32>,
     values: Map<String, Value>,
+    #[serde(default)]
+    taught: IndexMap<String, TaughtText>,
+}
+
+/// The origin of a value that was taught. Read for its form only: a robot gets the value.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TaughtText {
+    uncertainty: Option<f64>,
+    #[serde(rename = "unit")]
+    _unit: Option<String>,
+    #[serde(rename = "source")]
+    _source: String,
 }
 
 /// A step whose parameter a person has not taught.
@@ -80,8 +98,8 @@ pub struct MissingSkill {
 
 impl Skills {
     /// Reads a skills file: for each action, by its name in `domain.pddl`, a list of arguments with values. `_` stands
-    /// for any argument; of several entries that fit, the one with the fewest `_` counts for each parameter, then the
-    /// first one.
+    /// for any argument; of several entries that fit, one for the step counts for each parameter, then the one with the
+    /// fewest `_`, then the first one.
     ///
     /// # Errors
     ///
@@ -138,14 +156,30 @@ impl Skills {
         &self.source
     }
 
-    /// Returns the values for a step, by parameter.
-    pub fn values(&self, world: &World, action: ActionId, arguments: &[EntityId]) -> Map<String, Value> {
+    /// Returns the values for a step, by parameter. `step` is the step of the plan for which the values are; none for a
+    /// plan that was changed, in which entries for a step fit no more.
+    pub fn values(
+        &self,
+        world: &World,
+        step: Option<StepId>,
+        action: ActionId,
+        arguments: &[EntityId],
+    ) -> Map<String, Value> {
         let is = |(own, entity): (&Option<String>, &EntityId)| {
             own.as_ref().is_none_or(|own| *own == world.entity(*entity).identifier)
         };
-        let fits = |entry: &&SkillEntry| entry.action == action && entry.arguments.iter().zip(arguments).all(is);
+        let fits = |entry: &&SkillEntry| {
+            entry.action == action
+                && entry.step.is_none_or(|own| step == Some(own))
+                && entry.arguments.iter().zip(arguments).all(is)
+        };
         let mut fitting: Vec<&SkillEntry> = self.entries.iter().filter(fits).collect();
-        fitting.sort_by_key(|entry| entry.arguments.iter().filter(|own| own.is_none()).count());
+        fitting.sort_by_key(|entry| {
+            (
+                entry.step.is_none(),
+                entry.arguments.iter().filter(|own| own.is_none()).count(),
+            )
+        });
         let mut values = Map::new();
         for parameter in &world.domain().action(action).skills {
             let value = fitting.iter().find_map(|entry| entry.values.get(&parameter.name));
@@ -160,7 +194,9 @@ impl Skills {
     pub fn missing(&self, world: &World, plan: &Plan) -> Vec<MissingSkill> {
         let mut missing = Vec::new();
         for (index, step) in plan.steps().iter().enumerate() {
-            let mut parameters = self.untaught(world, step.action, &step.arguments).peekable();
+            let mut parameters = self
+                .untaught(world, Some(StepId::new(index)), step.action, &step.arguments)
+                .peekable();
             if parameters.peek().is_none() {
                 continue;
             }
@@ -182,17 +218,18 @@ impl Skills {
         missing
     }
 
-    /// Returns the parameters of a step that have to be taught and have no value.
+    /// Returns the parameters of a step that have to be taught and have no value. `step` is as for [`Skills::values`].
     pub(crate) fn untaught<'a>(
         &self,
         world: &'a World,
+        step: Option<StepId>,
         action: ActionId,
         arguments: &[EntityId],
     ) -> impl Iterator<Item = &'a SkillParameter> + use<'a> {
         let skills = &world.domain().action(action).skills;
         let values = match skills.is_empty() {
             true => Map::new(),
-            false => self.values(world, action, arguments),
+            false => self.values(world, step, action, arguments),
         };
         skills
             .iter()
@@ -270,9 +307,22 @@ impl Reader<'_> {
                 }
             }
         }
+        for (name, taught) in &entry.taught {
+            let path = path.push("taught").push(name);
+            if !entry.values.contains_key(name) {
+                self.report(&path, format!("there is no value of `{name}`"));
+            }
+            if taught.uncertainty.is_some_and(|own| !(0.0..=LARGEST).contains(&own)) {
+                self.report(
+                    &path.push("uncertainty"),
+                    "expected a number that is not negative".to_owned(),
+                );
+            }
+        }
         let argument = |own: String| (own != ANY).then_some(own);
         self.entries.push(SkillEntry {
             action: id,
+            step: entry.step.map(|number| StepId::new(number.get() as usize - 1)),
             arguments: entry.arguments.into_iter().map(argument).collect(),
             values: entry.values,
         });
@@ -283,7 +333,7 @@ impl Reader<'_> {
 fn is_value(kind: SkillType, value: &Value) -> bool {
     match kind {
         SkillType::Pose => numbers::<7>(value).is_some_and(|pose| (length(&pose[3..]) - 1.0).abs() < 0.01),
-        SkillType::Point => numbers::<3>(value).is_some(),
+        SkillType::Point | SkillType::Vector => numbers::<3>(value).is_some(),
         SkillType::Direction => numbers::<3>(value).is_some_and(|direction| length(&direction) > 1e-9),
         SkillType::Angle | SkillType::Force | SkillType::Number => number(value).is_some(),
         SkillType::Grasp | SkillType::Text => {
@@ -355,6 +405,30 @@ skill = [{ name = "approach", type = "direction", from = "demonstration" },
                 "have no unit",
             ),
             (
+                r#"skill = [{ name = "a", type = "direction", from = "demonstration", fit = "axle" }]"#,
+                "unknown fit `axle`",
+            ),
+            (
+                r#"skill = [{ name = "a", type = "direction", from = "robot", fit = "axis" }]"#,
+                "only a parameter with `from = \"demonstration\"` has a `fit`",
+            ),
+            (
+                r#"skill = [{ name = "a", type = "point", unit = "m", from = "demonstration", fit = "axis" }]"#,
+                "gives values of the type `direction`",
+            ),
+            (
+                r#"skill = [{ name = "a", type = "angle", unit = "deg", from = "demonstration", fit = "angle" }]"#,
+                "needs `unit = \"rad\"`",
+            ),
+            (
+                r#"skill = [{ name = "a", type = "text", from = "demonstration", fit = "hand", prior = [0, 0, 1] }]"#,
+                "only fits of a direction or a displacement have a `prior`",
+            ),
+            (
+                r#"skill = [{ name = "a", type = "direction", from = "demonstration", fit = "axis", prior = [0, 0, 0] }]"#,
+                "three numbers, not all of them zero",
+            ),
+            (
                 r#"skill = [{ name = "a", type = "text", from = "robot" }, { name = "a", type = "text", from = "robot" }]"#,
                 "declared twice",
             ),
@@ -391,6 +465,19 @@ skill = [{ name = "approach", type = "direction", from = "demonstration" },
             (entry(r#"{"path": []}"#), "1 to 10,000 points"),
             (entry(r#"{"path": [[1e99, 0, 0]]}"#), "1 to 10,000 points"),
             (entry(r#"{"speed": 1}"#), "declares no skill parameter `speed`"),
+            (entry(r#"{"path": [[0, 0, 0]]}, "step": 0"#), "expected a nonzero u32"),
+            (
+                entry(r#"{}, "taught": {"path": {"source": "a.csv"}}"#),
+                "there is no value of `path`",
+            ),
+            (
+                entry(r#"{"path": [[0, 0, 0]]}, "taught": {"path": {"source": "a.csv", "uncertainty": -1}}"#),
+                "not negative",
+            ),
+            (
+                entry(r#"{"path": [[0, 0, 0]]}, "taught": {"path": {"origin": "a.csv"}}"#),
+                "unknown field `origin`",
+            ),
             (
                 r#"{"attach": [{"arguments": ["_"], "values": {}}]}"#.to_owned(),
                 "has 2 arguments (item, to)",
@@ -426,5 +513,25 @@ skill = [{ name = "approach", type = "direction", from = "demonstration" },
         let taught = r#"{"attach": [{"arguments": ["_", "<shelf>"], "values": {"approach": [0, 0, -1]}}]}"#;
         let taught = Skills::parse(&domain, "skills.json", taught).unwrap();
         assert_eq!(taught.missing(&world, &plan), []);
+    }
+
+    #[test]
+    fn an_entry_for_a_step_counts_in_that_step_only() {
+        let domain = domain::load(&files(SKILLS)).unwrap();
+        let text = r#"{"assets": ["<table>", "<shelf>"], "objects": ["<cup>"], "object_states": {"<cup>": "on_something(<table>)"}}"#;
+        let world = environment::parse(&domain, "env.json", text).unwrap();
+        let skills = r#"{"attach": [{"arguments": ["_", "<shelf>"], "values": {"approach": [0, 0, -1]}},
+                                    {"arguments": ["_", "_"], "step": 5, "values": {"approach": [0, 1, 0]},
+                                     "taught": {"approach": {"uncertainty": 0.01, "unit": "rad", "source": "a.csv"}}}]}"#;
+        let skills = Skills::parse(&domain, "skills.json", skills).unwrap();
+        let (attach, _) = domain.action_ids().find(|(_, action)| action.name == "attach").unwrap();
+        let arguments = ["<cup>", "<shelf>"].map(|name| world.find(name).unwrap());
+        let approach = |step: Option<usize>| {
+            let values = skills.values(&world, step.map(StepId::new), attach, &arguments);
+            values["approach"].clone()
+        };
+        assert_eq!(approach(Some(4)), serde_json::json!([0, 1, 0]));
+        assert_eq!(approach(Some(3)), serde_json::json!([0, 0, -1]));
+        assert_eq!(approach(None), serde_json::json!([0, 0, -1]));
     }
 }

@@ -98,6 +98,13 @@ pub fn domain_files(name: &str) -> Result<Files, DomainError> {
     if !folder.is_dir() {
         return Err(DomainError::Unknown(name.to_owned()));
     }
+    let skills = skills_file(folder)?;
+    if let Some((path, text)) = &skills
+        && let Some(base) = Files::base_of(path, text)?
+    {
+        let base = domain::shipped_files(&base).ok_or(DomainError::Unknown(base))?;
+        return Ok(Files { skills, ..base });
+    }
     let prompt = prompt_files(&folder.join("prompt"))?;
     let mut texts: Vec<(String, String)> = prompt
         .into_iter()
@@ -108,7 +115,19 @@ pub fn domain_files(name: &str) -> Result<Files, DomainError> {
             texts.push((file.to_owned(), read_text(&folder.join(file))?));
         }
     }
-    Ok(Files::from_texts(prefix(folder), texts))
+    Ok(Files {
+        skills,
+        ..Files::from_texts(prefix(folder), texts)
+    })
+}
+
+/// The path and the text of `skills.toml`, which a domain need not have.
+fn skills_file(folder: &Path) -> Result<Option<(String, String)>, TextFileError> {
+    let path = folder.join("skills.toml");
+    match path.exists() {
+        true => Ok(Some((path.display().to_string(), read_text(&path)?))),
+        false => Ok(None),
+    }
 }
 
 /// Replaces prompt files of a domain by those of another folder; see [`Files::overlay`].

@@ -24,7 +24,7 @@ pub fn preflight(robot: &dyn Robot, plan: &VerifiedPlan, skills: &Skills) -> Res
             lane: step.actor(world.domain()),
             action: step.action,
             outcomes: Vec::new(),
-            skills: skills.values(world, step.action, &step.arguments),
+            skills: skills.values(world, Some(StepId::new(index)), step.action, &step.arguments),
             arguments: step.arguments.clone(),
             explanation: step.explanation.clone(),
         };

@@ -30,6 +30,25 @@ class Stopped(Exception):
     """The robot was stopped."""
 
 
+def is_taught(skills):
+    """True if a displacement or a rotation was taught."""
+    return "displacement" in skills or all(key in skills for key in ("axis", "centre", "radius", "angle"))
+
+
+def shares(length):
+    """The shares of a way of this length, a centimetre apart."""
+    count = max(2, math.ceil(length / 0.01))
+    return [part / count for part in range(1, count + 1)]
+
+
+def rotated(axis, angle, vector):
+    """A vector turned around an axis."""
+    rotation, matrix = np.zeros(4), np.zeros(9)
+    mujoco.mju_axisAngle2Quat(rotation, axis, angle)
+    mujoco.mju_quat2Mat(matrix, rotation)
+    return matrix.reshape(3, 3) @ vector
+
+
 class Hand:
     """Moves the hand through a world."""
 
@@ -247,6 +266,35 @@ class Hand:
         if not self.world.holds(name):
             raise Failure(f"{name} is not in the hand")
 
+    def follow(self, name, skills, closes):
+        """Moves a handle as it was taught: along the displacement, or around the axis. The joint of the scene is not used.
+        What is to be closed is moved a little beyond the end, so that it meets its frame."""
+        self.need(name)
+        begin, start, beyond = self.world.fraction(name), self.world.hand(), 0.02 if closes else 0
+        if "displacement" in skills:
+            way = np.array(skills["displacement"], float)
+            length = float(np.linalg.norm(way)) + beyond
+            path = [start + way / np.linalg.norm(way) * length * share for share in shares(length)]
+        else:
+            axis, centre = (np.array(skills[key], float) for key in ("axis", "centre"))
+            axis /= np.linalg.norm(axis)
+            radial = start - centre - axis * float(axis @ (start - centre))
+            off = abs(float(np.linalg.norm(radial)) - skills["radius"])
+            if off > BLOCKED:
+                raise Failure(f"{name} is {off * 100:.0f} cm away from the arc that was taught")
+            angle = skills["angle"] + math.copysign(beyond / skills["radius"], skills["angle"])
+            path = [start - radial + rotated(axis, angle * share, radial) for share in shares(abs(angle) * skills["radius"])]
+        for point in path:
+            self.go_through(point, name)
+        self.advance(60)
+        self.need(name)
+        now = self.world.fraction(name)
+        if closes and now > CLOSED or not closes and now < OPEN:
+            raise Failure(f"{name} stopped at {now:.0%} of its way")
+        if min(begin, now) > CLOSED and abs(now - begin) > 0.1:
+            self.adjusted.add(name)
+        self.way_back = []
+
     def turn(self, name, goal, speed=0.4):
         """Moves a handle along its joint until the door or drawer is open to a share of its range."""
         self.need(name)
@@ -264,10 +312,7 @@ class Hand:
             if handle.slides:
                 point = start + axis * moved
             else:
-                rotation, matrix = np.zeros(4), np.zeros(9)
-                mujoco.mju_axisAngle2Quat(rotation, axis, moved)
-                mujoco.mju_quat2Mat(matrix, rotation)
-                point = anchor + matrix.reshape(3, 3) @ start
+                point = anchor + rotated(axis, moved, start)
             self.go_through(point, name)
         self.advance(60)
         self.need(name)
@@ -288,22 +333,28 @@ class Hand:
             self.world.data.mocap_pos[0] = self.target
             raise Failure(f"{what} is stuck")
 
-    def open(self, name, share):
+    def open(self, name, share, skills):
         if self.world.fraction(name) > OPEN:
             raise Failure(f"{name} is open already")
+        if is_taught(skills):
+            return self.follow(name, skills, closes=False)
         handle = self.world.scene.handles[name]
         self.turn(name, share or (handle.wide if handle.slides else handle.narrow))
 
-    def adjust(self, name, share):
+    def adjust(self, name, share, skills):
         now, handle = self.world.fraction(name), self.world.scene.handles[name]
         if now < CLOSED:
             raise Failure(f"{name} is closed")
+        if is_taught(skills):
+            return self.follow(name, skills, closes=False)
         # Without a share to aim at, wider where there is room for it.
         self.turn(name, share or (handle.wide if now < (handle.narrow + handle.wide) / 2 else handle.narrow))
 
-    def close(self, name):
+    def close(self, name, skills):
         if self.world.fraction(name) < CLOSED:
             raise Failure(f"{name} is closed already")
+        if is_taught(skills):
+            return self.follow(name, skills, closes=True)
         self.turn(name, 0)
 
     def wipe(self, tool, place):
@@ -335,9 +386,11 @@ class Hand:
         actions = {
             "move-hand": self.move_hand, "move-object": self.move_object, "grasp": self.grasp, "release": self.release,
             "detach": self.pick_up, "attach": self.put_down, "wipe": self.wipe,
-            "open-by-rotate": lambda name: self.open(name, share), "open-by-slide": lambda name: self.open(name, share),
-            "adjust-by-rotate": lambda name: self.adjust(name, share), "adjust-by-slide": lambda name: self.adjust(name, share),
-            "close-by-rotate": self.close, "close-by-slide": self.close,
+            "open-by-rotate": lambda name: self.open(name, share, skills),
+            "open-by-slide": lambda name: self.open(name, share, skills),
+            "adjust-by-rotate": lambda name: self.adjust(name, share, skills),
+            "adjust-by-slide": lambda name: self.adjust(name, share, skills),
+            "close-by-rotate": lambda name: self.close(name, skills), "close-by-slide": lambda name: self.close(name, skills),
         }
         if "-by-" in order["action"] and arguments[:1] != [] and arguments[0] not in self.world.scene.handles:
             raise Failure(f"{arguments[0]} is no handle")

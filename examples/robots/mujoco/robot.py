@@ -15,6 +15,7 @@ import threading
 os.environ.setdefault("MUJOCO_GL", "egl" if "--pictures" in sys.argv else "disable")
 
 from hand import ACTIONS, Failure, Hand, Stopped
+from record import Recorder
 from scene import Scene
 from world import World
 
@@ -61,6 +62,8 @@ class Robot:
             raise ValueError("there is no environment: give one with --env")
         self.world = World(Scene(environment))
         self.hand = Hand(self.world, self.stopped)
+        if self.options.record:
+            self.world.recorder = Recorder(self.options.record, self.options.noise, self.options.seed)
         if self.options.pictures:
             from pictures import Strip
             self.strip = Strip(self.world, self.options.pictures)
@@ -69,7 +72,9 @@ class Robot:
                             "capabilities": {"actions": list(ACTIONS), "observe": True, "reports": ["hand-at", "lifted"]}})
 
     def perform(self, id, order):
-        failure = None
+        failure, recorder = None, self.world.recorder
+        if recorder:
+            recorder.begin(order["step"])
         slips = self.options.slip == order["step"]
         if slips:
             self.options.slip = None
@@ -83,6 +88,8 @@ class Robot:
             if self.hand.slip_from is not None:
                 self.hand.slip()
             self.hand.settle()
+        if recorder:
+            recorder.end()
         if self.strip:
             self.strip.add(f"{order['step']} {order['action']} {' '.join(order['arguments'])}")
         send(method="feedback", params={"id": id, "fraction": 1, "data": {"facts": self.facts(), "time": self.world.data.time}})
@@ -135,6 +142,9 @@ def main():
     parser.add_argument("--env", help="environment file, in place of the one that Longstep sends")
     parser.add_argument("--slip", type=int, metavar="STEP", help="let go of what is held during this step, once")
     parser.add_argument("--pictures", metavar="FILE.png", help="write a strip with a picture after each step")
+    parser.add_argument("--record", metavar="FILE.csv", help="record the path of the hand, for `longstep teach`")
+    parser.add_argument("--noise", type=float, default=0.0, metavar="METRES", help="add noise to the recorded positions")
+    parser.add_argument("--seed", type=int, default=1, help="the seed of the noise")
     Robot(parser.parse_args()).serve()
 
 

@@ -20,7 +20,7 @@ class World:
         self.scene = scene
         self.model = mujoco.MjModel.from_xml_string(scene.mjcf())
         self.data = mujoco.MjData(self.model)
-        self.held = None
+        self.held = self.recorder = None
         self.grip = np.zeros(3)
         mujoco.mj_forward(self.model, self.data)
         self.entity_of = {}
@@ -161,6 +161,8 @@ class World:
     def step(self, count):
         for _ in range(count):
             mujoco.mj_step(self.model, self.data)
+            if self.recorder is not None:
+                self.recorder.sample(self)
 
     # --- the grasp ---
 

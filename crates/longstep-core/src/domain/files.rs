@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::read_toml;
+use super::words::SkillsFile;
 use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 
 /// The texts of a domain's files, with their names for diagnostics.
@@ -13,6 +15,8 @@ pub struct Files {
     pub pddl: String,
     /// `domain.toml`
     pub words: String,
+    /// The path and the text of `skills.toml`; none if there is none.
+    pub skills: Option<(String, String)>,
     /// `prompt/goal.md`
     pub goal_prompt: String,
     /// `prompt/examples.toml`
@@ -39,8 +43,8 @@ impl Files {
         "query.md",
     ];
 
-    /// Collects the texts of a domain's folder, given by their paths within it: `domain.pddl`, `domain.toml` and the files
-    /// of `prompt/`. Other files belong to no domain and are left out; a file that is missing is an empty text.
+    /// Collects the texts of a domain's folder, given by their paths within it: `domain.pddl`, `domain.toml`,
+    /// `skills.toml` and the files of `prompt/`. Other files belong to no domain and are left out; a file that is missing is an empty text.
     ///
     /// ```
     /// use longstep_core::domain::{Files, load, starter};
@@ -57,10 +61,35 @@ impl Files {
                 Some(name) => files.set_prompt(name, text),
                 None if path == "domain.pddl" => files.pddl = text,
                 None if path == "domain.toml" => files.words = text,
+                None if path == "skills.toml" => files.skills = Some((format!("{}{path}", files.folder), text)),
                 None => {}
             }
         }
         files
+    }
+
+    /// Returns the domain that a `skills.toml` extends, by its name; none if it belongs to the domain of its own folder.
+    ///
+    /// ```
+    /// use longstep_core::domain::Files;
+    /// let text = "name = \"kitchen\"\nbase = \"household\"";
+    /// assert_eq!(Files::base_of("kitchen/skills.toml", text).unwrap().as_deref(), Some("household"));
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// A text that is no `skills.toml`, and a base without a name for the new domain.
+    pub fn base_of(path: &str, text: &str) -> Result<Option<String>, Diagnostics> {
+        let mut findings = Vec::new();
+        let file: Option<SkillsFile> = read_toml(path, text, &mut findings);
+        match file {
+            Some(file) if file.base.is_some() && file.name.is_none() => {
+                let message = "a `skills.toml` with a `base` has a `name` of its own";
+                Err(Diagnostics(vec![Diagnostic::whole(path, message.to_owned())]))
+            }
+            Some(file) => Ok(file.base),
+            None => Err(Diagnostics::sorted(findings)),
+        }
     }
 
     /// Sets the text of a file of `prompt/`.

@@ -40,10 +40,19 @@ pub fn load_with_findings(files: &Files) -> (Option<Domain>, Vec<Diagnostic>) {
     let semantics = pddl::read(&pddl_file, &files.pddl, Dialect::Longstep, &mut findings);
     let words_file = format!("{}domain.toml", files.folder);
     let parsed: Option<DomainFile> = read_toml(&words_file, &files.words, &mut findings);
-    let domain = parsed.map(|parsed| {
+    let skills = files.skills.as_ref().and_then(|(path, text)| {
+        let words = read_toml(path, text, &mut findings)?;
+        Some(SkillsSource { path, text, words })
+    });
+    let domain = parsed.map(|mut parsed| {
+        if let Some(words) = skills.as_ref().map(|skills| &skills.words) {
+            parsed.name = words.name.clone().unwrap_or(parsed.name);
+            parsed.about = words.about.clone().unwrap_or(parsed.about);
+        }
         let mut loader = Loader {
             file: &words_file,
             text: &files.words,
+            skills: skills.as_ref(),
             pddl_file: &pddl_file,
             semantics: &semantics,
             findings: &mut findings,
@@ -82,9 +91,17 @@ pub fn content_position<T>(text: &str, value: &Spanned<T>) -> Position {
 /// The article of domains that declare none.
 const ARTICLE: &str = "the";
 
+/// `skills.toml`, read.
+struct SkillsSource<'a> {
+    path: &'a str,
+    text: &'a str,
+    words: words::SkillsFile,
+}
+
 struct Loader<'a> {
     file: &'a str,
     text: &'a str,
+    skills: Option<&'a SkillsSource<'a>>,
     pddl_file: &'a str,
     semantics: &'a Semantics,
     findings: &'a mut Vec<Diagnostic>,
@@ -203,6 +220,7 @@ impl Loader<'_> {
         };
         let mut predicate_words = self.predicates(&file.predicate);
         let actions = self.actions(&file.action);
+        self.check_skills(&file.action);
         for atom in actions.iter().flat_map(|action| &action.senses) {
             predicate_words[atom.predicate.index()].fluent = true;
         }

@@ -106,6 +106,27 @@ pub struct SkillEntry {
     pub kind: Text,
     pub unit: Option<Text>,
     pub from: Text,
+    pub fit: Option<Text>,
+    pub prior: Option<Spanned<Vec<f64>>>,
+}
+
+/// The schema of `skills.toml`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkillsFile {
+    pub name: Option<String>,
+    pub base: Option<String>,
+    pub about: Option<String>,
+    #[serde(default)]
+    pub action: Vec<ActionSkillsEntry>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ActionSkillsEntry {
+    pub name: Text,
+    #[serde(default)]
+    pub skill: Vec<SkillEntry>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -90,7 +90,7 @@ impl Execution {
         match subject {
             Subject::Plan => {}
             Subject::Step(order) => self.approved = Some(order),
-            Subject::Change(change) => self.install(&change.plan),
+            Subject::Change(change) => self.install(&change.plan, None),
         }
         Ok(())
     }

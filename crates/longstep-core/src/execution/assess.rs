@@ -1,10 +1,11 @@
 //! The effect of a difference on the rest of a plan, and what follows from it.
 
 use super::need::{Effect, Stop};
+use super::order::taught_step;
 use super::{Event, Execution, ground};
 use crate::cursor::Rest;
 use crate::model::{Moment, Prohibition, State, StepPattern, World, apply, holds};
-use crate::plan::Plan;
+use crate::plan::{Plan, Step, StepId};
 use crate::verify::{Purpose, VerifiedPlan, check};
 
 /// Maximum number of rests that are verified to see how many steps have become needless.
@@ -51,14 +52,39 @@ impl Execution {
                 self.confirm();
             }
             Some(fitting) => {
+                let taught = self.taught_before(&fitting.plan);
+                if self.has_untaught(&fitting.plan, taught) {
+                    return self.change(&here, &purpose, because);
+                }
                 let failures = self.failures.clone();
-                self.install(&fitting.plan);
+                self.install(&fitting.plan, taught);
                 if effect == Effect::Undone {
                     self.failures = failures;
                 }
             }
             None => self.change(&here, &purpose, because),
         }
+    }
+
+    /// Returns the number of steps of the plan of the beginning before those of a rest of the plan in force; none if the
+    /// plan is no rest of it.
+    fn taught_before(&self, plan: &VerifiedPlan) -> Option<usize> {
+        let (before, rest) = (self.cursor.plan().steps(), plan.steps());
+        let calls = |steps: &[Step]| steps.iter().map(ground).collect::<Vec<_>>();
+        let first = before.len().checked_sub(rest.len())?;
+        let is_rest = calls(&before[first..]) == calls(rest);
+        is_rest.then_some(self.taught? + first)
+    }
+
+    /// Returns true if a plan has steps without values that a person has to teach.
+    fn has_untaught(&self, plan: &VerifiedPlan, taught: Option<usize>) -> bool {
+        let is_untaught = |(index, step): (usize, &Step)| {
+            let step_id = taught_step(taught, StepId::new(index));
+            let skills = &self.settings.skills;
+            let mut missing = skills.untaught(&self.world, step_id, step.action, &step.arguments);
+            missing.next().is_some()
+        };
+        plan.steps().iter().enumerate().any(is_untaught)
     }
 
     /// Returns the world of the rest of the plan, in which steps that failed too often are forbidden.

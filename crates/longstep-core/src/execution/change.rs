@@ -79,7 +79,7 @@ impl Execution {
                 self.changes += 1;
                 self.events.push(Event::changed(here, &change));
                 match self.settings.approval {
-                    Approval::Never => self.install(&change.plan),
+                    Approval::Never => self.install(&change.plan, None),
                     Approval::Changes | Approval::EachStep => self.propose(Subject::Change(change)),
                 }
             }
@@ -96,7 +96,7 @@ impl Execution {
         let mut found = false;
         for step in plan.steps().iter().map(ground) {
             let skills = &self.settings.skills;
-            let untaught = skills.untaught(&self.world, step.action, &step.arguments).next();
+            let untaught = skills.untaught(&self.world, None, step.action, &step.arguments).next();
             let untaught = untaught.map(|parameter| format!("nobody taught its `{}`", parameter.name));
             if let Some(why) = untaught.filter(|_| !self.is_forbidden(&step)) {
                 self.forbidden.push((step, why));

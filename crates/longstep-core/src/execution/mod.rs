@@ -102,6 +102,8 @@ pub struct Execution {
     /// The worlds from which the plan was changed, with the rest of the plan.
     visited: Vec<(State, Vec<GroundAction>, usize)>,
     changes: u32,
+    /// The number of steps of the plan of the beginning before those of the plan in force; none if it was changed.
+    taught: Option<usize>,
     /// True if an observation is due before anything else.
     due: bool,
     /// True if the observed world differs from the prediction, or a step failed.
@@ -164,6 +166,7 @@ impl Execution {
             forbidden: Vec::new(),
             visited: Vec::new(),
             changes: 0,
+            taught: Some(0),
             suspicious: false,
             differences: Vec::new(),
             approved: None,
@@ -322,8 +325,10 @@ impl Execution {
         self.suspended = is_resumable.then(|| Box::new(before));
     }
 
-    /// Replaces the plan in force by one that was verified from the observed world.
-    fn install(&mut self, plan: &VerifiedPlan) {
+    /// Replaces the plan in force by one that was verified from the observed world. `taught` is the number of steps of the
+    /// plan of the beginning before it; none if it is no rest of that plan.
+    fn install(&mut self, plan: &VerifiedPlan, taught: Option<usize>) {
+        self.taught = taught;
         self.cursor = Cursor::new(plan);
         self.approved = None;
         self.confirm();

@@ -30,7 +30,12 @@ impl Execution {
             lane: step.actor(domain),
             action: step.action,
             outcomes: self.cursor.outcomes(id),
-            skills: self.settings.skills.values(&self.world, step.action, &step.arguments),
+            skills: self.settings.skills.values(
+                &self.world,
+                taught_step(self.taught, id),
+                step.action,
+                &step.arguments,
+            ),
             arguments: step.arguments,
             explanation: step.explanation,
         };
@@ -135,6 +140,12 @@ impl Execution {
             self.forbidden.push((step, why.to_owned()));
         }
     }
+}
+
+/// The step for which the skills file has values, of a plan that follows `taught` steps of the plan of the beginning; none
+/// in a plan that was changed.
+pub(super) fn taught_step(taught: Option<usize>, id: StepId) -> Option<StepId> {
+    taught.map(|before| StepId::new(before + id.index()))
 }
 
 pub(super) fn ground(step: &Step) -> GroundAction {

@@ -56,6 +56,8 @@ struct Real<'a> {
     watched: bool,
     mishaps: &'a [(u64, Mishap<'a>)],
     calls: Vec<String>,
+    /// The values of the skill parameter `place` that came with orders of `move-hand`; null for none.
+    places: Vec<serde_json::Value>,
     log: Vec<Event>,
 }
 
@@ -66,6 +68,7 @@ impl Real<'_> {
             watched: execution.settings.watch == Watch::EachStep,
             mishaps,
             calls: Vec::new(),
+            places: Vec::new(),
             log: Vec::new(),
         }
     }
@@ -87,6 +90,9 @@ impl Real<'_> {
             return false;
         }
         self.calls.push(order.written(world));
+        if action.name == "move-hand" {
+            self.places.push(order.skills.get("place").cloned().unwrap_or_default());
+        }
         let mishap = self.mishaps.iter().find(|(number, _)| *number == order.number);
         match mishap.map(|(_, mishap)| *mishap) {
             Some(Mishap::Fails) => return false,
@@ -550,5 +556,72 @@ fn a_step_that_no_observation_shows_is_asked_about() {
         };
         let Need::Perform(order) = need else { panic!("{need:?}") };
         assert_eq!((order.written(&world).as_str(), order.number), (next, 2));
+    }
+}
+
+/// The handle is reached twice, and the hand has to go elsewhere the second time.
+#[test]
+fn values_for_a_step_come_with_that_step_and_no_other() {
+    let mut files = domain::shipped_files("household").unwrap();
+    let declared = r#"[[action]]
+        name = "move-hand"
+        skill = [{ name = "place", type = "point", unit = "m", from = "demonstration" }]"#;
+    files.skills = Some(("skills.toml".to_owned(), declared.to_owned()));
+    let world = environment::parse(&domain::load(&files).unwrap(), "env.json", KITCHEN).unwrap();
+    let goal = "put(milk, table) then closed(fridge)";
+    let plan = plan(&world, goal);
+    let calls: Vec<String> = plan.steps().iter().map(|step| step.call(&world).to_string()).collect();
+    let moves: Vec<usize> = (0..calls.len())
+        .filter(|index| calls[*index].starts_with("move_hand"))
+        .collect();
+    let handle = world.find("<fridge_handle>").unwrap();
+    let to_handle: Vec<usize> = moves
+        .iter()
+        .copied()
+        .filter(|index| plan.steps()[*index].arguments == [handle])
+        .collect();
+    let [open, close] = to_handle[..] else {
+        panic!("{calls:?}")
+    };
+    let skills = serde_json::json!({"move-hand": [
+        {"arguments": ["<milk>"], "values": {"place": [3, 0, 0]}},
+        {"arguments": ["<fridge_handle>"], "step": open + 1, "values": {"place": [1, 0, 0]}},
+        {"arguments": ["<fridge_handle>"], "step": close + 1, "values": {"place": [2, 0, 0]}},
+    ]});
+    let skills = crate::skill::Skills::from_value(world.domain(), skills).unwrap();
+    let grasp = open as u64 + 2;
+    let opened = ["-<fridge_handle> closed()", "+<fridge_handle> open()"];
+    let stolen = ["-<milk> inside_something(<fridge>)", "+<milk> on_something(<shelf>)"];
+    for (mishaps, expected) in [
+        (vec![], Some(vec![1, 3, 2])),
+        (vec![(grasp, Mishap::NoEffect)], Some(vec![1, 3, 2])),
+        (vec![(grasp, Mishap::Fails)], Some(vec![1, 3, 2])),
+        (vec![(grasp, Mishap::Then(&opened[..]))], Some(vec![1, 3, 2])),
+        // The plan is changed, or there is none: nothing moves to the handle without its value.
+        (vec![(open as u64 + 5, Mishap::Then(&stolen[..]))], None),
+    ] {
+        let settings = Settings {
+            reports: reports(&world),
+            skills: skills.clone(),
+            ..Settings::default()
+        };
+        let settings = Settings {
+            approval: Approval::Never,
+            watch: Watch::EachStep,
+            ..settings
+        };
+        let mut execution = Execution::new(&plan, &Aim::Goal(goal.to_owned()), settings).unwrap();
+        let mut real = Real::of(&execution, &mishaps);
+        let end = real.run(&mut execution);
+        assert!(
+            real.places.iter().all(|place| !place.is_null()),
+            "{mishaps:?}: {:?}",
+            real.calls
+        );
+        if let Some(expected) = expected {
+            assert!(matches!(end, Need::Done), "{mishaps:?}: {end:?}");
+            let first: Vec<i64> = real.places.iter().map(|place| place[0].as_i64().unwrap()).collect();
+            assert_eq!(first, expected, "{mishaps:?}: {:?}", real.calls);
+        }
     }
 }

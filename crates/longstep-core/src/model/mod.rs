@@ -62,7 +62,7 @@ pub use prohibition::{Prohibition, StepPattern};
 pub use rules::broken_bindings;
 pub use simulate::{Missing, Shortfall, apply, unmet};
 pub(crate) use simulate::{apply_onto, fired, rests_on};
-pub use skill::{SkillParameter, SkillSource, SkillType};
+pub use skill::{SkillFit, SkillParameter, SkillSource, SkillType};
 pub use template::Template;
 pub use trace::{Change, Changes, Ending, NumberChange, StepId, Trace};
 pub use value::{OutOfRange, QuantityForm, Value, ValueForm, ValueMention, ValueType};
