@@ -1,6 +1,7 @@
 //! The command line's arguments.
 
 mod robot;
+mod see;
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -10,6 +11,7 @@ use longstep::Effort;
 use longstep::session::{RepairPolicy, Settings, Strategy};
 
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
+pub(crate) use see::SeeArguments;
 
 /// Turns instructions in plain English into verified robot action plans.
 #[derive(Debug, Parser)]
@@ -27,6 +29,8 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Make an environment from a scene of boxes, from pictures, or from a description in words
+    See(SeeArguments),
     /// Turn an instruction into a verified plan
     Plan(PlanArguments),
     /// Plan several instructions, each in the world after the last plan
