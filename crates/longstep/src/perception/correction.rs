@@ -74,7 +74,7 @@ impl<'a> CorrectionDialogue<'a> {
 }
 
 fn question(before: &Sighting, words: &str) -> String {
-    format!("{}\n\n{words}", before.written())
+    format!("{}\n\n{words}", before.written(&before.names()))
 }
 
 impl Dialogue for CorrectionDialogue<'_> {

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::example::sight_examples;
-use super::sighting::{COMMA, LABELS, NAMES, NONE, SEMICOLON, Sighting};
-use super::vocabulary::Vocabulary;
+use super::sighting::{COMMA, KINDS, LABEL, NAMES, NONE, PLAIN, SEMICOLON, Sighting};
+use super::vocabulary::{List, Vocabulary};
 use crate::dialogue::answer_grammar::{Form, any_text, closed, list, one_of};
 use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Picture, Reply, Role, Transcript, one_line,
@@ -17,10 +17,12 @@ const TASK: &str = include_str!("sight.txt");
 const JSON_FORM: &str = "Answer with JSON: `assets` and `objects` are lists of names, `states` lists the states with their \
     entity and the names of the other entities, and `unsure` lists in plain words what cannot be seen well.";
 /// The form of an embedded model's answer.
-const LINE_FORM: &str =
-    "Answer with a line of assets, a line of objects, and then a line for each of them with its states.";
+const LINE_FORM: &str = "Answer with a line of plain English sentences, one for each fact, a line of all names, each with asset or \
+object, and then a line for each name with its states.";
 /// Token budget of an answer.
 const TOKENS: u32 = 4096;
+/// Maximum number of characters of the description in plain sentences.
+const PLAIN_LENGTH: usize = 2_000;
 /// A name in the line form.
 pub(super) const NAME: &str = "[a-z][a-z0-9]{0,19}(_[a-z0-9]{1,19}){0,3}";
 /// Maximum number of states of one entity in the line form.
@@ -43,7 +45,8 @@ pub struct SightInput<'a> {
 
 /// Lets a model write down what a description or pictures show.
 ///
-/// An embedded model answers in lines: first the names, then, in a second request, a state for each of these names. A
+/// An embedded model answers in lines: plain English sentences and the names, then, in a second request, the states of each of
+/// these names. A
 /// server answers in JSON, in one request.
 ///
 /// ```
@@ -56,8 +59,8 @@ pub struct SightInput<'a> {
 /// let input = SightInput { domain, words: "Milk in a fridge", pictures: &[], kind: ConstraintKind::Grammar };
 /// let mut dialogue = SightDialogue::new(&input);
 /// let reply = |text: &str| Reply { text: text.to_owned(), finish: Finish::Stop, usage: Usage::default(), likelihood: None };
-/// assert!(dialogue.supply(&reply("assets: fridge\nobjects: milk\n"))?.is_none());
-/// let sighting = dialogue.supply(&reply("fridge: none\nmilk: inside_something(fridge)"))?.unwrap();
+/// assert!(dialogue.supply(&reply("plain: The milk is in the fridge.\nnames: milk object, fridge asset\n"))?.is_none());
+/// let sighting = dialogue.supply(&reply("milk: inside_something(fridge)\nfridge: none"))?.unwrap();
 /// let view = View::of(domain, &sighting);
 /// assert_eq!(view.environment.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);
 /// assert!(view.world.is_ok());
@@ -69,7 +72,7 @@ pub struct SightDialogue<'a> {
     kind: ConstraintKind,
     transcript: Transcript,
     /// The names, once the model has listed them in the line form.
-    listed: Option<Sighting>,
+    listed: Option<Vec<(String, List)>>,
 }
 
 impl<'a> SightDialogue<'a> {
@@ -84,7 +87,10 @@ impl<'a> SightDialogue<'a> {
         let mut messages = vec![Message::new(Role::System, task)];
         for example in sight_examples(&vocabulary) {
             let answer = match input.kind {
-                ConstraintKind::Grammar => example.sighting.written(),
+                ConstraintKind::Grammar => {
+                    let written = example.sighting.written(&example.names());
+                    format!("{PLAIN}{}\n{written}", example.plain(&vocabulary))
+                }
                 ConstraintKind::JsonSchema => json_of(&example.sighting).to_string(),
             };
             messages.push(Message::new(Role::User, example.text));
@@ -105,26 +111,20 @@ impl<'a> SightDialogue<'a> {
         }
     }
 
-    /// Returns the grammar of the two lists of names.
+    /// Returns the grammar of the plain sentences and the names.
     fn grammar_of_names() -> String {
-        let list = || {
-            let names = Form::Pattern(NAME.to_owned()).separated(Form::text(COMMA), NAMES);
-            Form::Either(vec![Form::text(NONE), names])
-        };
-        let [(assets, _), (objects, _)] = LABELS;
-        Form::Row(vec![
-            Form::text(assets),
-            list(),
-            Form::text(format!("\n{objects}")),
-            list(),
-            Form::text("\n"),
-        ])
-        .grammar()
+        let kinds = Form::texts(KINDS.iter().map(|(kind, _)| (*kind).to_owned()));
+        let name = Form::Row(vec![Form::Pattern(NAME.to_owned()), kinds]);
+        let names = name.separated(Form::text(COMMA), NAMES);
+        let names = Form::Either(vec![Form::text(NONE), names]);
+        let plain = Form::Pattern(format!("[^\\n]{{1,{PLAIN_LENGTH}}}"));
+        let label = Form::text(format!("\n{LABEL}"));
+        Form::Row(vec![Form::text(PLAIN), plain, label, names, Form::text("\n")]).grammar()
     }
 
     /// Returns the grammar of a line of states for each name.
-    fn grammar_of_states(&self, listed: &Sighting) -> String {
-        let names = listed.names();
+    fn grammar_of_states(&self, listed: &[(String, List)]) -> String {
+        let names: Vec<(&str, List)> = listed.iter().map(|(name, list)| (name.as_str(), *list)).collect();
         let mut row = Vec::new();
         for (index, (name, list)) in names.iter().enumerate() {
             let start = if index == 0 {
@@ -215,21 +215,22 @@ impl Dialogue for SightDialogue<'_> {
         if self.kind == ConstraintKind::JsonSchema {
             return Sighting::from_json(&reply.text).map(Some);
         }
-        let Some(mut listed) = self.listed.take() else {
-            let listed = Sighting::lists(&reply.text)?;
-            if listed.names().is_empty() {
-                return Ok(Some(listed));
+        let Some(listed) = self.listed.take() else {
+            let listed = Sighting::named(&reply.text)?;
+            if listed.is_empty() {
+                return Ok(Some(Sighting::default()));
             }
             self.listed = Some(listed);
             return Ok(None);
         };
+        let mut sighting = Sighting::of_names(&listed);
         for line in reply.text.lines() {
             let (name, states) = line
                 .split_once(": ")
                 .ok_or_else(|| DialogueError::Unreadable(format!("a line without a name: `{line}`")))?;
-            listed.add_line(name, states);
+            sighting.add_line(name, states);
         }
-        Ok(Some(listed))
+        Ok(Some(sighting))
     }
 
     fn transcript(&self) -> &Transcript {

@@ -4,6 +4,7 @@ use super::sighting::{Sighting, Statement};
 use super::vocabulary::{List, Vocabulary};
 use crate::call::Call;
 use crate::model::StateWord;
+use longstep_core::model::SpatialRelation;
 
 const PLACES: [&str; 3] = ["workbench", "chest", "wagon"];
 const THINGS: [&str; 4] = ["lantern", "rope", "drum", "bell"];
@@ -12,6 +13,56 @@ const THINGS: [&str; 4] = ["lantern", "rope", "drum", "bell"];
 pub(super) struct SightExample {
     pub(super) text: String,
     pub(super) sighting: Sighting,
+    /// The text in plain English sentences, one for each fact.
+    plain: Vec<String>,
+    /// The names in the order of the text, if it is not in English.
+    order: Vec<String>,
+}
+
+impl SightExample {
+    fn new(text: impl Into<String>, sighting: Sighting) -> Self {
+        Self {
+            text: text.into(),
+            sighting,
+            plain: Vec::new(),
+            order: Vec::new(),
+        }
+    }
+
+    /// Returns the text in plain English sentences: those of the statements, in the order of the names.
+    pub(super) fn plain(&self, vocabulary: &Vocabulary<'_>) -> String {
+        let mut sentences = Vec::new();
+        for (name, _) in self.names() {
+            let own = self
+                .sighting
+                .statements
+                .iter()
+                .filter(|statement| statement.subject == name);
+            let count = sentences.len();
+            sentences.extend(own.filter_map(|statement| Sighting::sentence(vocabulary, statement)));
+            if sentences.len() > count {
+                continue;
+            }
+            let said = self.plain.iter().find(|sentence| sentence.contains(name));
+            sentences.push(said.cloned().unwrap_or_else(|| format!("there is a {name}")));
+        }
+        let sentences = sentences.iter().map(|sentence| capitalized(sentence));
+        sentences.collect::<Vec<_>>().join(". ") + "."
+    }
+
+    /// Returns the names in the order of the text.
+    pub(super) fn names(&self) -> Vec<(&str, List)> {
+        let mut names = self.sighting.names();
+        let bare = |name: &str| {
+            name.trim_end_matches(|c: char| c == '_' || c.is_ascii_digit())
+                .to_owned()
+        };
+        names.sort_by_key(|(name, _)| match self.order.iter().position(|own| own == name) {
+            Some(place) => place,
+            None => self.text.to_lowercase().find(&bare(name)).unwrap_or(usize::MAX),
+        });
+        names
+    }
 }
 
 /// What a person says about a sighting, with the lines that change.
@@ -48,16 +99,15 @@ impl<'a> Words<'a> {
     }
 
     fn statement(&self, word: &StateWord, subject: &str, place: Option<&str>) -> (String, Statement) {
-        let name = |slot: usize| format!("the {}", if slot == 0 { subject } else { place.unwrap_or_default() });
-        let mut sentence = self.vocabulary.sentence(word, &name);
-        sentence.push('.');
         let arguments = place.iter().map(|place| (*place).to_owned()).collect();
         let state = Call {
             name: word.word.clone(),
             arguments,
         };
         let subject = subject.to_owned();
-        (capitalized(&sentence), Statement { subject, state })
+        let statement = Statement { subject, state };
+        let sentence = Sighting::sentence(self.vocabulary, &statement).unwrap_or_default();
+        (capitalized(&sentence) + ".", statement)
     }
 }
 
@@ -65,7 +115,7 @@ impl<'a> Words<'a> {
 /// several entities in a place.
 pub(super) fn sight_examples(vocabulary: &Vocabulary<'_>) -> Vec<SightExample> {
     let words = Words::of(vocabulary);
-    let mut examples = foreign();
+    let mut examples = foreign(&words);
     examples.push(states(&words));
     examples.push(relations(&words));
     examples.extend(words.places.first().and_then(|word| several(&words, word)));
@@ -74,25 +124,40 @@ pub(super) fn sight_examples(vocabulary: &Vocabulary<'_>) -> Vec<SightExample> {
     examples
 }
 
-/// Descriptions without states, in other languages.
-fn foreign() -> Vec<SightExample> {
-    let all: [(&str, &str, &[&str]); 2] = [
-        (
-            "Da sind ein Wagen, zwei Seile und eine Glocke.",
-            "wagon",
-            &["rope_1", "rope_2", "bell"],
-        ),
-        ("馬車とランタンがあります。", "wagon", &["lantern"]),
-    ];
-    let example = |(text, asset, objects): (&str, &str, &[&str])| SightExample {
-        text: text.to_owned(),
-        sighting: Sighting {
-            assets: vec![asset.to_owned()],
-            objects: objects.iter().map(|name| (*name).to_owned()).collect(),
-            ..Sighting::default()
-        },
+/// Descriptions in other languages, for domains with words for on and inside.
+fn foreign(words: &Words<'_>) -> Vec<SightExample> {
+    let of = |relation: SpatialRelation| words.places.iter().find(|word| word.relations.contains(&relation));
+    let (Some(on), Some(inside)) = (of(SpatialRelation::On), of(SpatialRelation::Inside)) else {
+        return Vec::new();
     };
-    all.into_iter().map(example).collect()
+    let dutch = [
+        ("rope_1", on, "workbench"),
+        ("rope_2", on, "workbench"),
+        ("bell", inside, "chest"),
+    ];
+    let korean = [("lantern", on, "wagon"), ("drum", inside, "chest")];
+    let texts = [
+        (
+            "Op de werkbank liggen twee touwen, en in de kist ligt een bel.",
+            &dutch[..],
+        ),
+        ("마차 위에 등불이 있습니다. 궤짝 안에 북이 있습니다.", &korean[..]),
+    ];
+    let example = |(text, entries): (&str, &[(&str, &&StateWord, &str)])| {
+        let mut example = SightExample::new(text, Sighting::default());
+        for (thing, word, place) in entries {
+            let sighting = &mut example.sighting;
+            if !sighting.assets.iter().any(|own| own == place) {
+                sighting.assets.push((*place).to_owned());
+                example.order.push((*place).to_owned());
+            }
+            example.order.push((*thing).to_owned());
+            sighting.objects.push((*thing).to_owned());
+            sighting.statements.push(words.statement(word, thing, Some(place)).1);
+        }
+        example
+    };
+    texts.into_iter().map(example).collect()
 }
 
 /// Places with what is there: "a workbench with a lantern on it".
@@ -109,7 +174,7 @@ fn equipped(words: &Words<'_>) -> Option<SightExample> {
         sighting.statements.push(words.statement(word, thing, Some(place)).1);
     }
     let text = format!("There is {}.", parts.join(", and "));
-    (!parts.is_empty()).then_some(SightExample { text, sighting })
+    (!parts.is_empty()).then(|| SightExample::new(text, sighting))
 }
 
 /// One sentence for each relation.
@@ -126,24 +191,21 @@ fn relations(words: &Words<'_>) -> SightExample {
         sighting.objects.push(THINGS[index].to_owned());
         sighting.statements.push(statement);
     }
-    SightExample { text, sighting }
+    SightExample::new(text, sighting)
 }
 
 /// Several entities of a kind in one place.
 fn several(words: &Words<'_>, word: &StateWord) -> Option<SightExample> {
     let place = PLACES[0];
     let short = words.vocabulary.short(word, &|_| format!("a {place}"))?;
-    let objects = ["rope_1", "rope_2", "bell"];
-    let statements = objects.map(|name| words.statement(word, name, Some(place)).1);
-    Some(SightExample {
-        text: format!("Two ropes and a bell {short}."),
-        sighting: Sighting {
-            assets: vec![place.to_owned()],
-            objects: objects.map(str::to_owned).to_vec(),
-            statements: statements.to_vec(),
-            ..Sighting::default()
-        },
-    })
+    let objects = ["bell_1", "bell_2", "bell_3", "rope"];
+    let sighting = Sighting {
+        assets: vec![place.to_owned()],
+        objects: objects.map(str::to_owned).to_vec(),
+        statements: objects.map(|name| words.statement(word, name, Some(place)).1).to_vec(),
+        ..Sighting::default()
+    };
+    Some(SightExample::new(format!("Three bells and a rope {short}."), sighting))
 }
 
 /// An object in a place that is in another one.
@@ -152,18 +214,18 @@ fn nested(words: &Words<'_>, word: &StateWord) -> Option<SightExample> {
     let [place, outer, inner] = [PLACES[2], THINGS[2], THINGS[0]];
     let within = words.vocabulary.short(word, &|_| "it".to_owned())?;
     let at = words.vocabulary.short(first, &|_| format!("the {place}"))?;
-    Some(SightExample {
-        text: format!("{} is a {outer}, and {within} a {inner}.", capitalized(&at)),
-        sighting: Sighting {
-            assets: vec![place.to_owned()],
-            objects: vec![outer.to_owned(), inner.to_owned()],
-            statements: vec![
-                words.statement(first, outer, Some(place)).1,
-                words.statement(word, inner, Some(outer)).1,
-            ],
-            ..Sighting::default()
-        },
-    })
+    let statements = vec![
+        words.statement(first, outer, Some(place)).1,
+        words.statement(word, inner, Some(outer)).1,
+    ];
+    let sighting = Sighting {
+        assets: vec![place.to_owned()],
+        objects: vec![outer.to_owned(), inner.to_owned()],
+        statements,
+        ..Sighting::default()
+    };
+    let text = format!("{} is a {outer}, and {within} a {inner}.", capitalized(&at));
+    Some(SightExample::new(text, sighting))
 }
 
 /// States of one entity; a last one of which nothing is said.
@@ -189,15 +251,32 @@ fn states(words: &Words<'_>) -> SightExample {
         sighting.objects.push(THINGS[index].to_owned());
         sighting.statements.push(statement);
     }
-    text.push_str("A drum is there too.");
-    sighting.objects.push("drum".to_owned());
-    SightExample { text, sighting }
+    let mut plain = Vec::new();
+    // A relation for which the domain has no word.
+    let has_under = words
+        .vocabulary
+        .words()
+        .any(|word| word.word.contains("under") || word.means.contains("under"));
+    let (subject, place) = ("drum", PLACES[2]);
+    text.push_str(&match has_under {
+        true => format!("There is a {subject}, and a {place}."),
+        false => {
+            plain.push(format!("the {subject} is under the {place}"));
+            format!("The {subject} is under the {place}.")
+        }
+    });
+    sighting.objects.push(subject.to_owned());
+    sighting.assets.push(place.to_owned());
+    SightExample {
+        plain,
+        ..SightExample::new(text, sighting)
+    }
 }
 
 /// Makes examples of corrections: a place that changes, and an entity that is not there.
 pub(super) fn correction_examples(vocabulary: &Vocabulary<'_>) -> Vec<CorrectionExample> {
     let words = Words::of(vocabulary);
-    let SightExample { sighting: before, .. } = relations(&words);
+    let before = relations(&words).sighting;
     let mut examples = Vec::new();
     if let Some(word) = words.places.first() {
         let (text, statement) = words.statement(word, THINGS[0], Some(PLACES[1]));

@@ -14,8 +14,12 @@ const STATES: usize = 400;
 const CHARACTERS: usize = 60;
 /// The absence of names or states in the line form.
 pub(super) const NONE: &str = "none";
-/// The labels of the lists in the line form.
-pub(super) const LABELS: [(&str, List); 2] = [("assets: ", List::Assets), ("objects: ", List::Objects)];
+/// The label of the names in the line form.
+pub(super) const LABEL: &str = "names: ";
+/// The label of the description in plain sentences, which an embedded model writes first.
+pub(super) const PLAIN: &str = "plain: ";
+/// The words after a name in the line form.
+pub(super) const KINDS: [(&str, List); 2] = [(" asset", List::Assets), (" object", List::Objects)];
 /// The separator of names.
 pub(super) const COMMA: &str = ", ";
 /// The separator of the states of one name.
@@ -120,33 +124,42 @@ impl Sighting {
         })
     }
 
-    /// Reads the two lists at the beginning of the line form.
-    pub(super) fn lists(text: &str) -> Result<Self, DialogueError> {
-        let mut sighting = Self::default();
-        for (label, list) in LABELS {
-            let line = text.lines().find_map(|line| line.strip_prefix(label));
-            let line = line.ok_or_else(|| DialogueError::Unreadable(format!("there is no line `{label}`")))?;
-            let own = match list {
-                List::Assets => &mut sighting.assets,
-                List::Objects => &mut sighting.objects,
-            };
-            let names = line.split(COMMA.trim()).map(plain);
-            own.extend(names.filter(|name| !name.is_empty() && name != NONE).take(NAMES));
+    /// Reads the names at the beginning of the line form, in the order of the text.
+    pub(super) fn named(text: &str) -> Result<Vec<(String, List)>, DialogueError> {
+        let line = text.lines().find_map(|line| line.strip_prefix(LABEL));
+        let line = line.ok_or_else(|| DialogueError::Unreadable(format!("there is no line `{LABEL}`")))?;
+        let mut named: Vec<(String, List)> = Vec::new();
+        for entry in line
+            .split(COMMA.trim())
+            .map(str::trim)
+            .filter(|entry| *entry != NONE)
+            .take(NAMES)
+        {
+            let kind = KINDS
+                .iter()
+                .find_map(|(kind, list)| Some((entry.strip_suffix(kind)?, *list)));
+            let (name, list) =
+                kind.ok_or_else(|| DialogueError::Unreadable(format!("a name without a list: `{entry}`")))?;
+            let name = plain(name);
+            // A list with "mug, mug" has two mugs.
+            let numbered = (2..).map(|number| format!("{name}_{number}"));
+            let mut names = std::iter::once(name.clone()).chain(numbered);
+            let free = names.find(|name| !named.iter().any(|(own, _)| own == name));
+            named.extend(free.filter(|name| !name.is_empty()).map(|name| (name, list)));
         }
-        sighting.number();
-        Ok(sighting)
+        Ok(named)
     }
 
-    /// Gives a name that is listed several times a number each time: a list with "mug, mug" has two mugs.
-    fn number(&mut self) {
-        let mut known: Vec<String> = Vec::new();
-        for name in self.assets.iter_mut().chain(&mut self.objects) {
-            let mut numbers = 2..;
-            let first = name.clone();
-            while known.contains(name) {
-                *name = format!("{first}_{}", numbers.next().unwrap_or_default());
-            }
-            known.push(name.clone());
+    /// Returns a sighting without statements.
+    pub(super) fn of_names(named: &[(String, List)]) -> Self {
+        let of = |list: List| {
+            let own = named.iter().filter(move |(_, own)| *own == list);
+            own.map(|(name, _)| name.clone()).collect()
+        };
+        Self {
+            assets: of(List::Assets),
+            objects: of(List::Objects),
+            ..Self::default()
         }
     }
 
@@ -179,12 +192,20 @@ impl Sighting {
         }
     }
 
-    /// Writes the line form.
-    pub(super) fn written(&self) -> String {
-        let mut text = self.written_lists();
-        let lines: Vec<String> = self.names().into_iter().map(|(name, _)| self.line(name)).collect();
-        text.push_str(&lines.join("\n"));
-        text
+    /// Writes the line form, with the names in an order.
+    pub(super) fn written(&self, names: &[(&str, List)]) -> String {
+        let kind = |list: List| KINDS.iter().find(|(_, own)| *own == list).map_or("", |(kind, _)| *kind);
+        let entries: Vec<String> = names
+            .iter()
+            .map(|(name, list)| format!("{name}{}", kind(*list)))
+            .collect();
+        let entries = if entries.is_empty() {
+            NONE.to_owned()
+        } else {
+            entries.join(COMMA)
+        };
+        let lines: Vec<String> = names.iter().map(|(name, _)| self.line(name)).collect();
+        format!("{LABEL}{entries}\n{}", lines.join("\n"))
     }
 
     /// Writes the line of a name.
@@ -199,25 +220,16 @@ impl Sighting {
         format!("{name}: {states}")
     }
 
-    fn written_lists(&self) -> String {
-        let list = |names: &[String]| match names.is_empty() {
-            true => NONE.to_owned(),
-            false => names.join(COMMA),
-        };
-        let [(assets, _), (objects, _)] = LABELS;
-        format!("{assets}{}\n{objects}{}\n", list(&self.assets), list(&self.objects))
-    }
-
-    /// Returns the sentence of a statement, with the names as they are.
+    /// Returns the sentence of a statement, with the names as they are: "the rope_1 is on the table".
     pub(super) fn sentence(vocabulary: &Vocabulary<'_>, statement: &Statement) -> Option<String> {
         let word = vocabulary.find(&statement.state.name)?;
         let name = |slot: usize| match slot {
-            0 => statement.subject.replace('_', " "),
+            0 => format!("the {}", statement.subject),
             _ => statement
                 .state
                 .arguments
                 .get(slot - 1)
-                .map_or(String::new(), |own| own.replace('_', " ")),
+                .map_or(String::new(), |own| format!("the {own}")),
         };
         Some(vocabulary.sentence(word, &name))
     }

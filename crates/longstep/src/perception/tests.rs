@@ -1,1 +1,255 @@
+use super::vocabulary::Vocabulary;
+use super::*;
+use crate::Planner;
+use crate::call::Call;
+use crate::dialogue::{Constraint, ConstraintKind, Dialogue, DialogueError, Finish, Reply, Role, Usage};
+use crate::domain::Domain;
 
+const DOMAINS: [&str; 4] = ["household", "household-checks", "household-dual", "virtualhome"];
+
+fn reply(text: &str, finish: Finish) -> Reply {
+    Reply {
+        text: text.to_owned(),
+        finish,
+        usage: Usage::default(),
+        likelihood: None,
+    }
+}
+
+fn dialogue<'a>(domain: &'a Domain, words: &'a str, kind: ConstraintKind) -> SightDialogue<'a> {
+    SightDialogue::new(&SightInput {
+        domain,
+        words,
+        pictures: &[],
+        kind,
+    })
+}
+
+fn sighting(assets: &[&str], objects: &[&str], statements: &[(&str, &str)]) -> Sighting {
+    let own = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+    let statements = statements.iter().map(|(subject, state)| Statement {
+        subject: (*subject).to_owned(),
+        state: Call::parse(state).unwrap(),
+    });
+    Sighting {
+        assets: own(assets),
+        objects: own(objects),
+        statements: statements.collect(),
+        ..Sighting::default()
+    }
+}
+
+/// The worked examples are what the dialogue itself accepts, in every domain.
+#[test]
+fn every_example_is_readable_and_a_world_of_its_domain() {
+    for name in DOMAINS {
+        let planner = Planner::shipped(name).unwrap();
+        let domain = planner.domain();
+        let first = dialogue(domain, "a table", ConstraintKind::Grammar);
+        let messages = first.request().messages;
+        let answers: Vec<&str> = messages
+            .iter()
+            .filter(|own| own.role == Role::Assistant)
+            .map(|own| own.text.as_str())
+            .collect();
+        assert!(answers.len() >= 6, "{name}: {answers:#?}");
+        for answer in answers {
+            let (plain, rest) = answer.split_once('\n').unwrap();
+            let (names, states) = rest.split_once('\n').unwrap();
+            let names = format!("{plain}\n{names}");
+            let mut again = dialogue(domain, "", ConstraintKind::Grammar);
+            assert!(
+                again
+                    .supply(&reply(&format!("{names}\n"), Finish::Stop))
+                    .unwrap()
+                    .is_none()
+            );
+            let found = again.supply(&reply(states, Finish::Stop)).unwrap().unwrap();
+            let view = View::of(domain, &found);
+            assert!(view.world.is_ok(), "{name}: {answer}: {:?}", view.world.err());
+            let odd: Vec<_> = view
+                .leniencies
+                .iter()
+                .filter(|own| !matches!(own, Leniency::Narrowed(..)))
+                .collect();
+            assert!(odd.is_empty(), "{name}: {answer}: {odd:?}");
+        }
+    }
+}
+
+#[test]
+fn the_second_request_has_a_line_for_each_name_and_only_these_names() {
+    let planner = Planner::shipped("household").unwrap();
+    let mut dialogue = dialogue(planner.domain(), "milk in a fridge", ConstraintKind::Grammar);
+    assert!(
+        dialogue
+            .supply(&reply("names: milk object, fridge asset, milk object\n", Finish::Stop))
+            .unwrap()
+            .is_none()
+    );
+    let request = dialogue.request();
+    assert_eq!(request.answer_so_far, "names: milk object, fridge asset, milk object\n");
+    let Constraint::Lark(grammar) = request.constraint else {
+        panic!()
+    };
+    for part in [
+        "\"milk: \"",
+        "\"\\nfridge: \"",
+        "\"\\nmilk_2: \"",
+        "\"inside_something(\"",
+    ] {
+        assert!(grammar.contains(part), "{part}: {grammar}");
+    }
+    let found = dialogue.supply(&reply(
+        "milk: inside_something(fridge)\nfridge: none\nmilk_2: none",
+        Finish::Stop,
+    ));
+    let found = found.unwrap().unwrap();
+    assert_eq!(
+        found,
+        sighting(
+            &["fridge"],
+            &["milk", "milk_2"],
+            &[("milk", "inside_something(fridge)")]
+        )
+    );
+    let view = View::of(planner.domain(), &found);
+    assert_eq!(view.sentences(planner.domain()), ["milk 1 is in the fridge"]);
+    assert_eq!(view.unsaid, ["nothing says where the milk 2 is"]);
+}
+
+#[test]
+fn replies_without_the_form_are_errors() {
+    let planner = Planner::shipped("household").unwrap();
+    for (text, finish, expected) in [
+        (
+            "names: milk obj",
+            Finish::Length,
+            "the model's answer was cut off: `names: milk obj`",
+        ),
+        ("", Finish::Refused, "the model refused to answer"),
+        (
+            "milk",
+            Finish::Stop,
+            "the model's answer cannot be read: there is no line `names: `",
+        ),
+        (
+            "names: milk",
+            Finish::Stop,
+            "the model's answer cannot be read: a name without a list: `milk`",
+        ),
+    ] {
+        let mut dialogue = dialogue(planner.domain(), "milk", ConstraintKind::Grammar);
+        let error = dialogue.supply(&reply(text, finish)).unwrap_err();
+        assert_eq!(error.to_string(), expected);
+    }
+    let mut dialogue = dialogue(planner.domain(), "milk", ConstraintKind::JsonSchema);
+    let error = dialogue.supply(&reply("[]", Finish::Stop)).unwrap_err();
+    assert!(matches!(error, DialogueError::Unreadable(_)));
+}
+
+#[test]
+fn a_correction_replaces_what_it_contradicts_and_nothing_else() {
+    let planner = Planner::shipped("household").unwrap();
+    let domain = planner.domain();
+    let before = sighting(
+        &["fridge", "shelf", "table"],
+        &["juice", "cup"],
+        &[
+            ("juice", "inside_something(fridge)"),
+            ("juice", "next_to(cup)"),
+            ("cup", "on_something(table)"),
+            ("fridge", "open()"),
+        ],
+    );
+    let view = View::of(domain, &before);
+    assert!(view.world.is_ok());
+    for (change, expected) in [
+        (
+            sighting(&[], &[], &[("juice", "on_something(shelf)")]),
+            vec![
+                "the cup is on the table",
+                "the fridge is open",
+                "the juice is on the shelf",
+                "the juice is next to the cup",
+            ],
+        ),
+        (
+            sighting(&[], &[], &[("fridge", "closed()")]),
+            vec![
+                "the juice is in the fridge",
+                "the juice is next to the cup",
+                "the cup is on the table",
+                "the fridge is closed",
+            ],
+        ),
+        (
+            Sighting {
+                absent: vec!["cup".to_owned(), "spoon".to_owned()],
+                ..sighting(&[], &["knife"], &[("knife", "on_something(shelf)")])
+            },
+            vec![
+                "the juice is in the fridge",
+                "the fridge is open",
+                "the knife is on the shelf",
+            ],
+        ),
+    ] {
+        let after = view.corrected(domain, &change);
+        assert_eq!(after.sentences(domain), expected);
+        assert!(after.world.is_ok());
+        let gone = change.absent.iter().any(|name| name == "spoon");
+        assert_eq!(after.leniencies.contains(&Leniency::NotThere("spoon".to_owned())), gone);
+    }
+}
+
+#[test]
+fn entities_get_the_types_that_their_states_need() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    for name in ["care", "home", "laboratory", "warehouse", "workshop", "greenhouse"] {
+        let Ok(domain) = longstep_llm::load_domain(folder.join(name).to_str().unwrap()) else {
+            panic!("{name}")
+        };
+        let vocabulary = Vocabulary::of(&domain);
+        for example in super::example::sight_examples(&vocabulary) {
+            let view = View::of(&domain, &example.sighting);
+            // A type of one entity can exclude the state of another one; then it is shown.
+            if let Err(findings) = &view.world {
+                assert!(findings.0.iter().all(|own| !own.message.is_empty()));
+            }
+        }
+    }
+}
+
+#[test]
+fn an_observation_keeps_what_a_look_does_not_decide() {
+    let planner = Planner::shipped("household").unwrap();
+    let world = planner
+        .world(
+            r#"{"assets": ["<fridge>", "<table>"], "objects": ["<milk>", "<fridge_handle>"], "object_states":
+               {"<milk>": "inside_something(<fridge>)", "<fridge_handle>": "open()"}}"#,
+        )
+        .unwrap();
+    let look = |text: &str| serde_json::from_str(text).unwrap();
+    let empty = look(r#"{"assets": ["<fridge>"], "objects": ["<milk>", "<fridge_handle>"]}"#);
+    let moved =
+        look(r#"{"assets": ["<table>"], "objects": ["<milk>"], "object_states": {"<milk>": "on_something(<table>)"}}"#);
+    for (look, coverage, milk, handle) in [
+        (&empty, Coverage::Poses, vec![], Some(vec!["open()"])),
+        (
+            &empty,
+            Coverage::Stated,
+            vec!["inside_something(<fridge>)"],
+            Some(vec!["open()"]),
+        ),
+        (&moved, Coverage::Stated, vec!["on_something(<table>)"], None),
+    ] {
+        let statements = observation(&world, look, coverage);
+        let own = |name: &str| statements.states.get(name).map(|words| words.as_slice().to_vec());
+        assert_eq!(own("<milk>").unwrap(), milk);
+        assert_eq!(
+            own("<fridge_handle>"),
+            handle.map(|own| own.into_iter().map(str::to_owned).collect())
+        );
+    }
+}

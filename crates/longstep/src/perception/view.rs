@@ -321,21 +321,7 @@ impl Reader<'_> {
 
     /// Returns what is left open: the places of objects, if the domain has words for places.
     fn unsaid(&self) -> Vec<String> {
-        let says_place = |word: &&StateWord| {
-            let is_place = |own: &SpatialRelation| {
-                matches!(
-                    own,
-                    SpatialRelation::On | SpatialRelation::Inside | SpatialRelation::Held
-                )
-            };
-            word.relations.iter().any(is_place)
-        };
-        let places: Vec<&str> = self
-            .vocabulary
-            .words()
-            .filter(says_place)
-            .map(|word| word.word.as_str())
-            .collect();
+        let places = place_words(&self.vocabulary);
         if places.is_empty() {
             return Vec::new();
         }
@@ -351,6 +337,18 @@ impl Reader<'_> {
         open.map(|name| format!("nothing says where the {} is", name.replace('_', " ")))
             .collect()
     }
+}
+
+/// Returns the words for places: on, inside and held.
+fn place_words<'a>(vocabulary: &Vocabulary<'a>) -> Vec<&'a str> {
+    let is_place = |own: &SpatialRelation| {
+        matches!(
+            own,
+            SpatialRelation::On | SpatialRelation::Inside | SpatialRelation::Held
+        )
+    };
+    let words = vocabulary.words().filter(|word| word.relations.iter().any(is_place));
+    words.map(|word| word.word.as_str()).collect()
 }
 
 /// Returns the facts that the domain assumes in a world, as sentences.
