@@ -81,6 +81,8 @@ struct Report {
     read_as: Vec<String>,
     assumed: Vec<String>,
     unsaid: Vec<String>,
+    /// What no state of the domain says, in the model's words.
+    left_out: Vec<String>,
     unsure: Vec<String>,
     /// The file to which the environment was written.
     saved: Option<String>,
@@ -252,6 +254,7 @@ impl Report {
             read_as: view.leniencies.iter().map(ToString::to_string).collect(),
             assumed: view.assumed.clone(),
             unsaid: view.unsaid.clone(),
+            left_out: view.sighting.left_out.clone(),
             unsure: view.sighting.unsure.clone(),
             saved: None,
         }
@@ -270,6 +273,7 @@ impl Report {
             ("Read leniently", &self.read_as),
             ("Assumed", &self.assumed),
             ("Not said", &self.unsaid),
+            ("Left out: the domain has no state for it", &self.left_out),
             ("Not seen well", &self.unsure),
         ] {
             show::list(title, texts);

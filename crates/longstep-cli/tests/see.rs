@@ -152,8 +152,8 @@ fn a_contradictory_reply_is_shown_and_never_saved() {
     // A person says how it is; what contradicts that gives way.
     let replies = vec![
         cassette("contradictory"),
-        says("juice: inside_something(fridge)"),
-        says("fridge: open()"),
+        says("The juice is in the fridge."),
+        says("The fridge is open."),
     ];
     let input = "the juice is in the fridge\nthe fridge is open\nyes\n";
     let (ran, _) = see(home.path(), replies, &["-o", output], input);
@@ -168,8 +168,8 @@ fn a_person_corrects_in_words() {
     let home = tempfile::tempdir().unwrap();
     let replies = vec![
         cassette("good"),
-        says("juice: on_something(shelf_top)"),
-        says("new knife: on_something(table)\nabsent spam"),
+        says("The juice is on the shelf_top."),
+        says("The knife is on the table. There is no spam."),
     ];
     let corrections = [
         "--correct",

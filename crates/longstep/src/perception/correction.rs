@@ -1,31 +1,25 @@
 //! The dialogue with a model about a correction of a view.
 
-use super::dialogue::{NAME, meanings, states_form};
+use super::dialogue::meanings;
 use super::example::correction_examples;
-use super::sighting::{Sighting, plain};
-use super::vocabulary::{List, Vocabulary};
-use crate::dialogue::answer_grammar::Form;
+use super::sentence::{self, Said};
+use super::sighting::Sighting;
+use super::vocabulary::Vocabulary;
 use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Transcript, one_line,
 };
 use crate::model::Domain;
 
-const TASK: &str = "A robot has this list of assets and objects with their states, and a person corrects it. Write only the lines \
-that change: `NAME: STATES` for something in the list, `new NAME: STATES` for something that is missing in it, and `absent NAME` \
-for something that is not there.\nThe states are:\n";
+const TASK: &str = "A robot has this description of a place, and a person corrects it, in any language. Write in plain English \
+sentences only what is different: what is so now, \"There is a NAME\" for something new of which no more is said, and \"There is no \
+NAME\" for something that is not there.\nThe states are:\n";
 /// Token budget of an answer.
 const TOKENS: u32 = 512;
-/// Maximum number of lines in an answer.
-const LINES: usize = 6;
 /// Maximum number of characters of a correction.
 const LENGTH: usize = 1_000;
-/// The beginning of a line about an entity that is missing in the list.
-const NEW: &str = "new ";
-/// The beginning of a line about an entity that is not there.
-const ABSENT: &str = "absent ";
 
-/// Lets a model read a person's correction of a view. One request, one reply; the lines have one form for embedded models and
-/// servers.
+/// Lets a model read a person's correction of a view. One request, one reply; embedded models and servers answer in the same
+/// sentences. Names that the view does not have are new objects.
 #[derive(Debug, Clone)]
 pub struct CorrectionDialogue<'a> {
     vocabulary: Vocabulary<'a>,
@@ -40,41 +34,23 @@ impl<'a> CorrectionDialogue<'a> {
         let task = format!("{TASK}{}", meanings(&vocabulary));
         let mut messages = vec![Message::new(Role::System, task)];
         for example in correction_examples(&vocabulary) {
-            messages.push(Message::new(Role::User, question(&example.before, &example.text)));
+            let question = question(&vocabulary, &example.before, &example.text);
+            messages.push(Message::new(Role::User, question));
             messages.push(Message::new(Role::Assistant, example.answer));
         }
         let mut transcript = Transcript::new(kind, messages);
         let words: String = one_line(words).chars().take(LENGTH).collect();
-        transcript.push(Role::User, question(before, &words));
+        transcript.push(Role::User, question(&vocabulary, before, &words));
         Self {
             vocabulary,
             before: before.clone(),
             transcript,
         }
     }
-
-    fn grammar(&self) -> String {
-        let names = self.before.names();
-        let mut lines: Vec<Form> = names
-            .iter()
-            .map(|(name, list)| {
-                let states = states_form(self.vocabulary.forms(name, *list, &names));
-                Form::Row(vec![Form::text(format!("{name}: ")), states])
-            })
-            .collect();
-        let states = states_form(self.vocabulary.forms("", List::Objects, &names));
-        let name = Form::Pattern(NAME.to_owned());
-        lines.push(Form::Row(vec![Form::text(NEW), name, Form::text(": "), states]));
-        if !names.is_empty() {
-            let all = Form::texts(names.iter().map(|(name, _)| (*name).to_owned()));
-            lines.push(Form::Row(vec![Form::text(ABSENT), all]));
-        }
-        Form::Either(lines).separated(Form::text("\n"), LINES).grammar()
-    }
 }
 
-fn question(before: &Sighting, words: &str) -> String {
-    format!("{}\n\n{words}", before.written(&before.names()))
+fn question(vocabulary: &Vocabulary<'_>, before: &Sighting, words: &str) -> String {
+    format!("{}\n\n{words}", sentence::written(vocabulary, before, &before.names()))
 }
 
 impl Dialogue for CorrectionDialogue<'_> {
@@ -82,38 +58,33 @@ impl Dialogue for CorrectionDialogue<'_> {
 
     fn request(&self) -> ChatRequest {
         match self.transcript.kind {
-            ConstraintKind::Grammar => self.transcript.under_grammar(self.grammar(), TOKENS),
+            ConstraintKind::Grammar => {
+                let form = sentence::correction_form(&self.vocabulary);
+                self.transcript.under_grammar(form.grammar(), TOKENS)
+            }
             ConstraintKind::JsonSchema => self.transcript.free(TOKENS),
         }
     }
 
-    /// Reads the lines that change.
+    /// Reads the sentences. Those that no state says are in [`Sighting::left_out`].
     ///
     /// # Errors
     ///
-    /// The reply is cut off or refused, or it has another form.
+    /// The reply is cut off or refused.
     fn supply(&mut self, reply: &Reply) -> Result<Option<Sighting>, DialogueError> {
         self.transcript.receive(reply)?;
         let mut change = Sighting::default();
-        let known = self.before.names();
-        for line in reply
-            .text
-            .lines()
-            .map(str::trim)
-            .filter(|line| !line.is_empty())
-            .take(LINES)
-        {
-            if let Some(name) = line.strip_prefix(ABSENT) {
-                change.absent.push(plain(name));
-                continue;
+        let known: Vec<&str> = self.before.names().into_iter().map(|(name, _)| name).collect();
+        let said = sentence::read(&self.vocabulary, &reply.text);
+        let names = sentence::names(&self.vocabulary, &said).into_iter();
+        change.objects = names.filter(|name| !known.contains(&name.as_str())).collect();
+        for sentence in said {
+            match sentence {
+                Said::State(statement) => change.statements.push(statement),
+                Said::Absent(name) => change.absent.push(name),
+                Said::Other(text) => change.left_out.push(text),
+                Said::There(_) => {}
             }
-            let unreadable = || DialogueError::Unreadable(format!("a line without a name: `{}`", one_line(line)));
-            let (name, states) = line.split_once(':').ok_or_else(unreadable)?;
-            let name = plain(name.strip_prefix(NEW).unwrap_or(name));
-            if !known.iter().any(|(own, _)| *own == name) {
-                change.objects.push(name.clone());
-            }
-            change.add_line(&name, states);
         }
         Ok(Some(change))
     }

@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use super::example::sight_examples;
-use super::sighting::{COMMA, KINDS, LABEL, NAMES, NONE, PLAIN, SEMICOLON, Sighting};
+use super::sentence::{self, Said};
+use super::sighting::{COMMA, KINDS, LABEL, PLAIN, Sighting, written_names};
 use super::vocabulary::{List, Vocabulary};
 use crate::dialogue::answer_grammar::{Form, any_text, closed, list, one_of};
 use crate::dialogue::{
@@ -17,16 +18,12 @@ const TASK: &str = include_str!("sight.txt");
 const JSON_FORM: &str = "Answer with JSON: `assets` and `objects` are lists of names, `states` lists the states with their \
     entity and the names of the other entities, and `unsure` lists in plain words what cannot be seen well.";
 /// The form of an embedded model's answer.
-const LINE_FORM: &str = "Answer with a line of plain English sentences, one for each fact, a line of all names, each with asset or \
-object, and then a line for each name with its states.";
+const LINE_FORM: &str = "Answer with a line of plain English sentences, one for each fact; what no state says begins with \
+\"Other:\". Then write a line of all names, each with asset or object.";
 /// Token budget of an answer.
 const TOKENS: u32 = 4096;
-/// Maximum number of characters of the description in plain sentences.
-const PLAIN_LENGTH: usize = 2_000;
 /// A name in the line form.
 pub(super) const NAME: &str = "[a-z][a-z0-9]{0,19}(_[a-z0-9]{1,19}){0,3}";
-/// Maximum number of states of one entity in the line form.
-const STATES: usize = 3;
 /// Maximum number of characters of a description.
 const LENGTH: usize = 4_000;
 
@@ -45,8 +42,8 @@ pub struct SightInput<'a> {
 
 /// Lets a model write down what a description or pictures show.
 ///
-/// An embedded model answers in lines: plain English sentences and the names, then, in a second request, the states of each of
-/// these names. A
+/// An embedded model answers in plain sentences, one for each fact, under a grammar of the domain's own sentences; in a second
+/// request it says of each name in them if it is an asset or an object. A
 /// server answers in JSON, in one request.
 ///
 /// ```
@@ -59,8 +56,8 @@ pub struct SightInput<'a> {
 /// let input = SightInput { domain, words: "Milk in a fridge", pictures: &[], kind: ConstraintKind::Grammar };
 /// let mut dialogue = SightDialogue::new(&input);
 /// let reply = |text: &str| Reply { text: text.to_owned(), finish: Finish::Stop, usage: Usage::default(), likelihood: None };
-/// assert!(dialogue.supply(&reply("plain: The milk is in the fridge.\nnames: milk object, fridge asset\n"))?.is_none());
-/// let sighting = dialogue.supply(&reply("milk: inside_something(fridge)\nfridge: none"))?.unwrap();
+/// assert!(dialogue.supply(&reply("plain: The milk is in the fridge.\n"))?.is_none());
+/// let sighting = dialogue.supply(&reply("names: milk object, fridge asset"))?.unwrap();
 /// let view = View::of(domain, &sighting);
 /// assert_eq!(view.environment.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);
 /// assert!(view.world.is_ok());
@@ -71,8 +68,8 @@ pub struct SightDialogue<'a> {
     vocabulary: Vocabulary<'a>,
     kind: ConstraintKind,
     transcript: Transcript,
-    /// The names, once the model has listed them in the line form.
-    listed: Option<Vec<(String, List)>>,
+    /// The sentences of an embedded model, once it has written them.
+    said: Option<Vec<Said>>,
 }
 
 impl<'a> SightDialogue<'a> {
@@ -88,8 +85,9 @@ impl<'a> SightDialogue<'a> {
         for example in sight_examples(&vocabulary) {
             let answer = match input.kind {
                 ConstraintKind::Grammar => {
-                    let written = example.sighting.written(&example.names());
-                    format!("{PLAIN}{}\n{written}", example.plain(&vocabulary))
+                    let names = example.names();
+                    let plain = sentence::written(&vocabulary, &example.sighting, &names);
+                    format!("{PLAIN}{plain}\n{}", written_names(&names))
                 }
                 ConstraintKind::JsonSchema => json_of(&example.sighting).to_string(),
             };
@@ -107,47 +105,29 @@ impl<'a> SightDialogue<'a> {
             vocabulary,
             kind: input.kind,
             transcript,
-            listed: None,
+            said: None,
         }
     }
 
-    /// Returns the grammar of the plain sentences and the names.
-    fn grammar_of_names() -> String {
-        let kinds = Form::texts(KINDS.iter().map(|(kind, _)| (*kind).to_owned()));
-        let name = Form::Row(vec![Form::Pattern(NAME.to_owned()), kinds]);
-        let names = name.separated(Form::text(COMMA), NAMES);
-        let names = Form::Either(vec![Form::text(NONE), names]);
-        let plain = Form::Pattern(format!("[^\\n]{{1,{PLAIN_LENGTH}}}"));
-        let label = Form::text(format!("\n{LABEL}"));
-        Form::Row(vec![Form::text(PLAIN), plain, label, names, Form::text("\n")]).grammar()
+    /// Returns the grammar of the sentences.
+    fn grammar_of_sentences(&self) -> String {
+        Form::Row(vec![
+            Form::text(PLAIN),
+            sentence::form(&self.vocabulary),
+            Form::text("\n"),
+        ])
+        .grammar()
     }
 
-    /// Returns the grammar of a line of states for each name.
-    fn grammar_of_states(&self, listed: &[(String, List)]) -> String {
-        let names: Vec<(&str, List)> = listed.iter().map(|(name, list)| (name.as_str(), *list)).collect();
-        let mut row = Vec::new();
-        for (index, (name, list)) in names.iter().enumerate() {
-            let start = if index == 0 {
-                format!("{name}: ")
-            } else {
-                format!("\n{name}: ")
-            };
-            row.push(Form::text(start));
-            row.push(states_form(self.vocabulary.forms(name, *list, &names)));
+    /// Returns the grammar of the names of the sentences, each with its list.
+    fn grammar_of_names(names: &[String]) -> String {
+        let kinds = Form::texts(KINDS.iter().map(|(kind, _)| (*kind).to_owned())).shared();
+        let mut row = vec![Form::text(LABEL)];
+        for (index, name) in names.iter().enumerate() {
+            let comma = if index == 0 { "" } else { COMMA };
+            row.extend([Form::text(format!("{comma}{name}")), kinds.clone()]);
         }
         Form::Row(row).grammar()
-    }
-}
-
-/// The form of the states of one entity.
-pub(super) fn states_form(states: Vec<Form>) -> Form {
-    let none = Form::text(NONE);
-    match states.is_empty() {
-        true => none,
-        false => Form::Either(vec![
-            none,
-            Form::Either(states).separated(Form::text(SEMICOLON), STATES),
-        ]),
     }
 }
 
@@ -165,6 +145,19 @@ pub(super) fn meanings(vocabulary: &Vocabulary<'_>) -> String {
         format!("- {call}: {}", one_line(&word.means.replace(['<', '>'], "")))
     });
     lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Returns the sighting of sentences and the lists of their names.
+fn sighting(said: Vec<Said>, names: &[(String, List)]) -> Sighting {
+    let mut sighting = Sighting::of_names(names);
+    for sentence in said {
+        match sentence {
+            Said::State(statement) => sighting.statements.push(statement),
+            Said::Other(text) => sighting.left_out.push(text),
+            Said::There(_) | Said::Absent(_) => {}
+        }
+    }
+    sighting
 }
 
 fn json_of(sighting: &Sighting) -> Value {
@@ -196,16 +189,16 @@ impl Dialogue for SightDialogue<'_> {
     type Output = Sighting;
 
     fn request(&self) -> ChatRequest {
-        match (self.kind, &self.listed) {
+        match (self.kind, &self.said) {
             (ConstraintKind::JsonSchema, _) => self.transcript.under_schema(schema(&self.vocabulary), TOKENS),
-            (ConstraintKind::Grammar, None) => self.transcript.under_grammar(Self::grammar_of_names(), TOKENS),
-            (ConstraintKind::Grammar, Some(listed)) => {
-                self.transcript.under_grammar(self.grammar_of_states(listed), TOKENS)
-            }
+            (ConstraintKind::Grammar, None) => self.transcript.under_grammar(self.grammar_of_sentences(), TOKENS),
+            (ConstraintKind::Grammar, Some(said)) => self
+                .transcript
+                .under_grammar(Self::grammar_of_names(&sentence::names(&self.vocabulary, said)), TOKENS),
         }
     }
 
-    /// Reads names, or the states of the names.
+    /// Reads the sentences, or the lists of their names.
     ///
     /// # Errors
     ///
@@ -215,22 +208,17 @@ impl Dialogue for SightDialogue<'_> {
         if self.kind == ConstraintKind::JsonSchema {
             return Sighting::from_json(&reply.text).map(Some);
         }
-        let Some(listed) = self.listed.take() else {
-            let listed = Sighting::named(&reply.text)?;
-            if listed.is_empty() {
-                return Ok(Some(Sighting::default()));
+        let Some(said) = self.said.take() else {
+            let line = reply.text.lines().find_map(|line| line.strip_prefix(PLAIN));
+            let line = line.ok_or_else(|| DialogueError::Unreadable(format!("there is no line `{PLAIN}`")))?;
+            let said = sentence::read(&self.vocabulary, line);
+            if sentence::names(&self.vocabulary, &said).is_empty() {
+                return Ok(Some(sighting(said, &[])));
             }
-            self.listed = Some(listed);
+            self.said = Some(said);
             return Ok(None);
         };
-        let mut sighting = Sighting::of_names(&listed);
-        for line in reply.text.lines() {
-            let (name, states) = line
-                .split_once(": ")
-                .ok_or_else(|| DialogueError::Unreadable(format!("a line without a name: `{line}`")))?;
-            sighting.add_line(name, states);
-        }
-        Ok(Some(sighting))
+        Ok(Some(sighting(said, &Sighting::named(&reply.text)?)))
     }
 
     fn transcript(&self) -> &Transcript {

@@ -1,5 +1,6 @@
 //! Worked examples from the state words of a domain, about things that no domain of this library has.
 
+use super::sentence::capitalized;
 use super::sighting::{Sighting, Statement};
 use super::vocabulary::{List, Vocabulary};
 use crate::call::Call;
@@ -13,8 +14,6 @@ const THINGS: [&str; 4] = ["lantern", "rope", "drum", "bell"];
 pub(super) struct SightExample {
     pub(super) text: String,
     pub(super) sighting: Sighting,
-    /// The text in plain English sentences, one for each fact.
-    plain: Vec<String>,
     /// The names in the order of the text, if it is not in English.
     order: Vec<String>,
 }
@@ -24,30 +23,8 @@ impl SightExample {
         Self {
             text: text.into(),
             sighting,
-            plain: Vec::new(),
             order: Vec::new(),
         }
-    }
-
-    /// Returns the text in plain English sentences: those of the statements, in the order of the names.
-    pub(super) fn plain(&self, vocabulary: &Vocabulary<'_>) -> String {
-        let mut sentences = Vec::new();
-        for (name, _) in self.names() {
-            let own = self
-                .sighting
-                .statements
-                .iter()
-                .filter(|statement| statement.subject == name);
-            let count = sentences.len();
-            sentences.extend(own.filter_map(|statement| Sighting::sentence(vocabulary, statement)));
-            if sentences.len() > count {
-                continue;
-            }
-            let said = self.plain.iter().find(|sentence| sentence.contains(name));
-            sentences.push(said.cloned().unwrap_or_else(|| format!("there is a {name}")));
-        }
-        let sentences = sentences.iter().map(|sentence| capitalized(sentence));
-        sentences.collect::<Vec<_>>().join(". ") + "."
     }
 
     /// Returns the names in the order of the text.
@@ -65,7 +42,7 @@ impl SightExample {
     }
 }
 
-/// What a person says about a sighting, with the lines that change.
+/// What a person says about a sighting, with the sentences that are different.
 pub(super) struct CorrectionExample {
     pub(super) before: Sighting,
     pub(super) text: String,
@@ -247,11 +224,15 @@ fn states(words: &Words<'_>) -> SightExample {
         .filter(|word| !words.of_places.is_empty() && word.parameters.is_empty());
     for (index, word) in own.chain(both).take(2).enumerate() {
         let (sentence, statement) = words.statement(word, THINGS[index], None);
+        // People say it of the robot, whatever the domain says of its hand.
+        let sentence = match word.relations.contains(&SpatialRelation::Held) {
+            true => format!("The robot holds a {}.", THINGS[index]),
+            false => sentence,
+        };
         text = format!("{text}{sentence} ");
         sighting.objects.push(THINGS[index].to_owned());
         sighting.statements.push(statement);
     }
-    let mut plain = Vec::new();
     // A relation for which the domain has no word.
     let has_under = words
         .vocabulary
@@ -261,16 +242,13 @@ fn states(words: &Words<'_>) -> SightExample {
     text.push_str(&match has_under {
         true => format!("There is a {subject}, and a {place}."),
         false => {
-            plain.push(format!("the {subject} is under the {place}"));
+            sighting.left_out.push(format!("the {subject} is under the {place}"));
             format!("The {subject} is under the {place}.")
         }
     });
     sighting.objects.push(subject.to_owned());
     sighting.assets.push(place.to_owned());
-    SightExample {
-        plain,
-        ..SightExample::new(text, sighting)
-    }
+    SightExample::new(text, sighting)
 }
 
 /// Makes examples of corrections: a place that changes, and an entity that is not there.
@@ -279,41 +257,35 @@ pub(super) fn correction_examples(vocabulary: &Vocabulary<'_>) -> Vec<Correction
     let before = relations(&words).sighting;
     let mut examples = Vec::new();
     if let Some(word) = words.places.first() {
-        let (text, statement) = words.statement(word, THINGS[0], Some(PLACES[1]));
+        let (answer, _) = words.statement(word, THINGS[0], Some(PLACES[1]));
         examples.push(CorrectionExample {
             before: before.clone(),
-            text,
-            answer: format!("{}: {}", THINGS[0], statement.state),
+            text: format!("No, {}", answer.to_lowercase()),
+            answer,
         });
-        let (_, added) = words.statement(word, "candle", Some(PLACES[0]));
+        let (added, _) = words.statement(word, "candle", Some(PLACES[0]));
         if let Some(short) = words.vocabulary.short(word, &|_| format!("the {}", PLACES[0])) {
             examples.push(CorrectionExample {
                 before: before.clone(),
                 text: format!("There is also a candle {short}."),
-                answer: format!("new candle: {}", added.state),
+                answer: added,
             });
         }
     }
     if let Some(word) = words.of_places.first() {
-        let (text, statement) = words.statement(word, PLACES[1], None);
+        let (answer, _) = words.statement(word, PLACES[1], None);
         examples.push(CorrectionExample {
             before: before.clone(),
-            text,
-            answer: format!("{}: {}", PLACES[1], statement.state),
+            text: format!("Look again: {}", answer.to_lowercase()),
+            answer,
         });
     }
     if let Some(gone) = before.objects.last().cloned() {
         examples.push(CorrectionExample {
-            text: format!("There is no {gone}."),
-            answer: format!("absent {gone}"),
+            text: format!("I see no {gone}."),
+            answer: format!("There is no {gone}."),
             before,
         });
     }
     examples
-}
-
-fn capitalized(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|first| first.to_uppercase().to_string());
-    first.unwrap_or_default() + letters.as_str()
 }

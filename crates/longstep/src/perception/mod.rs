@@ -8,6 +8,7 @@
 mod correction;
 mod dialogue;
 mod example;
+mod sentence;
 mod sighting;
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@ use serde::Deserialize;
 use super::vocabulary::{List, Vocabulary};
 use crate::call::Call;
 use crate::dialogue::{DialogueError, object};
+use crate::model::singular;
 
 /// Maximum number of names in one list.
 pub(super) const NAMES: usize = 40;
@@ -12,18 +13,16 @@ pub(super) const NAMES: usize = 40;
 const STATES: usize = 400;
 /// Maximum number of characters of a name or text in a reply.
 const CHARACTERS: usize = 60;
-/// The absence of names or states in the line form.
-pub(super) const NONE: &str = "none";
-/// The label of the names in the line form.
+/// The absence of names in an embedded model's answer.
+const NONE: &str = "none";
+/// The label of the names in an embedded model's answer.
 pub(super) const LABEL: &str = "names: ";
 /// The label of the description in plain sentences, which an embedded model writes first.
 pub(super) const PLAIN: &str = "plain: ";
-/// The words after a name in the line form.
+/// The words after a name in an embedded model's answer.
 pub(super) const KINDS: [(&str, List); 2] = [(" asset", List::Assets), (" object", List::Objects)];
 /// The separator of names.
 pub(super) const COMMA: &str = ", ";
-/// The separator of the states of one name.
-pub(super) const SEMICOLON: &str = "; ";
 
 /// A scene in a model's words, not yet checked.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -36,6 +35,8 @@ pub struct Sighting {
     pub statements: Vec<Statement>,
     /// Names of entities that are not there, in a correction.
     pub absent: Vec<String>,
+    /// What no state of the domain says, in the model's words.
+    pub left_out: Vec<String>,
     /// What cannot be seen well, in the model's words.
     pub unsure: Vec<String>,
 }
@@ -112,6 +113,7 @@ impl Sighting {
         });
         Ok(Self {
             statements: statements.collect(),
+            left_out: Vec::new(),
             assets: names(answer.assets),
             objects: names(answer.objects),
             absent: names(answer.absent),
@@ -163,20 +165,6 @@ impl Sighting {
         }
     }
 
-    /// Adds the states of a line `NAME: STATE; STATE`.
-    pub(super) fn add_line(&mut self, subject: &str, states: &str) {
-        for state in states
-            .split(SEMICOLON.trim())
-            .map(str::trim)
-            .filter(|state| *state != NONE)
-        {
-            if let Ok(state) = Call::parse(state) {
-                let subject = subject.to_owned();
-                self.statements.push(Statement { subject, state });
-            }
-        }
-    }
-
     /// Returns the names with their lists, in order.
     pub(super) fn names(&self) -> Vec<(&str, List)> {
         let assets = self.assets.iter().map(|name| (name.as_str(), List::Assets));
@@ -190,34 +178,6 @@ impl Sighting {
             true => format!("<{name}>"),
             false => name.to_owned(),
         }
-    }
-
-    /// Writes the line form, with the names in an order.
-    pub(super) fn written(&self, names: &[(&str, List)]) -> String {
-        let kind = |list: List| KINDS.iter().find(|(_, own)| *own == list).map_or("", |(kind, _)| *kind);
-        let entries: Vec<String> = names
-            .iter()
-            .map(|(name, list)| format!("{name}{}", kind(*list)))
-            .collect();
-        let entries = if entries.is_empty() {
-            NONE.to_owned()
-        } else {
-            entries.join(COMMA)
-        };
-        let lines: Vec<String> = names.iter().map(|(name, _)| self.line(name)).collect();
-        format!("{LABEL}{entries}\n{}", lines.join("\n"))
-    }
-
-    /// Writes the line of a name.
-    pub(super) fn line(&self, name: &str) -> String {
-        let own = self.statements.iter().filter(|statement| statement.subject == name);
-        let states: Vec<String> = own.map(|statement| statement.state.to_string()).collect();
-        let states = if states.is_empty() {
-            NONE.to_owned()
-        } else {
-            states.join(SEMICOLON)
-        };
-        format!("{name}: {states}")
     }
 
     /// Returns the sentence of a statement, with the names as they are: "the rope_1 is on the table".
@@ -235,12 +195,32 @@ impl Sighting {
     }
 }
 
+/// Writes names with their lists.
+pub(super) fn written_names(names: &[(&str, List)]) -> String {
+    let kind = |list: List| KINDS.iter().find(|(_, own)| *own == list).map_or("", |(kind, _)| *kind);
+    let entries: Vec<String> = names
+        .iter()
+        .map(|(name, list)| format!("{name}{}", kind(*list)))
+        .collect();
+    match entries.is_empty() {
+        true => format!("{LABEL}{NONE}"),
+        false => format!("{LABEL}{}", entries.join(COMMA)),
+    }
+}
+
 /// Returns a name as identifiers are written between angle brackets: lower case, with underscores.
 pub(super) fn plain(text: &str) -> String {
     let bare = text.trim().trim_start_matches('<').trim_end_matches('>');
     let fits = |c: char| if c.is_alphanumeric() { c } else { '_' };
     let joined: String = bare.to_lowercase().chars().map(fits).take(CHARACTERS).collect();
-    let parts: Vec<&str> = joined.split('_').filter(|part| !part.is_empty()).collect();
+    let mut parts: Vec<&str> = joined.split('_').filter(|part| !part.is_empty()).collect();
+    // One of several glasses is a glass.
+    let noun = match &parts[..] {
+        [.., noun, number] if number.chars().all(|c| c.is_ascii_digit()) => singular(noun),
+        _ => return parts.join("_"),
+    };
+    let place = parts.len() - 2;
+    parts[place] = &noun;
     parts.join("_")
 }
 

@@ -54,17 +54,19 @@ fn every_example_is_readable_and_a_world_of_its_domain() {
             .collect();
         assert!(answers.len() >= 6, "{name}: {answers:#?}");
         for answer in answers {
-            let (plain, rest) = answer.split_once('\n').unwrap();
-            let (names, states) = rest.split_once('\n').unwrap();
-            let names = format!("{plain}\n{names}");
+            let (plain, names) = answer.split_once('\n').unwrap();
             let mut again = dialogue(domain, "", ConstraintKind::Grammar);
             assert!(
                 again
-                    .supply(&reply(&format!("{names}\n"), Finish::Stop))
+                    .supply(&reply(&format!("{plain}\n"), Finish::Stop))
                     .unwrap()
                     .is_none()
             );
-            let found = again.supply(&reply(states, Finish::Stop)).unwrap().unwrap();
+            let found = again.supply(&reply(names, Finish::Stop)).unwrap().unwrap();
+            assert!(
+                found.left_out.iter().all(|text| text.contains("under")),
+                "{name}: {answer}"
+            );
             let view = View::of(domain, &found);
             assert!(view.world.is_ok(), "{name}: {answer}: {:?}", view.world.err());
             let odd: Vec<_> = view
@@ -78,43 +80,48 @@ fn every_example_is_readable_and_a_world_of_its_domain() {
 }
 
 #[test]
-fn the_second_request_has_a_line_for_each_name_and_only_these_names() {
+fn sentences_become_statements_and_the_second_request_asks_about_their_names() {
     let planner = Planner::shipped("household").unwrap();
     let mut dialogue = dialogue(planner.domain(), "milk in a fridge", ConstraintKind::Grammar);
-    assert!(
-        dialogue
-            .supply(&reply("names: milk object, fridge asset, milk object\n", Finish::Stop))
-            .unwrap()
-            .is_none()
-    );
+    let Constraint::Lark(grammar) = dialogue.request().constraint else {
+        panic!()
+    };
+    for part in ["\" is on \"", "\"The hand holds \"", "\"Other: \"", "\"There is a \""] {
+        assert!(grammar.contains(part), "{part}: {grammar}");
+    }
+    let text = "plain: The milk_1 is in the fridge. The fridge is open. The hand holds the cup. There is a milk_2. \
+        Other: the cat sleeps under the table. The milk_1 sings.\n";
+    assert!(dialogue.supply(&reply(text, Finish::Stop)).unwrap().is_none());
     let request = dialogue.request();
-    assert_eq!(request.answer_so_far, "names: milk object, fridge asset, milk object\n");
+    assert_eq!(request.answer_so_far, text);
     let Constraint::Lark(grammar) = request.constraint else {
         panic!()
     };
-    for part in [
-        "\"milk: \"",
-        "\"\\nfridge: \"",
-        "\"\\nmilk_2: \"",
-        "\"inside_something(\"",
-    ] {
+    for part in ["\"milk_1\"", "\", fridge\"", "\", cup\"", "\", milk_2\"", "\" asset\""] {
         assert!(grammar.contains(part), "{part}: {grammar}");
     }
-    let found = dialogue.supply(&reply(
-        "milk: inside_something(fridge)\nfridge: none\nmilk_2: none",
-        Finish::Stop,
-    ));
-    let found = found.unwrap().unwrap();
-    assert_eq!(
-        found,
-        sighting(
-            &["fridge"],
-            &["milk", "milk_2"],
-            &[("milk", "inside_something(fridge)")]
-        )
-    );
+    let names = "names: milk_1 object, fridge asset, cup object, milk_2 object";
+    let found = dialogue.supply(&reply(names, Finish::Stop)).unwrap().unwrap();
+    let statements = [
+        ("milk_1", "inside_something(fridge)"),
+        ("fridge", "open()"),
+        ("cup", "inside_hand()"),
+    ];
+    let left_out = ["the cat sleeps under the table", "The milk_1 sings"].map(str::to_owned);
+    let expected = Sighting {
+        left_out: left_out.to_vec(),
+        ..sighting(&["fridge"], &["milk_1", "cup", "milk_2"], &statements)
+    };
+    assert_eq!(found, expected);
     let view = View::of(planner.domain(), &found);
-    assert_eq!(view.sentences(planner.domain()), ["milk 1 is in the fridge"]);
+    assert_eq!(
+        view.sentences(planner.domain()),
+        [
+            "milk 1 is in the fridge",
+            "the fridge is open",
+            "the hand holds the cup"
+        ]
+    );
     assert_eq!(view.unsaid, ["nothing says where the milk 2 is"]);
 }
 
@@ -123,20 +130,15 @@ fn replies_without_the_form_are_errors() {
     let planner = Planner::shipped("household").unwrap();
     for (text, finish, expected) in [
         (
-            "names: milk obj",
+            "plain: The mil",
             Finish::Length,
-            "the model's answer was cut off: `names: milk obj`",
+            "the model's answer was cut off: `plain: The mil`",
         ),
         ("", Finish::Refused, "the model refused to answer"),
         (
             "milk",
             Finish::Stop,
-            "the model's answer cannot be read: there is no line `names: `",
-        ),
-        (
-            "names: milk",
-            Finish::Stop,
-            "the model's answer cannot be read: a name without a list: `milk`",
+            "the model's answer cannot be read: there is no line `plain: `",
         ),
     ] {
         let mut dialogue = dialogue(planner.domain(), "milk", ConstraintKind::Grammar);

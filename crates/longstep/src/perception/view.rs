@@ -69,6 +69,7 @@ impl View {
             domain,
             sighting: Sighting {
                 unsure: sighting.unsure.clone(),
+                left_out: sighting.left_out.clone(),
                 ..Sighting::default()
             },
             leniencies: Vec::new(),
@@ -89,6 +90,7 @@ impl View {
         let is_new = |name: &&String| !known.contains(*name);
         sighting.assets.extend(change.assets.iter().filter(is_new).cloned());
         sighting.objects.extend(change.objects.iter().filter(is_new).cloned());
+        sighting.left_out.extend(change.left_out.iter().cloned());
         let mut missing = Vec::new();
         for gone in &change.absent {
             if !known.contains(gone) {

@@ -1,6 +1,5 @@
 //! The state words of a domain that a model may use.
 
-use crate::dialogue::answer_grammar::Form;
 use crate::model::{Domain, StateWord, Term, TypeId};
 
 /// Maximum number of constants that are offered as one argument.
@@ -72,37 +71,16 @@ impl<'a> Vocabulary<'a> {
         all.map(|(name, _)| name.as_str()).take(CONSTANTS)
     }
 
+    /// Returns true for the name of a constant, which no list of an environment has.
+    pub(super) fn is_constant(&self, name: &str) -> bool {
+        self.domain.constants.iter().any(|(own, _)| own == name)
+    }
+
     fn can_be_filled(&self, word: &StateWord, slot: usize) -> bool {
         let listed = [List::Assets, List::Objects]
             .into_iter()
             .any(|list| self.fits(word, slot, list));
         listed || self.constants(word, slot).next().is_some()
-    }
-
-    /// Returns the forms of the states that an entity of a list can be in, with the names of other entities as arguments.
-    pub(super) fn forms(&self, own: &str, list: List, names: &[(&str, List)]) -> Vec<Form> {
-        let mut forms = Vec::new();
-        for word in self.words().filter(|word| self.fits(word, 0, list)) {
-            let mut row = vec![Form::text(format!("{}(", word.word))];
-            let mut is_possible = true;
-            for slot in 1..=word.parameters.len() {
-                let others = names
-                    .iter()
-                    .filter(|(name, list)| *name != own && self.fits(word, slot, *list));
-                let others = others.map(|(name, _)| *name).chain(self.constants(word, slot));
-                let others: Vec<String> = others.map(str::to_owned).collect();
-                is_possible &= !others.is_empty();
-                if slot > 1 {
-                    row.push(Form::text(", "));
-                }
-                row.push(Form::texts(others));
-            }
-            row.push(Form::text(")"));
-            if is_possible {
-                forms.push(Form::Row(row));
-            }
-        }
-        forms
     }
 
     /// Returns the sentence of a state, with a name for each slot.
