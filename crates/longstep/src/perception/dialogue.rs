@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use super::example::sight_examples;
 use super::sentence::{self, Said};
-use super::sighting::{COMMA, KINDS, LABEL, PLAIN, Sighting, written_names};
-use super::vocabulary::{List, Vocabulary};
+use super::sighting::{ARROW, COMMA, KINDS, LABEL, Sighting, written_names};
+use super::vocabulary::Vocabulary;
 use crate::dialogue::answer_grammar::{Form, any_text, closed, list, one_of};
 use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Picture, Reply, Role, Transcript, one_line,
@@ -18,8 +18,8 @@ const TASK: &str = include_str!("sight.txt");
 const JSON_FORM: &str = "Answer with JSON: `assets` and `objects` are lists of names, `states` lists the states with their \
     entity and the names of the other entities, and `unsure` lists in plain words what cannot be seen well.";
 /// The form of an embedded model's answer.
-const LINE_FORM: &str = "Answer with a line of plain English sentences, one for each fact; what no state says begins with \
-\"Other:\". Then write a line of all names, each with asset or object.";
+const LINE_FORM: &str = "Answer with a line for each sentence: the sentence, and what it says in plain English sentences, one for \
+each fact; what no state says begins with \"Other:\". Then write a line of all names, each with asset or object.";
 /// Token budget of an answer.
 const TOKENS: u32 = 4096;
 /// A name in the line form.
@@ -56,7 +56,7 @@ pub struct SightInput<'a> {
 /// let input = SightInput { domain, words: "Milk in a fridge", pictures: &[], kind: ConstraintKind::Grammar };
 /// let mut dialogue = SightDialogue::new(&input);
 /// let reply = |text: &str| Reply { text: text.to_owned(), finish: Finish::Stop, usage: Usage::default(), likelihood: None };
-/// assert!(dialogue.supply(&reply("plain: The milk is in the fridge.\n"))?.is_none());
+/// assert!(dialogue.supply(&reply("Milk in a fridge => The milk is in the fridge.\n"))?.is_none());
 /// let sighting = dialogue.supply(&reply("names: milk object, fridge asset"))?.unwrap();
 /// let view = View::of(domain, &sighting);
 /// assert_eq!(view.environment.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);
@@ -68,7 +68,9 @@ pub struct SightDialogue<'a> {
     vocabulary: Vocabulary<'a>,
     kind: ConstraintKind,
     transcript: Transcript,
-    /// The sentences of an embedded model, once it has written them.
+    /// The sentences of the description.
+    sentences: Vec<String>,
+    /// The plain sentences of an embedded model, once it has written them.
     said: Option<Vec<Said>>,
 }
 
@@ -83,15 +85,20 @@ impl<'a> SightDialogue<'a> {
         let task = format!("{}{form}", TASK.replace("{states}", &meanings(&vocabulary)));
         let mut messages = vec![Message::new(Role::System, task)];
         for example in sight_examples(&vocabulary) {
+            let names = example.names(&vocabulary);
             let answer = match input.kind {
                 ConstraintKind::Grammar => {
-                    let names = example.names();
-                    let plain = sentence::written(&vocabulary, &example.sighting, &names);
-                    format!("{PLAIN}{plain}\n{}", written_names(&names))
+                    let lines = example
+                        .parts
+                        .iter()
+                        .map(|(text, plain)| format!("{text}{ARROW}{plain}\n"));
+                    format!("{}{}", lines.collect::<String>(), written_names(&names))
                 }
-                ConstraintKind::JsonSchema => json_of(&example.sighting).to_string(),
+                ConstraintKind::JsonSchema => {
+                    json_of(&sentence::sighting(example.said(&vocabulary), &names)).to_string()
+                }
             };
-            messages.push(Message::new(Role::User, example.text));
+            messages.push(Message::new(Role::User, example.text()));
             messages.push(Message::new(Role::Assistant, answer));
         }
         let mut transcript = Transcript::new(input.kind, messages);
@@ -104,19 +111,21 @@ impl<'a> SightDialogue<'a> {
         Self {
             vocabulary,
             kind: input.kind,
+            sentences: sentence::split(input.words),
             transcript,
             said: None,
         }
     }
 
-    /// Returns the grammar of the sentences.
+    /// Returns the grammar of a line for each sentence of the description: the sentence, and what it says in plain ones.
+    /// A small model that has the sentence right before its answer keeps to it.
     fn grammar_of_sentences(&self) -> String {
-        Form::Row(vec![
-            Form::text(PLAIN),
-            sentence::form(&self.vocabulary),
-            Form::text("\n"),
-        ])
-        .grammar()
+        let plain = sentence::form(&self.vocabulary).shared();
+        let lines = self.sentences.iter().flat_map(|text| {
+            let begin = Form::text(format!("{text}{ARROW}"));
+            [begin, plain.clone(), Form::text("\n")]
+        });
+        Form::Row(lines.collect()).grammar()
     }
 
     /// Returns the grammar of the names of the sentences, each with its list.
@@ -145,19 +154,6 @@ pub(super) fn meanings(vocabulary: &Vocabulary<'_>) -> String {
         format!("- {call}: {}", one_line(&word.means.replace(['<', '>'], "")))
     });
     lines.collect::<Vec<_>>().join("\n")
-}
-
-/// Returns the sighting of sentences and the lists of their names.
-fn sighting(said: Vec<Said>, names: &[(String, List)]) -> Sighting {
-    let mut sighting = Sighting::of_names(names);
-    for sentence in said {
-        match sentence {
-            Said::State(statement) => sighting.statements.push(statement),
-            Said::Other(text) => sighting.left_out.push(text),
-            Said::There(_) | Said::Absent(_) => {}
-        }
-    }
-    sighting
 }
 
 fn json_of(sighting: &Sighting) -> Value {
@@ -209,16 +205,20 @@ impl Dialogue for SightDialogue<'_> {
             return Sighting::from_json(&reply.text).map(Some);
         }
         let Some(said) = self.said.take() else {
-            let line = reply.text.lines().find_map(|line| line.strip_prefix(PLAIN));
-            let line = line.ok_or_else(|| DialogueError::Unreadable(format!("there is no line `{PLAIN}`")))?;
-            let said = sentence::read(&self.vocabulary, line);
+            let lines = reply.text.lines().filter_map(|line| line.split_once(ARROW));
+            let said: Vec<Said> = lines
+                .flat_map(|(_, plain)| sentence::read(&self.vocabulary, plain))
+                .collect();
+            if said.is_empty() {
+                return Err(DialogueError::Unreadable("it has no sentences".to_owned()));
+            }
             if sentence::names(&self.vocabulary, &said).is_empty() {
-                return Ok(Some(sighting(said, &[])));
+                return Ok(Some(sentence::sighting(said, &[])));
             }
             self.said = Some(said);
             return Ok(None);
         };
-        Ok(Some(sighting(said, &Sighting::named(&reply.text)?)))
+        Ok(Some(sentence::sighting(said, &Sighting::named(&reply.text)?)))
     }
 
     fn transcript(&self) -> &Transcript {

@@ -1,6 +1,6 @@
 //! Worked examples from the state words of a domain, about things that no domain of this library has.
 
-use super::sentence::capitalized;
+use super::sentence::{self, OTHER, Said, capitalized};
 use super::sighting::{Sighting, Statement};
 use super::vocabulary::{List, Vocabulary};
 use crate::call::Call;
@@ -10,35 +10,40 @@ use longstep_core::model::SpatialRelation;
 const PLACES: [&str; 3] = ["workbench", "chest", "wagon"];
 const THINGS: [&str; 4] = ["lantern", "rope", "drum", "bell"];
 
-/// A description with the sighting of it.
+/// A description: its sentences, each with what it says in plain sentences.
 pub(super) struct SightExample {
-    pub(super) text: String,
-    pub(super) sighting: Sighting,
-    /// The names in the order of the text, if it is not in English.
-    order: Vec<String>,
+    pub(super) parts: Vec<(String, String)>,
 }
 
 impl SightExample {
-    fn new(text: impl Into<String>, sighting: Sighting) -> Self {
+    fn new(parts: impl IntoIterator<Item = (String, String)>) -> Self {
         Self {
-            text: text.into(),
-            sighting,
-            order: Vec::new(),
+            parts: parts.into_iter().collect(),
         }
     }
 
-    /// Returns the names in the order of the text.
-    pub(super) fn names(&self) -> Vec<(&str, List)> {
-        let mut names = self.sighting.names();
-        let bare = |name: &str| {
-            name.trim_end_matches(|c: char| c == '_' || c.is_ascii_digit())
-                .to_owned()
+    /// Returns the description.
+    pub(super) fn text(&self) -> String {
+        let sentences: Vec<&str> = self.parts.iter().map(|(text, _)| text.as_str()).collect();
+        sentences.join(" ")
+    }
+
+    /// Returns what the description says.
+    pub(super) fn said(&self, vocabulary: &Vocabulary<'_>) -> Vec<Said> {
+        self.parts
+            .iter()
+            .flat_map(|(_, plain)| sentence::read(vocabulary, plain))
+            .collect()
+    }
+
+    /// Returns the names with their lists, in the order of the plain sentences.
+    pub(super) fn names(&self, vocabulary: &Vocabulary<'_>) -> Vec<(String, List)> {
+        let names = sentence::names(vocabulary, &self.said(vocabulary)).into_iter();
+        let list = |name: &String| match PLACES.contains(&name.as_str()) {
+            true => List::Assets,
+            false => List::Objects,
         };
-        names.sort_by_key(|(name, _)| match self.order.iter().position(|own| own == name) {
-            Some(place) => place,
-            None => self.text.to_lowercase().find(&bare(name)).unwrap_or(usize::MAX),
-        });
-        names
+        names.map(|name| (name.clone(), list(&name))).collect()
     }
 }
 
@@ -75,16 +80,27 @@ impl<'a> Words<'a> {
         }
     }
 
-    fn statement(&self, word: &StateWord, subject: &str, place: Option<&str>) -> (String, Statement) {
-        let arguments = place.iter().map(|place| (*place).to_owned()).collect();
+    /// Returns the plain sentence of a state.
+    fn plain(&self, word: &StateWord, subject: &str, place: Option<&str>) -> String {
         let state = Call {
             name: word.word.clone(),
-            arguments,
+            arguments: place.iter().map(|place| (*place).to_owned()).collect(),
         };
         let subject = subject.to_owned();
-        let statement = Statement { subject, state };
-        let sentence = Sighting::sentence(self.vocabulary, &statement).unwrap_or_default();
-        (capitalized(&sentence) + ".", statement)
+        let sentence = Sighting::sentence(self.vocabulary, &Statement { subject, state });
+        capitalized(&sentence.unwrap_or_default()) + "."
+    }
+
+    /// Returns the short form of a relation to a place: "on the workbench".
+    fn short(&self, word: &StateWord, place: &str) -> Option<String> {
+        self.vocabulary.short(word, &|_| place.to_owned())
+    }
+
+    fn relation(&self, relation: SpatialRelation) -> Option<&'a StateWord> {
+        self.places
+            .iter()
+            .copied()
+            .find(|word| word.relations.contains(&relation))
     }
 }
 
@@ -93,199 +109,147 @@ impl<'a> Words<'a> {
 pub(super) fn sight_examples(vocabulary: &Vocabulary<'_>) -> Vec<SightExample> {
     let words = Words::of(vocabulary);
     let mut examples = foreign(&words);
-    examples.push(states(&words));
     examples.push(relations(&words));
     examples.extend(words.places.first().and_then(|word| several(&words, word)));
+    examples.push(states(&words));
     examples.extend(words.places.get(1).and_then(|word| nested(&words, word)));
-    examples.extend(equipped(&words));
     examples
 }
 
 /// Descriptions in other languages, for domains with words for on and inside.
 fn foreign(words: &Words<'_>) -> Vec<SightExample> {
-    let of = |relation: SpatialRelation| words.places.iter().find(|word| word.relations.contains(&relation));
-    let (Some(on), Some(inside)) = (of(SpatialRelation::On), of(SpatialRelation::Inside)) else {
+    let relation = |relation: SpatialRelation| words.relation(relation);
+    let (Some(on), Some(inside)) = (relation(SpatialRelation::On), relation(SpatialRelation::Inside)) else {
         return Vec::new();
     };
-    let dutch = [
-        ("rope_1", on, "workbench"),
-        ("rope_2", on, "workbench"),
-        ("bell", inside, "chest"),
+    let plain = |word: &StateWord, thing: &str, place: &str| words.plain(word, thing, Some(place));
+    let ropes = [
+        plain(on, "rope_1", "workbench"),
+        plain(on, "rope_2", "workbench"),
+        plain(inside, "bell", "chest"),
     ];
-    let korean = [("lantern", on, "wagon"), ("drum", inside, "chest")];
-    let texts = [
-        (
-            "Op de werkbank liggen twee touwen, en in de kist ligt een bel.",
-            &dutch[..],
-        ),
-        ("마차 위에 등불이 있습니다. 궤짝 안에 북이 있습니다.", &korean[..]),
-    ];
-    let example = |(text, entries): (&str, &[(&str, &&StateWord, &str)])| {
-        let mut example = SightExample::new(text, Sighting::default());
-        for (thing, word, place) in entries {
-            let sighting = &mut example.sighting;
-            if !sighting.assets.iter().any(|own| own == place) {
-                sighting.assets.push((*place).to_owned());
-                example.order.push((*place).to_owned());
-            }
-            example.order.push((*thing).to_owned());
-            sighting.objects.push((*thing).to_owned());
-            sighting.statements.push(words.statement(word, thing, Some(place)).1);
-        }
-        example
-    };
-    texts.into_iter().map(example).collect()
+    vec![
+        SightExample::new([(
+            "Op de werkbank liggen twee touwen, en in de kist ligt een bel.".to_owned(),
+            ropes.join(" "),
+        )]),
+        SightExample::new([
+            ("마차 위에 등불이 있습니다.".to_owned(), plain(on, "lantern", "wagon")),
+            ("궤짝 안에 북이 있습니다.".to_owned(), plain(inside, "drum", "chest")),
+        ]),
+    ]
 }
 
-/// Places with what is there: "a workbench with a lantern on it".
-fn equipped(words: &Words<'_>) -> Option<SightExample> {
-    let (mut parts, mut sighting) = (Vec::new(), Sighting::default());
-    for (index, word) in words.places.iter().take(PLACES.len()).enumerate() {
-        let Some(short) = words.vocabulary.short(word, &|_| "it".to_owned()) else {
-            continue;
-        };
-        let (place, thing) = (PLACES[index], THINGS[THINGS.len() - 1 - index]);
-        parts.push(format!("a {place} with a {thing} {short}"));
-        sighting.assets.push(place.to_owned());
-        sighting.objects.push(thing.to_owned());
-        sighting.statements.push(words.statement(word, thing, Some(place)).1);
-    }
-    let text = format!("There is {}.", parts.join(", and "));
-    (!parts.is_empty()).then(|| SightExample::new(text, sighting))
-}
-
-/// One sentence for each relation.
+/// A sentence for each relation, after one that only names places.
 fn relations(words: &Words<'_>) -> SightExample {
-    let mut text = format!("There is a {} and a {}.", PLACES[0], PLACES[1]);
-    let mut sighting = Sighting {
-        assets: PLACES[..2].iter().map(|name| (*name).to_owned()).collect(),
-        ..Sighting::default()
-    };
-    for (index, word) in words.places.iter().take(THINGS.len()).enumerate() {
-        let (sentence, statement) = words.statement(word, THINGS[index], Some(PLACES[index % 2]));
-        text.push(' ');
-        text.push_str(&sentence);
-        sighting.objects.push(THINGS[index].to_owned());
-        sighting.statements.push(statement);
-    }
-    SightExample::new(text, sighting)
+    let places = format!("There is a {} and a {}.", PLACES[0], PLACES[1]);
+    let named = format!("There is a {}. There is a {}.", PLACES[0], PLACES[1]);
+    let sentences = words.places.iter().take(THINGS.len()).enumerate().map(|(index, word)| {
+        let plain = words.plain(word, THINGS[index], Some(PLACES[index % 2]));
+        (plain.clone(), plain)
+    });
+    SightExample::new(std::iter::once((places, named)).chain(sentences))
 }
 
-/// Several entities of a kind in one place.
+/// Several entities of a kind in one place, and a place with what is there: "a wagon with a drum on it".
 fn several(words: &Words<'_>, word: &StateWord) -> Option<SightExample> {
-    let place = PLACES[0];
-    let short = words.vocabulary.short(word, &|_| format!("a {place}"))?;
+    let [first, _, other] = PLACES;
+    let at = words.short(word, &format!("a {first}"))?;
     let objects = ["bell_1", "bell_2", "bell_3", "rope"];
-    let sighting = Sighting {
-        assets: vec![place.to_owned()],
-        objects: objects.map(str::to_owned).to_vec(),
-        statements: objects.map(|name| words.statement(word, name, Some(place)).1).to_vec(),
-        ..Sighting::default()
-    };
-    Some(SightExample::new(format!("Three bells and a rope {short}."), sighting))
+    let plain: Vec<String> = objects
+        .iter()
+        .map(|name| words.plain(word, name, Some(first)))
+        .collect();
+    let mut parts = vec![(format!("Three bells and a rope {at}."), plain.join(" "))];
+    if let Some(within) = words
+        .places
+        .get(1)
+        .and_then(|word| Some((*word, words.short(word, "it")?)))
+    {
+        let plain = words.plain(within.0, "drum", Some(other));
+        parts.push((format!("There is a {other} with a drum {}.", within.1), plain));
+    }
+    Some(SightExample::new(parts))
 }
 
-/// An object in a place that is in another one.
-fn nested(words: &Words<'_>, word: &StateWord) -> Option<SightExample> {
-    let first = words.places.first()?;
-    let [place, outer, inner] = [PLACES[2], THINGS[2], THINGS[0]];
-    let within = words.vocabulary.short(word, &|_| "it".to_owned())?;
-    let at = words.vocabulary.short(first, &|_| format!("the {place}"))?;
-    let statements = vec![
-        words.statement(first, outer, Some(place)).1,
-        words.statement(word, inner, Some(outer)).1,
-    ];
-    let sighting = Sighting {
-        assets: vec![place.to_owned()],
-        objects: vec![outer.to_owned(), inner.to_owned()],
-        statements,
-        ..Sighting::default()
-    };
-    let text = format!("{} is a {outer}, and {within} a {inner}.", capitalized(&at));
-    Some(SightExample::new(text, sighting))
-}
-
-/// States of one entity; a last one of which nothing is said.
+/// States of one entity, and relations and remarks for which the domain has no word.
 fn states(words: &Words<'_>) -> SightExample {
-    let (mut text, mut sighting) = (String::new(), Sighting::default());
+    let mut parts = Vec::new();
     for (index, word) in words.of_places.iter().take(2).enumerate() {
-        let (sentence, statement) = words.statement(word, PLACES[index], None);
-        text = format!("{text}{sentence} ");
-        sighting.assets.push(PLACES[index].to_owned());
-        sighting.statements.push(statement);
+        let plain = words.plain(word, PLACES[index], None);
+        parts.push((plain.clone(), plain));
     }
     let own = words
         .of_things
         .iter()
         .filter(|word| words.of_places.iter().all(|other| other.word != word.word));
-    let both = words
-        .of_things
-        .iter()
-        .filter(|word| !words.of_places.is_empty() && word.parameters.is_empty());
-    for (index, word) in own.chain(both).take(2).enumerate() {
-        let (sentence, statement) = words.statement(word, THINGS[index], None);
+    for (index, word) in own.take(2).enumerate() {
+        let plain = words.plain(word, THINGS[index], None);
         // People say it of the robot, whatever the domain says of its hand.
-        let sentence = match word.relations.contains(&SpatialRelation::Held) {
+        let text = match word.relations.contains(&SpatialRelation::Held) {
             true => format!("The robot holds a {}.", THINGS[index]),
-            false => sentence,
+            false => plain.clone(),
         };
-        text = format!("{text}{sentence} ");
-        sighting.objects.push(THINGS[index].to_owned());
-        sighting.statements.push(statement);
+        parts.push((text, plain));
     }
-    // A relation for which the domain has no word.
-    let has_under = words
-        .vocabulary
-        .words()
-        .any(|word| word.word.contains("under") || word.means.contains("under"));
-    let (subject, place) = ("drum", PLACES[2]);
-    text.push_str(&match has_under {
-        true => format!("There is a {subject}, and a {place}."),
-        false => {
-            sighting.left_out.push(format!("the {subject} is under the {place}"));
-            format!("The {subject} is under the {place}.")
+    for word in ["under", "behind"] {
+        let is_said = |own: &StateWord| own.word.contains(word) || own.means.contains(word);
+        if !words.vocabulary.words().any(is_said) {
+            let [thing, place] = if word == "under" {
+                ["drum", PLACES[2]]
+            } else {
+                ["ladder", PLACES[1]]
+            };
+            let plain = format!("There is a {thing}. There is a {place}. {OTHER}the {thing} is {word} the {place}.");
+            parts.push((format!("A {thing} is {word} the {place}."), plain));
         }
-    });
-    sighting.objects.push(subject.to_owned());
-    sighting.assets.push(place.to_owned());
-    SightExample::new(text, sighting)
+    }
+    let empty = |own: &StateWord| own.word.contains("empty");
+    if !words.vocabulary.words().any(empty) {
+        let place = PLACES[0];
+        parts.push((format!("The {place} is empty."), format!("There is a {place}.")));
+    }
+    SightExample::new(parts)
+}
+
+/// An object in a place that is in another one.
+fn nested(words: &Words<'_>, word: &StateWord) -> Option<SightExample> {
+    let first = words.places.first()?;
+    let [place, outer, inner] = [PLACES[2], "bag", THINGS[0]];
+    let within = words.short(word, "it")?;
+    let at = words.short(first, &format!("the {place}"))?;
+    let plain = [
+        words.plain(first, outer, Some(place)),
+        words.plain(word, inner, Some(outer)),
+    ];
+    let text = format!("{} is a {outer}, and {within} a {inner}.", capitalized(&at));
+    Some(SightExample::new([(text, plain.join(" "))]))
 }
 
 /// Makes examples of corrections: a place that changes, and an entity that is not there.
 pub(super) fn correction_examples(vocabulary: &Vocabulary<'_>) -> Vec<CorrectionExample> {
     let words = Words::of(vocabulary);
-    let before = relations(&words).sighting;
+    let example = relations(&words);
+    let before = sentence::sighting(example.said(vocabulary), &example.names(vocabulary));
     let mut examples = Vec::new();
+    let mut add = |text: String, answer: String| {
+        let before = before.clone();
+        examples.push(CorrectionExample { before, text, answer });
+    };
     if let Some(word) = words.places.first() {
-        let (answer, _) = words.statement(word, THINGS[0], Some(PLACES[1]));
-        examples.push(CorrectionExample {
-            before: before.clone(),
-            text: format!("No, {}", answer.to_lowercase()),
-            answer,
-        });
-        let (added, _) = words.statement(word, "candle", Some(PLACES[0]));
-        if let Some(short) = words.vocabulary.short(word, &|_| format!("the {}", PLACES[0])) {
-            examples.push(CorrectionExample {
-                before: before.clone(),
-                text: format!("There is also a candle {short}."),
-                answer: added,
-            });
+        let answer = words.plain(word, THINGS[0], Some(PLACES[1]));
+        add(format!("No, {}", answer.to_lowercase()), answer);
+        if let Some(at) = words.short(word, &format!("the {}", PLACES[0])) {
+            let answer = words.plain(word, "candle", Some(PLACES[0]));
+            add(format!("There is also a candle {at}."), answer);
         }
     }
     if let Some(word) = words.of_places.first() {
-        let (answer, _) = words.statement(word, PLACES[1], None);
-        examples.push(CorrectionExample {
-            before: before.clone(),
-            text: format!("Look again: {}", answer.to_lowercase()),
-            answer,
-        });
+        let answer = words.plain(word, PLACES[1], None);
+        add(format!("Look again: {}", answer.to_lowercase()), answer);
     }
-    if let Some(gone) = before.objects.last().cloned() {
-        examples.push(CorrectionExample {
-            text: format!("I see no {gone}."),
-            answer: format!("There is no {gone}."),
-            before,
-        });
+    if let Some(gone) = before.objects.last() {
+        add(format!("I see no {gone}."), format!("There is no {gone}."));
     }
     examples
 }

@@ -5,6 +5,7 @@ use super::sighting::{NAMES, Sighting, Statement, plain};
 use super::vocabulary::{List, Vocabulary};
 use crate::call::Call;
 use crate::dialogue::answer_grammar::Form;
+use crate::dialogue::one_line;
 use crate::model::StateWord;
 
 /// The beginning of a sentence about something that no state of the domain says.
@@ -15,8 +16,12 @@ const THERE: [&str; 2] = ["There is a ", "There is an "];
 const ABSENT: &str = "There is no ";
 /// The article before a name.
 const ARTICLE: &str = "the ";
-/// Maximum number of sentences.
-const MOST: usize = 60;
+/// Maximum number of plain sentences for one sentence, and in a correction.
+const MOST: usize = 16;
+/// Maximum number of sentences of a description; the last one has the rest.
+const SENTENCES: usize = 60;
+/// Maximum number of characters of a description.
+const DESCRIPTION: usize = 4_000;
 /// Maximum number of characters of a sentence that no state says.
 const LENGTH: usize = 120;
 /// Marks a slot in the sentence of a state; no text of a domain has it.
@@ -56,7 +61,7 @@ fn has_names(vocabulary: &Vocabulary<'_>, word: &StateWord, slot: usize) -> bool
         .any(|list| vocabulary.fits(word, slot, list))
 }
 
-/// The form of one to sixty sentences.
+/// The form of plain sentences.
 pub(super) fn form(vocabulary: &Vocabulary<'_>) -> Form {
     sentences(vocabulary, &THERE)
 }
@@ -190,6 +195,45 @@ fn statement(vocabulary: &Vocabulary<'_>, word: &StateWord, sentence: &str) -> O
         arguments: arguments?,
     };
     Some(Statement { subject, state })
+}
+
+/// Returns the sighting of sentences and the lists of their names.
+pub(super) fn sighting(said: Vec<Said>, names: &[(String, List)]) -> Sighting {
+    let mut sighting = Sighting::of_names(names);
+    for sentence in said {
+        match sentence {
+            Said::State(statement) => sighting.statements.push(statement),
+            Said::Other(text) => sighting.left_out.push(text),
+            Said::There(_) | Said::Absent(_) => {}
+        }
+    }
+    sighting
+}
+
+/// Splits a description into its sentences.
+pub(super) fn split(text: &str) -> Vec<String> {
+    let mut sentences: Vec<String> = Vec::new();
+    let mut sentence = String::new();
+    let line = one_line(text);
+    let mut letters = line.chars().take(DESCRIPTION).peekable();
+    while let Some(letter) = letters.next() {
+        sentence.push(letter);
+        // A point within a number or a name ends no sentence.
+        let is_end = match letter {
+            '。' | '！' | '？' | '；' => true,
+            '.' | '!' | '?' | ';' => letters.peek().is_none_or(|next| next.is_whitespace()),
+            _ => false,
+        };
+        if is_end && sentences.len() + 1 < SENTENCES {
+            sentences.push(std::mem::take(&mut sentence).trim().to_owned());
+        }
+    }
+    sentences.push(sentence.trim().to_owned());
+    sentences.retain(|sentence| sentence.chars().any(char::is_alphanumeric));
+    if sentences.is_empty() {
+        sentences.push(line);
+    }
+    sentences
 }
 
 /// Writes a sighting as sentences, in the order of the names.

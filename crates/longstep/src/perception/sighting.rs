@@ -17,8 +17,8 @@ const CHARACTERS: usize = 60;
 const NONE: &str = "none";
 /// The label of the names in an embedded model's answer.
 pub(super) const LABEL: &str = "names: ";
-/// The label of the description in plain sentences, which an embedded model writes first.
-pub(super) const PLAIN: &str = "plain: ";
+/// Stands between a sentence of a description and what it says in plain sentences.
+pub(super) const ARROW: &str = " => ";
 /// The words after a name in an embedded model's answer.
 pub(super) const KINDS: [(&str, List); 2] = [(" asset", List::Assets), (" object", List::Objects)];
 /// The separator of names.
@@ -196,7 +196,7 @@ impl Sighting {
 }
 
 /// Writes names with their lists.
-pub(super) fn written_names(names: &[(&str, List)]) -> String {
+pub(super) fn written_names(names: &[(String, List)]) -> String {
     let kind = |list: List| KINDS.iter().find(|(_, own)| *own == list).map_or("", |(kind, _)| *kind);
     let entries: Vec<String> = names
         .iter()
