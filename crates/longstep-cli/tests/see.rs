@@ -247,7 +247,7 @@ fn files_that_are_no_source_are_errors() {
         (&[&empty], "not a PNG, JPEG or WebP picture"),
         (&[&broken], "broken.json:1:11: EOF while parsing a list"),
         (&[&large], "larger than 20 MiB"),
-        (&[folder], "a directory"),
+        (&[folder], "is a folder, not a file"),
         (&["missing.json"], "missing.json"),
         (&[&scene, SHELF], "a scene file stands alone"),
         (&[&scene, &scene], "a scene file stands alone"),

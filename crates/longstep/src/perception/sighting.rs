@@ -53,9 +53,7 @@ pub struct Statement {
 /// A server's answer.
 #[derive(Debug, Deserialize)]
 struct Answer {
-    #[serde(default)]
     assets: Vec<String>,
-    #[serde(default)]
     objects: Vec<String>,
     #[serde(default)]
     states: Vec<StateAnswer>,
