@@ -86,13 +86,13 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
         true => Err(std::io::ErrorKind::IsADirectory.into()),
         false => read_bounded(path, PICTURE_LIMIT as u64),
     };
-    Ok(read.map_err(|error| match error.kind() {
+    read.map_err(|error| match error.kind() {
         std::io::ErrorKind::FileTooLarge => {
             let message = format!("{} is larger than {} MiB", path.display(), PICTURE_LIMIT >> 20);
             anyhow::Error::from(Failure::unreadable(message).hint("scale the picture down, or split the scene"))
         }
         _ => TextFileError::new(path, error).into(),
-    })?)
+    })
 }
 
 /// Returns true for bytes that may be JSON: an object comes first.
