@@ -1,6 +1,7 @@
 //! The command line's arguments.
 
 mod robot;
+mod see;
 mod teach;
 
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use longstep::Effort;
 use longstep::session::{RepairPolicy, Settings, Strategy};
 
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
+pub(crate) use see::SeeArguments;
 pub(crate) use teach::TeachArguments;
 
 /// Turns instructions in plain English into verified robot action plans.
@@ -29,6 +31,8 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Make an environment from a scene of boxes, from pictures, or from a description in words
+    See(SeeArguments),
     /// Turn an instruction into a verified plan
     Plan(PlanArguments),
     /// Plan several instructions, each in the world after the last plan

@@ -24,9 +24,11 @@ mod output;
 mod plan;
 mod problem;
 mod progress;
+mod question;
 mod repair;
 mod robot;
 mod run;
+mod see;
 mod session;
 mod show;
 mod signals;
@@ -54,6 +56,7 @@ fn main() -> ExitCode {
         Command::Robot(command) => robot::run(&command),
         Command::Export(arguments) => export::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
+        Command::See(arguments) => see::run(&arguments),
         Command::Compose(arguments) => compose::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Domain(command) => domain::run(&command),

@@ -148,7 +148,7 @@ fn edits(answer: &Answer) {
     }
 }
 
-fn nothing(text: &str) -> &str {
+pub(crate) fn nothing(text: &str) -> &str {
     if text.is_empty() { "nothing" } else { text }
 }
 

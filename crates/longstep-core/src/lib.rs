@@ -7,6 +7,7 @@
 //!   work.
 //! - [`model`]: domains, facts, states and worlds as data.
 //! - [`domain`], [`environment`]: domains and worlds read from files, and written.
+//! - [`geometry`]: environments from scenes of boxes with poses.
 //! - [`plan`]: plans as trees, their notations, and violations.
 //! - [`verify`]: simulates a plan; a report without violations yields a [`verify::VerifiedPlan`].
 //! - [`goal`]: goals over the goal words of a domain. [`message`]: violations as sentences.
@@ -21,6 +22,7 @@ pub mod domain;
 pub mod effort;
 pub mod environment;
 pub mod execution;
+pub mod geometry;
 pub mod goal;
 pub mod json;
 pub mod message;

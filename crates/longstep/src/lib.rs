@@ -85,6 +85,7 @@ mod lint;
 mod load;
 mod model;
 mod new_domain;
+pub mod perception;
 mod reading;
 pub mod report;
 pub mod session;

@@ -1,15 +1,11 @@
 //! The questions of `longstep domain new`.
 
-use std::io::{BufRead, Read};
-
 use anyhow::Result;
 use longstep::domain::{ActionAnswer, Answers, KindAnswer, guess_removed};
 
-use crate::failure::Failure;
-use crate::output::{Style, remark};
+use crate::output::remark;
+use crate::question::ask;
 
-/// Limit for one answer, in bytes.
-const LINE_LIMIT: u64 = 16 << 10;
 /// Actions that are asked for; more can be added to answers.toml.
 const ACTIONS: usize = 50;
 
@@ -70,29 +66,6 @@ pub(super) fn answers(name: &str) -> Result<Answers> {
         answers.action.push(action);
     }
     Ok(answers)
-}
-
-/// Asks one question; none at the end of the input.
-fn ask(question: &str, default: &str) -> Result<Option<String>> {
-    match default {
-        "" => remark!("{}", question.bold()),
-        default => remark!("{} [{default}]", question.bold()),
-    }
-    let mut line = String::new();
-    let mut input = std::io::stdin().lock().take(LINE_LIMIT);
-    let read = input
-        .read_line(&mut line)
-        .map_err(|_| Failure::unreadable("the answer is not text").hint("write answers in UTF-8"))?;
-    if read as u64 == LINE_LIMIT {
-        let failure = Failure::unreadable(format!("an answer is longer than {LINE_LIMIT} bytes"));
-        return Err(failure.hint("write one line for each answer").into());
-    }
-    let answer = line.trim();
-    Ok(match (read, answer) {
-        (0, _) => None,
-        (_, "") => Some(default.to_owned()),
-        (_, answer) => Some(answer.to_owned()),
-    })
 }
 
 fn split(text: &str, separator: char) -> Vec<String> {

@@ -20,6 +20,8 @@ pub const PANTRY: &str = "examples/environments/pantry.json";
 pub enum Answer {
     /// The model says this.
     Says(String),
+    /// A message with this reason for its end.
+    Ends(Value, String),
     /// The server has an error.
     Status(u16, Value),
     /// Nothing comes for so long.
@@ -53,6 +55,7 @@ pub fn another_goal() -> Answer {
 pub struct Server {
     address: String,
     bodies: Arc<Mutex<Vec<Value>>>,
+    texts: Arc<Mutex<Vec<String>>>,
     others: Arc<AtomicUsize>,
 }
 
@@ -69,15 +72,20 @@ impl Server {
         let server = Self {
             address: format!("http://{}/v1", listener.local_addr().unwrap()),
             bodies: Arc::default(),
+            texts: Arc::default(),
             others: Arc::default(),
         };
         let (bodies, others, answer) = (server.bodies.clone(), server.others.clone(), Arc::new(answer));
+        let texts = server.texts.clone();
         // It ends with the test's process.
         thread::spawn(move || {
             for stream in listener.incoming() {
                 let (bodies, others, answer) = (bodies.clone(), others.clone(), answer.clone());
+                let texts = texts.clone();
                 // A client that was killed in the middle is no reason to stop.
-                thread::spawn(move || stream.and_then(|stream| attend(stream, &bodies, &others, answer.as_ref())));
+                thread::spawn(move || {
+                    stream.and_then(|stream| attend(stream, &bodies, &texts, &others, answer.as_ref()))
+                });
             }
         });
         server
@@ -97,6 +105,11 @@ impl Server {
         self.bodies.lock().unwrap().clone()
     }
 
+    /// The requests for replies so far, byte by byte.
+    pub fn texts(&self) -> Vec<String> {
+        self.texts.lock().unwrap().clone()
+    }
+
     /// How often it was asked for something else, as the size of the context.
     pub fn others(&self) -> usize {
         self.others.load(Ordering::SeqCst)
@@ -106,6 +119,7 @@ impl Server {
 fn attend(
     mut stream: TcpStream,
     bodies: &Mutex<Vec<Value>>,
+    texts: &Mutex<Vec<String>>,
     others: &AtomicUsize,
     answer: &(dyn Fn(usize, &Value) -> Answer + Send + Sync),
 ) -> std::io::Result<()> {
@@ -132,6 +146,7 @@ fn attend(
     }
     let mut body = vec![0; length];
     reader.read_exact(&mut body)?;
+    texts.lock().unwrap().push(String::from_utf8(body.clone()).unwrap());
     let body: Value = serde_json::from_slice(&body)?;
     let streams = body["stream"] == json!(true);
     let number = {
@@ -142,6 +157,12 @@ fn attend(
     let (status, text) = match answer(number, &body) {
         Answer::Says(content) if streams => (200, streamed(&completion(&content))),
         Answer::Says(content) => (200, completion(&content).to_string()),
+        Answer::Ends(message, finish) => {
+            let mut answer = completion("");
+            answer["choices"][0]["message"] = message;
+            answer["choices"][0]["finish_reason"] = finish.into();
+            (200, if streams { streamed(&answer) } else { answer.to_string() })
+        }
         Answer::Status(status, error) => (status, error.to_string()),
         Answer::Silence(time) => {
             thread::sleep(time);

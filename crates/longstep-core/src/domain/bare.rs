@@ -73,6 +73,7 @@ fn with_plain_words(semantics: Semantics) -> Domain {
             terms: (0..predicate.parameters.len()).map(Term::Variable).collect(),
         },
         means: String::new(),
+        relations: Vec::new(),
     };
     let functions = semantics.functions.iter().enumerate();
     let functions = functions.map(|(index, function)| plain_function(function, is_changed(&semantics, index)));

@@ -13,7 +13,8 @@ use super::words::{self, DomainFile, TimeEntry, UnknownEntry};
 use super::{
     Action, ActionSchema, Atom, Condition, DefaultFact, Derivation, Domain, DomainData, Effect, EnvironmentTypes,
     Files, FormPiece, GoalWord, Lexicon, Literal, Parameter, Predicate, PredicateId, PredicateWords, PropertyWord,
-    RepairCosts, Rule, RuleTime, StateWord, Template, TypeId, Unknown, base_name, pddl, plain_words, sexpr,
+    RepairCosts, Rule, RuleTime, SpatialRelation, StateWord, Template, TypeId, Unknown, base_name, pddl, plain_words,
+    sexpr,
 };
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position, nearest};
@@ -225,6 +226,7 @@ impl Loader<'_> {
             predicate_words[atom.predicate.index()].fluent = true;
         }
         let states: Vec<StateWord> = file.state.iter().filter_map(|entry| self.state(entry)).collect();
+        self.report_repeated_relations(&file.state);
         let properties = file.property.iter().map(|entry| self.property(entry)).collect();
         let derivations = file.derive.iter().map(|entry| self.derivation(entry)).collect();
         let myself = [self_parameter()];
@@ -452,12 +454,50 @@ impl Loader<'_> {
             let message = format!("`({name} ...)` and the word must speak of the same entities, `?self` included");
             self.report(&entry.fact, message);
         }
+        let relations = entry.geometry.iter();
+        let relations = relations.filter_map(|text| self.relation(text, call.arguments.len()));
         Some(StateWord {
+            relations: relations.collect(),
             word: call.name,
             parameters: call.arguments,
             atom: literal.atom,
             means: entry.means.clone(),
         })
+    }
+
+    /// Reports relations in space that two state words say: a scene would not determine which of them is meant.
+    fn report_repeated_relations(&mut self, entries: &[words::StateEntry]) {
+        let given: Vec<_> = entries.iter().flat_map(|entry| &entry.geometry).collect();
+        for (index, text) in given.iter().enumerate() {
+            if given[..index].iter().any(|other| other.get_ref() == text.get_ref()) {
+                let message = format!("`geometry` lists the relation `{}` twice", text.get_ref());
+                self.report(text, message);
+            }
+        }
+    }
+
+    /// Returns a relation in space of a state word with so many arguments.
+    fn relation(&mut self, text: &Spanned<String>, arguments: usize) -> Option<SpatialRelation> {
+        let name = text.get_ref();
+        let Some(relation) = SpatialRelation::ALL
+            .into_iter()
+            .find(|relation| relation.name() == name)
+        else {
+            let known = SpatialRelation::ALL.map(SpatialRelation::name);
+            self.report_unknown(text, "relation of `geometry`", name, known);
+            return None;
+        };
+        let fitting = relation.arguments();
+        if !fitting.contains(&arguments) {
+            let number = match fitting.start() == fitting.end() {
+                true => fitting.end().to_string(),
+                false => format!("{} or {}", fitting.start(), fitting.end()),
+            };
+            let message =
+                format!("a state of the relation `{name}` has {number} argument(s) in parentheses, not {arguments}");
+            self.report(text, message);
+        }
+        Some(relation)
     }
 
     fn property(&mut self, entry: &words::PropertyEntry) -> PropertyWord {

@@ -135,6 +135,8 @@ pub struct StateEntry {
     pub word: Text,
     pub fact: Text,
     pub means: String,
+    #[serde(default)]
+    pub geometry: Vec<Text>,
 }
 
 #[derive(Debug, Deserialize)]

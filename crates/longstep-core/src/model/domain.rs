@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::id;
 use super::{
     Atom, Condition, Effect, EntityId, Fact, FunctionId, Lexicon, Number, NumericEffect, NumericExpression,
-    SkillParameter, Template, ValueType,
+    SkillParameter, SpatialRelation, Template, ValueType,
 };
 
 id!(
@@ -262,6 +262,8 @@ pub struct StateWord {
     pub atom: Atom,
     /// The description of the state, for models and persons.
     pub means: String,
+    /// The relations in space that the word says, for scenes of boxes.
+    pub relations: Vec<SpatialRelation>,
 }
 
 /// The notation of a static property in an environment, for example `IS_OPENABLE`.

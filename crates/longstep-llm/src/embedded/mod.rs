@@ -106,6 +106,12 @@ impl ChatModel for EmbeddedModel {
     }
 
     fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
+        if request.messages.iter().any(|message| !message.pictures.is_empty()) {
+            return Err(ModelError::Unsupported {
+                model: self.name.clone(),
+                reason: "the embedded engine does not see pictures; use a server with a model that does".to_owned(),
+            });
+        }
         let (events, answers) = channel();
         if !self.send(Job::Chat(request.clone(), events)) {
             return Err(stopped(&self.name, "its thread has ended"));

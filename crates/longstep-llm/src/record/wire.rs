@@ -1,10 +1,11 @@
 //! The lines of a recording.
 
 use longstep::dialogue::{
-    ChatRequest, Constraint, ConstraintKind, Counting, Finish, Likelihood, Message, Reply, Role, Usage,
+    ChatRequest, Constraint, ConstraintKind, Counting, Finish, Likelihood, Message, Picture, Reply, Role, Usage,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 use crate::ChatModel;
 
@@ -61,6 +62,26 @@ pub(super) struct WireCount {
 pub(super) struct WireMessage {
     pub(super) role: WireRole,
     pub(super) text: String,
+    /// The pictures by their hashes: a recording has no copies of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) pictures: Vec<WirePicture>,
+}
+
+/// A picture, identified by its SHA-256 hash.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct WirePicture {
+    pub(super) media_type: String,
+    pub(super) sha256: String,
+}
+
+impl From<&Picture> for WirePicture {
+    fn from(picture: &Picture) -> Self {
+        let hash = Sha256::digest(picture.bytes());
+        Self {
+            media_type: picture.media_type().to_owned(),
+            sha256: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -148,6 +169,7 @@ impl From<&Message> for WireMessage {
                 Role::Assistant => WireRole::Assistant,
             },
             text: message.text.clone(),
+            pictures: message.pictures.iter().map(WirePicture::from).collect(),
         }
     }
 }

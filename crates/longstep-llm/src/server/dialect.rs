@@ -1,5 +1,7 @@
 //! The request format of a server, reduced by the parameters that it rejects.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use longstep::dialogue::{ChatRequest, Constraint, Message, Role};
 use serde_json::{Map, Value, json};
 
@@ -128,7 +130,7 @@ impl Dialect {
                 Role::User => "user",
                 Role::Assistant => "assistant",
             };
-            json!({"role": role, "content": message.text})
+            json!({"role": role, "content": openai_content(message)})
         });
         let mut body = Map::new();
         body.insert("model".into(), model.into());
@@ -155,6 +157,35 @@ impl Dialect {
         }
         json!({"type": "json_schema", "json_schema": {"name": "answer", "strict": true, "schema": schema}})
     }
+}
+
+/// A text, or with pictures a list of parts.
+fn openai_content(message: &Message) -> Value {
+    if message.pictures.is_empty() {
+        return message.text.as_str().into();
+    }
+    let pictures = message.pictures.iter().map(|picture| {
+        let url = format!(
+            "data:{};base64,{}",
+            picture.media_type(),
+            STANDARD.encode(picture.bytes())
+        );
+        json!({"type": "image_url", "image_url": {"url": url}})
+    });
+    let text = json!({"type": "text", "text": message.text});
+    std::iter::once(text).chain(pictures).collect()
+}
+
+fn anthropic_content(message: &Message) -> Value {
+    if message.pictures.is_empty() {
+        return message.text.as_str().into();
+    }
+    let pictures = message.pictures.iter().map(|picture| {
+        let data = STANDARD.encode(picture.bytes());
+        json!({"type": "image", "source": {"type": "base64", "media_type": picture.media_type(), "data": data}})
+    });
+    let text = json!({"type": "text", "text": message.text});
+    std::iter::once(text).chain(pictures).collect()
 }
 
 /// The parts of a [`Sampling`] that are sent.
@@ -191,7 +222,7 @@ fn anthropic(model: &str, request: &ChatRequest, schema: Option<&Value>, choice:
         } else {
             "user"
         };
-        json!({"role": role, "content": message.text})
+        json!({"role": role, "content": anthropic_content(message)})
     });
     let mut body = Map::new();
     body.insert("model".into(), model.into());
@@ -215,7 +246,11 @@ fn gemini(request: &ChatRequest, schema: Option<&Value>, choice: Choice) -> Valu
         } else {
             "user"
         };
-        json!({"role": role, "parts": [{"text": message.text}]})
+        let pictures = message.pictures.iter().map(|picture| {
+            json!({"inlineData": {"mimeType": picture.media_type(), "data": STANDARD.encode(picture.bytes())}})
+        });
+        let parts: Vec<Value> = std::iter::once(json!({"text": message.text})).chain(pictures).collect();
+        json!({"role": role, "parts": parts})
     });
     let mut settings = Map::new();
     if let Some(schema) = schema {

@@ -5,6 +5,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::Picture;
 use crate::usage::Usage;
 
 /// The role of a [`Message`].
@@ -25,6 +26,8 @@ pub struct Message {
     pub role: Role,
     /// The text, without chat-template markers.
     pub text: String,
+    /// The pictures after the text, for models that see.
+    pub pictures: Vec<Picture>,
 }
 
 impl Message {
@@ -33,7 +36,14 @@ impl Message {
         Self {
             role,
             text: text.into(),
+            pictures: Vec::new(),
         }
+    }
+
+    /// Adds pictures to the message.
+    #[must_use]
+    pub fn with_pictures(self, pictures: Vec<Picture>) -> Self {
+        Self { pictures, ..self }
     }
 }
 

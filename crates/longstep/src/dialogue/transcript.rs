@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Reply, Role, Usage};
+use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Picture, Reply, Role, Usage};
 use crate::goal::GoalError;
 
 /// A dialogue with a model about one matter: requests, and the replies to them.
@@ -52,6 +52,15 @@ impl Transcript {
 
     pub(crate) fn push(&mut self, role: Role, text: impl Into<String>) {
         self.messages.push(Message::new(role, text));
+    }
+
+    pub(crate) fn push_with_pictures(&mut self, role: Role, text: impl Into<String>, pictures: Vec<Picture>) {
+        self.messages.push(Message::new(role, text).with_pictures(pictures));
+    }
+
+    /// Returns the request for any answer.
+    pub(crate) fn free(&self, max_tokens: u32) -> ChatRequest {
+        self.request(Constraint::Free, max_tokens)
     }
 
     /// Returns the request for an answer under a grammar.

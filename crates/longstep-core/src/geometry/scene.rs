@@ -1,0 +1,283 @@
+//! Scene files: boxes, hands and tolerances.
+
+use rustc_hash::FxHashSet;
+use serde::Deserialize;
+
+use super::solid::Vector;
+use crate::diagnostic::{Diagnostic, Diagnostics, Position};
+use crate::environment::Words;
+use crate::json::{self, Path};
+
+/// Maximum number of boxes and hands: every pair of them is compared.
+const MOST: usize = 1_000;
+/// The largest coordinate and the longest edge, in metres.
+const FARTHEST: f64 = 100_000.0;
+/// The shortest edge, in metres.
+const SHORTEST: f64 = 1e-6;
+/// Maximum number of characters of a name.
+const CHARACTERS: usize = 100;
+/// Maximum number of findings about one file.
+const FINDINGS: usize = 100;
+
+/// Named boxes with poses. Lengths are in metres, angles in radians, and z points upwards.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// The boxes.
+    pub boxes: Vec<Body>,
+    /// The hands of the robot.
+    #[serde(default)]
+    pub hands: Vec<Hand>,
+    /// The tolerances of the relations.
+    #[serde(default)]
+    pub tolerances: Tolerances,
+}
+
+/// A named box.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// The identifier in the environment.
+    pub name: String,
+    /// The centre.
+    pub position: Vector,
+    /// The orientation as a quaternion: w, x, y, z.
+    #[serde(default = "level")]
+    pub orientation: [f64; 4],
+    /// The lengths of the edges along the axes of the box.
+    pub size: Vector,
+    /// The list of the environment. By default what is on, in or held by something is an object.
+    #[serde(default)]
+    pub kind: Option<Kind>,
+    /// The type in the domain, where it is more precise than that of the list.
+    #[serde(default, rename = "type")]
+    pub type_name: Option<String>,
+    /// The box of which this one is a part, such as the fridge of a handle.
+    #[serde(default)]
+    pub part_of: Option<String>,
+    /// True if nothing can be inside.
+    #[serde(default)]
+    pub solid: bool,
+    /// The state of something that opens, where it is known.
+    #[serde(default)]
+    pub open: Option<bool>,
+    /// The joint of something that opens; an alternative to `open`.
+    #[serde(default)]
+    pub joint: Option<Joint>,
+    /// Properties in the words of the domain.
+    #[serde(default)]
+    pub properties: Vec<String>,
+    /// Further states in the words of the domain.
+    #[serde(default)]
+    pub states: Vec<String>,
+}
+
+fn level() -> [f64; 4] {
+    [1.0, 0.0, 0.0, 0.0]
+}
+
+/// The list of an environment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Cannot be manipulated.
+    Asset,
+    /// Can be manipulated.
+    Object,
+}
+
+/// The joint of a door, a drawer or a lid.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// The position: an angle in radians, or a distance in metres.
+    pub position: f64,
+    /// The position in which it is closed.
+    #[serde(default)]
+    pub closed: f64,
+}
+
+/// A hand of the robot.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hand {
+    /// The identifier, for domains with several hands.
+    pub name: String,
+    /// The point between the fingers.
+    pub position: Vector,
+    /// True if the fingers are closed around something.
+    pub closed: bool,
+}
+
+/// Tolerances of the relations between boxes.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Tolerances {
+    /// The largest gap between touching faces, and the largest depth to which they are in each other, in metres.
+    pub contact: f64,
+    /// The least share of a footprint over the face on which a box rests.
+    pub overlap: f64,
+    /// The least share of the volume of a box in its container.
+    pub containment: f64,
+    /// The largest gap between neighbours, in metres.
+    pub neighbour: f64,
+    /// The largest distance of a closed hand from the box that it holds, in metres.
+    pub grasp: f64,
+    /// The largest distance of a joint from its closed position, in radians or metres.
+    pub joint: f64,
+}
+
+impl Default for Tolerances {
+    fn default() -> Self {
+        Self {
+            contact: 0.02,
+            overlap: 0.3,
+            containment: 0.5,
+            neighbour: 0.05,
+            grasp: 0.03,
+            joint: 0.02,
+        }
+    }
+}
+
+impl Scene {
+    /// Reads a scene file. `file` is its name in diagnostics.
+    ///
+    /// ```
+    /// use longstep_core::geometry::Scene;
+    /// let text = r#"{"boxes": [{"name": "<cup>", "position": [0, 0, 0.8], "size": [0.08, 0.08, 0.1]}]}"#;
+    /// assert_eq!(Scene::parse("boxes.json", text).unwrap().boxes.len(), 1);
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// The first place where the text is not JSON in this form; otherwise all numbers and names that no scene can have.
+    pub fn parse(file: &str, text: &str) -> Result<Self, Diagnostics> {
+        let scene: Self = serde_json::from_str(text).map_err(|error| {
+            let (line, column) = (error.line() as u32, error.column().max(1) as u32);
+            let full = error.to_string();
+            let message = full
+                .strip_suffix(&format!(" at line {line} column {}", error.column()))
+                .unwrap_or(&full);
+            let hint = "a scene is JSON with `boxes`: each has `name`, `position` and `size`; see docs/seeing.md";
+            Diagnostics(vec![
+                Diagnostic::at(file, Position { line, column }, message).hint(hint),
+            ])
+        })?;
+        let mut check = Check {
+            file,
+            text,
+            findings: Vec::new(),
+        };
+        check.scene(&scene);
+        match check.findings.is_empty() {
+            true => Ok(scene.normalized()),
+            false => Err(Diagnostics::sorted(check.findings)),
+        }
+    }
+
+    /// Returns the scene with orientations of length 1.
+    fn normalized(mut self) -> Self {
+        for body in &mut self.boxes {
+            let length = length(&body.orientation);
+            body.orientation = body.orientation.map(|part| part / length);
+        }
+        self
+    }
+}
+
+fn length(parts: &[f64]) -> f64 {
+    parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+}
+
+struct Check<'a> {
+    file: &'a str,
+    text: &'a str,
+    findings: Vec<Diagnostic>,
+}
+
+impl Check<'_> {
+    fn report(&mut self, path: &Path, message: impl std::fmt::Display) {
+        if self.findings.len() < FINDINGS {
+            self.findings.push(Diagnostic {
+                file: self.file.to_owned(),
+                position: json::locate(self.text, path),
+                message: format!("{path}: {message}"),
+                hint: None,
+            });
+        }
+    }
+
+    fn scene(&mut self, scene: &Scene) {
+        if scene.boxes.len() + scene.hands.len() > MOST {
+            return self.report(&Path::key("boxes"), format!("more than {MOST} boxes and hands"));
+        }
+        let mut names: FxHashSet<&str> = FxHashSet::default();
+        let known: FxHashSet<&str> = scene.boxes.iter().map(|body| body.name.as_str()).collect();
+        for (index, body) in scene.boxes.iter().enumerate() {
+            let path = Path::key("boxes").index(index);
+            self.name(&path.push("name"), &body.name, &mut names);
+            self.point(&path.push("position"), body.position);
+            if !body.size.iter().all(|edge| (SHORTEST..=FARTHEST).contains(edge)) {
+                let message = format!("an edge is {SHORTEST} to {FARTHEST} m long");
+                self.report(&path.push("size"), message);
+            }
+            if !(0.99..=1.01).contains(&length(&body.orientation)) {
+                let message = "an orientation is a quaternion w, x, y, z of length 1";
+                self.report(&path.push("orientation"), message);
+            }
+            if let Some(whole) = &body.part_of
+                && (whole == &body.name || !known.contains(whole.as_str()))
+            {
+                self.report(&path.push("part_of"), format!("there is no other box `{whole}`"));
+            }
+            if body.open.is_some() && body.joint.is_some() {
+                self.report(&path.push("joint"), "give `open` or `joint`, not both");
+            }
+        }
+        for (index, hand) in scene.hands.iter().enumerate() {
+            let path = Path::key("hands").index(index);
+            self.name(&path.push("name"), &hand.name, &mut names);
+            self.point(&path.push("position"), hand.position);
+        }
+        self.tolerances(&scene.tolerances);
+    }
+
+    fn name<'n>(&mut self, path: &Path, name: &'n str, names: &mut FxHashSet<&'n str>) {
+        if name.trim().is_empty() || name.chars().count() > CHARACTERS {
+            self.report(path, format!("a name has 1 to {CHARACTERS} characters"));
+        } else if !names.insert(name) {
+            self.report(path, format!("`{name}` is listed twice"));
+        }
+    }
+
+    fn point(&mut self, path: &Path, point: Vector) {
+        if !point.iter().all(|coordinate| coordinate.abs() <= FARTHEST) {
+            self.report(path, format!("a coordinate is at most {FARTHEST} m"));
+        }
+    }
+
+    fn tolerances(&mut self, tolerances: &Tolerances) {
+        let path = Path::key("tolerances");
+        for (key, value, most) in [
+            ("contact", tolerances.contact, 1.0),
+            ("overlap", tolerances.overlap, 1.0),
+            ("containment", tolerances.containment, 1.0),
+            ("neighbour", tolerances.neighbour, 10.0),
+            ("grasp", tolerances.grasp, 1.0),
+            ("joint", tolerances.joint, 1.0),
+        ] {
+            if !(value > 0.0 && value <= most) {
+                self.report(&path.push(key), format!("a tolerance is above 0 and at most {most}"));
+            }
+        }
+    }
+}
+
+/// Returns texts as one word or a list.
+pub(super) fn words(mut texts: Vec<String>) -> Words {
+    match texts.len() {
+        1 => Words::One(texts.remove(0)),
+        _ => Words::Many(texts),
+    }
+}

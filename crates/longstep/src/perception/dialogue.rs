@@ -1,0 +1,227 @@
+//! The dialogue with a model about a description or pictures.
+
+use serde_json::{Value, json};
+
+use super::example::sight_examples;
+use super::sentence::{self, Said};
+use super::sighting::{ARROW, COMMA, KINDS, LABEL, Sighting, written_names};
+use super::vocabulary::Vocabulary;
+use crate::dialogue::answer_grammar::{Form, any_text, closed, list, one_of};
+use crate::dialogue::{
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Picture, Reply, Role, Transcript, one_line,
+};
+use crate::model::Domain;
+
+/// The task, with a place for the states of the domain.
+const TASK: &str = include_str!("sight.txt");
+/// The form of a server's answer.
+const JSON_FORM: &str = "Answer with JSON: `assets` and `objects` are lists of names, `states` lists the states with their \
+    entity and the names of the other entities, and `unsure` lists in plain words what cannot be seen well.";
+/// The form of an embedded model's answer.
+const LINE_FORM: &str = "Answer with a line for each sentence: the sentence, and what it says in plain English sentences, one for \
+each fact; what no state says begins with \"Other:\". Then write a line of all names, each with asset or object.";
+/// Token budget of an answer.
+const TOKENS: u32 = 4096;
+/// A name in the line form.
+pub(super) const NAME: &str = "[a-z][a-z0-9]{0,19}(_[a-z0-9]{1,19}){0,3}";
+/// Maximum number of characters of a description.
+const LENGTH: usize = 4_000;
+
+/// The source of a sighting.
+#[derive(Debug, Clone)]
+pub struct SightInput<'a> {
+    /// The domain.
+    pub domain: &'a Domain,
+    /// The description, or further words about the pictures; may be empty if there are pictures.
+    pub words: &'a str,
+    /// The pictures.
+    pub pictures: &'a [Picture],
+    /// The kind of constraint that the model supports.
+    pub kind: ConstraintKind,
+}
+
+/// Lets a model write down what a description or pictures show.
+///
+/// An embedded model answers in plain sentences, one for each fact, under a grammar of the domain's own sentences; in a second
+/// request it says of each name in them if it is an asset or an object. A
+/// server answers in JSON, in one request.
+///
+/// ```
+/// use longstep::Planner;
+/// use longstep::dialogue::{ConstraintKind, Dialogue, Finish, Reply, Usage};
+/// use longstep::perception::{SightDialogue, SightInput, View};
+///
+/// let planner = Planner::shipped("household")?;
+/// let domain = planner.domain();
+/// let input = SightInput { domain, words: "Milk in a fridge", pictures: &[], kind: ConstraintKind::Grammar };
+/// let mut dialogue = SightDialogue::new(&input);
+/// let reply = |text: &str| Reply { text: text.to_owned(), finish: Finish::Stop, usage: Usage::default(), likelihood: None };
+/// assert!(dialogue.supply(&reply("Milk in a fridge => The milk is in the fridge.\n"))?.is_none());
+/// let sighting = dialogue.supply(&reply("names: milk object, fridge asset"))?.unwrap();
+/// let view = View::of(domain, &sighting);
+/// assert_eq!(view.environment.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);
+/// assert!(view.world.is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SightDialogue<'a> {
+    vocabulary: Vocabulary<'a>,
+    kind: ConstraintKind,
+    transcript: Transcript,
+    /// The sentences of the description.
+    sentences: Vec<String>,
+    /// The plain sentences of an embedded model, once it has written them.
+    said: Option<Vec<Said>>,
+}
+
+impl<'a> SightDialogue<'a> {
+    /// Starts a dialogue. Only the first 4,000 characters of the words are used.
+    pub fn new(input: &SightInput<'a>) -> Self {
+        let vocabulary = Vocabulary::of(input.domain);
+        let form = match input.kind {
+            ConstraintKind::Grammar => LINE_FORM,
+            ConstraintKind::JsonSchema => JSON_FORM,
+        };
+        let task = format!("{}{form}", TASK.replace("{states}", &meanings(&vocabulary)));
+        let mut messages = vec![Message::new(Role::System, task)];
+        for example in sight_examples(&vocabulary) {
+            let names = example.names(&vocabulary);
+            let answer = match input.kind {
+                ConstraintKind::Grammar => {
+                    let lines = example
+                        .parts
+                        .iter()
+                        .map(|(text, plain)| format!("{text}{ARROW}{plain}\n"));
+                    format!("{}{}", lines.collect::<String>(), written_names(&names))
+                }
+                ConstraintKind::JsonSchema => {
+                    json_of(&sentence::sighting(example.said(&vocabulary), &names)).to_string()
+                }
+            };
+            messages.push(Message::new(Role::User, example.text()));
+            messages.push(Message::new(Role::Assistant, answer));
+        }
+        let mut transcript = Transcript::new(input.kind, messages);
+        let words: String = one_line(input.words).chars().take(LENGTH).collect();
+        let words = match (words.is_empty(), input.pictures.is_empty()) {
+            (true, false) => "Write down what the picture shows.".to_owned(),
+            _ => words,
+        };
+        transcript.push_with_pictures(Role::User, words, input.pictures.to_vec());
+        Self {
+            vocabulary,
+            kind: input.kind,
+            sentences: sentence::split(input.words),
+            transcript,
+            said: None,
+        }
+    }
+
+    /// Returns the grammar of a line for each sentence of the description: the sentence, and what it says in plain ones.
+    /// A small model that has the sentence right before its answer keeps to it.
+    fn grammar_of_sentences(&self) -> String {
+        let plain = sentence::form(&self.vocabulary).shared();
+        let lines = self.sentences.iter().flat_map(|text| {
+            let begin = Form::text(format!("{text}{ARROW}"));
+            [begin, plain.clone(), Form::text("\n")]
+        });
+        Form::Row(lines.collect()).grammar()
+    }
+
+    /// Returns the grammar of the names of the sentences, each with its list.
+    fn grammar_of_names(names: &[String]) -> String {
+        let kinds = Form::texts(KINDS.iter().map(|(kind, _)| (*kind).to_owned())).shared();
+        let mut row = vec![Form::text(LABEL)];
+        for (index, name) in names.iter().enumerate() {
+            let comma = if index == 0 { "" } else { COMMA };
+            row.extend([Form::text(format!("{comma}{name}")), kinds.clone()]);
+        }
+        Form::Row(row).grammar()
+    }
+}
+
+/// Returns the states of the domain with their meanings, a line each.
+pub(super) fn meanings(vocabulary: &Vocabulary<'_>) -> String {
+    let lines = vocabulary.words().map(|word| {
+        let call = crate::call::Call {
+            name: word.word.clone(),
+            arguments: word
+                .parameters
+                .iter()
+                .map(|own| own.trim_matches(['<', '>']).to_owned())
+                .collect(),
+        };
+        format!("- {call}: {}", one_line(&word.means.replace(['<', '>'], "")))
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn json_of(sighting: &Sighting) -> Value {
+    let states: Vec<Value> = sighting
+        .statements
+        .iter()
+        .map(|own| json!({"entity": own.subject, "state": own.state.name, "arguments": own.state.arguments}))
+        .collect();
+    json!({"assets": sighting.assets, "objects": sighting.objects, "states": states, "unsure": sighting.unsure})
+}
+
+/// The JSON schema of a server's answer.
+fn schema(vocabulary: &Vocabulary<'_>) -> Value {
+    let words: Vec<String> = vocabulary.words().map(|word| word.word.clone()).collect();
+    let state = closed(&[
+        ("entity", any_text()),
+        ("state", one_of(Some(&words))),
+        ("arguments", list(any_text())),
+    ]);
+    closed(&[
+        ("assets", list(any_text())),
+        ("objects", list(any_text())),
+        ("states", list(state)),
+        ("unsure", list(any_text())),
+    ])
+}
+
+impl Dialogue for SightDialogue<'_> {
+    type Output = Sighting;
+
+    fn request(&self) -> ChatRequest {
+        match (self.kind, &self.said) {
+            (ConstraintKind::JsonSchema, _) => self.transcript.under_schema(schema(&self.vocabulary), TOKENS),
+            (ConstraintKind::Grammar, None) => self.transcript.under_grammar(self.grammar_of_sentences(), TOKENS),
+            (ConstraintKind::Grammar, Some(said)) => self
+                .transcript
+                .under_grammar(Self::grammar_of_names(&sentence::names(&self.vocabulary, said)), TOKENS),
+        }
+    }
+
+    /// Reads the sentences, or the lists of their names.
+    ///
+    /// # Errors
+    ///
+    /// The reply is cut off or refused, or it has another form.
+    fn supply(&mut self, reply: &Reply) -> Result<Option<Sighting>, DialogueError> {
+        self.transcript.receive(reply)?;
+        if self.kind == ConstraintKind::JsonSchema {
+            return Sighting::from_json(&reply.text).map(Some);
+        }
+        let Some(said) = self.said.take() else {
+            let lines = reply.text.lines().filter_map(|line| line.split_once(ARROW));
+            let said: Vec<Said> = lines
+                .flat_map(|(_, plain)| sentence::read(&self.vocabulary, plain))
+                .collect();
+            if said.is_empty() {
+                return Err(DialogueError::Unreadable("it has no sentences".to_owned()));
+            }
+            if sentence::names(&self.vocabulary, &said).is_empty() {
+                return Ok(Some(sentence::sighting(said, &[])));
+            }
+            self.said = Some(said);
+            return Ok(None);
+        };
+        Ok(Some(sentence::sighting(said, &Sighting::named(&reply.text)?)))
+    }
+
+    fn transcript(&self) -> &Transcript {
+        &self.transcript
+    }
+}
