@@ -13,8 +13,9 @@ use std::path::{Path, PathBuf};
 type Edges = BTreeMap<String, BTreeMap<String, Vec<String>>>;
 
 /// Crates from the ground up: each may depend on those before it.
-const ORDER: [&str; 6] = [
+const ORDER: [&str; 7] = [
     "longstep-core",
+    "longstep-teach",
     "longstep-robot",
     "longstep",
     "longstep-llm",
