@@ -9,11 +9,11 @@ use serde_json::{Value, json};
 use crate::circle::{Arc, fit_arc};
 use crate::demonstration::Frame;
 use crate::finding::Problem;
-use crate::lesson::{Expectations, Report, Shown, TaughtValue};
 use crate::line::{Line, fit_line};
 use crate::plane::{Plane, fit_plane};
 use crate::posture::posture;
 use crate::segment::CLOSED;
+use crate::shown::{Expectations, Report, Shown, TaughtValue};
 
 /// An arc that is shorter, in degrees, and whose radius is more uncertain than this share is too short.
 const ARC: f64 = 45.0;

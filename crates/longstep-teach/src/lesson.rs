@@ -1,16 +1,14 @@
 //! A lesson: the values that the demonstrations of a plan's steps give, with findings.
 
-use std::collections::BTreeMap;
-
 use nalgebra::Vector3;
-use serde_json::Value;
 
 use crate::demonstration::{Frame, Hand};
 use crate::finding::{Finding, Problem};
 use crate::fits::Fits;
-use crate::noise::{End, end, noise};
+use crate::noise::{end, noise};
 use crate::request::Request;
 use crate::segment::{CLOSED, Segment};
+use crate::shown::{Expectations, Report, Shown, TaughtValue};
 
 /// The fewest frames of a segment.
 const FRAMES: usize = 8;
@@ -19,43 +17,6 @@ const GAP: f64 = 0.25;
 const GAP_FRAMES: f64 = 5.0;
 /// A step starts at most this far from the end of the step before, in metres, plus four times the noise.
 const CHAIN: f64 = 0.05;
-
-/// The expectations that demonstrations are compared with.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Expectations {
-    /// The hand that demonstrates; none for any.
-    pub hand: Option<Hand>,
-    /// The frame of reference.
-    pub reference: String,
-    /// The positions of objects, by identifier, in metres.
-    pub objects: BTreeMap<String, [f64; 3]>,
-}
-
-impl Default for Expectations {
-    fn default() -> Self {
-        Self {
-            hand: None,
-            reference: "world".to_owned(),
-            objects: BTreeMap::new(),
-        }
-    }
-}
-
-/// A value of a skill parameter from a demonstration.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TaughtValue {
-    /// The parameter.
-    pub parameter: String,
-    /// The value in the form of its type.
-    pub value: Value,
-    /// The standard uncertainty: of each coordinate of a position or displacement in metres, of a direction in radians. None
-    /// for texts and paths.
-    pub uncertainty: Option<f64>,
-    /// The unit of the uncertainty.
-    pub unit: Option<&'static str>,
-    /// The recording, the time and the hand.
-    pub source: String,
-}
 
 /// The values of a step.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,18 +41,6 @@ impl Lesson {
     pub fn is_complete(&self) -> bool {
         self.findings.iter().all(Finding::is_doubt)
     }
-}
-
-/// A segment of a step, with the hand that shows it.
-pub(crate) struct Shown<'a> {
-    pub(crate) request: &'a Request,
-    pub(crate) segment: &'a Segment,
-    pub(crate) hand: Hand,
-    pub(crate) frames: Vec<&'a Frame>,
-    pub(crate) points: Vec<Vector3<f64>>,
-    pub(crate) noise: f64,
-    pub(crate) first: End,
-    pub(crate) last: End,
 }
 
 /// Fits the parameters of steps to the segments that show them.
@@ -156,25 +105,6 @@ pub fn learn(requests: &[Request], segments: &[Segment], expectations: &Expectat
         lesson.steps.push(step);
     }
     lesson
-}
-
-pub(crate) struct Report<'a> {
-    request: &'a Request,
-    findings: &'a mut Vec<Finding>,
-}
-
-impl Report<'_> {
-    /// Adds a finding of the step, unless it is there: axis, centre and radius share one.
-    pub(crate) fn add(&mut self, problem: Problem) {
-        let finding = Finding {
-            step: Some(self.request.number()),
-            subject: self.request.call.clone(),
-            problem,
-        };
-        if !self.findings.contains(&finding) {
-            self.findings.push(finding);
-        }
-    }
 }
 
 /// Returns the segment of a step with the hand that moves farther in it; none if no recording shows it.
