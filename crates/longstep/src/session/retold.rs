@@ -30,7 +30,7 @@ pub(super) struct Retold {
 pub(super) enum Open {
     /// A question about what the person wants.
     Question(String),
-    /// A goal that the words do not show. It is what they mean if a second look at them finds nothing else.
+    /// A goal that the words do not show. It is what they mean if other words for them show nothing else.
     Doubtful(Goal),
     /// A question which one of several things is meant. Other words do not answer it.
     Which(String),
@@ -117,6 +117,11 @@ impl Session {
         let Some(retold) = turn.retold else {
             return self.stage = Stage::Idle;
         };
+        // Nothing but the same words speaks for a goal that they do not show.
+        let open = match retold.open {
+            Open::Doubtful(goal) if retold.text.is_none() => Open::Question(goal::guess(&self.world, &goal)),
+            open => open,
+        };
         let before = Turn {
             usage: turn.usage,
             model_milliseconds: turn.model_milliseconds,
@@ -124,7 +129,7 @@ impl Session {
             is_reread: true,
             ..*retold.before
         };
-        self.conclude(before, retold.open);
+        self.conclude(before, open);
     }
 
     fn conclude(&mut self, mut turn: Turn, open: Open) {
