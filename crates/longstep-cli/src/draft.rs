@@ -5,11 +5,12 @@ use longstep::report::Assessment;
 use longstep_core::environment::World;
 use longstep_core::json;
 use longstep_core::plan;
+use longstep_core::verify::VerifiedPlan;
 use longstep_llm::load_domain;
 
 use crate::arguments::DraftArguments;
 use crate::failure::Failure;
-use crate::inputs;
+use crate::{inputs, show};
 
 /// A plan file, read and resolved.
 pub(crate) struct Draft {
@@ -37,6 +38,20 @@ impl Draft {
         };
         let world = inputs::with_rules(world, arguments.rules.as_deref())?;
         Ok(Self { world, draft })
+    }
+
+    /// Returns the plan; of one that is not valid shows why, and returns the exit code. `use_of` says what only verified plans
+    /// are: `run`, `taught`.
+    pub(crate) fn verified(&self, use_of: &str) -> Result<VerifiedPlan, u8> {
+        let assessment = self.assessment();
+        assessment.verified().ok_or_else(|| {
+            let answer = assessment.verdict();
+            show::answer(&answer, show::Changes::Shown);
+            show::hint(&format!(
+                "only a verified plan is {use_of}; `longstep repair PLAN.json --save FILE` may mend it"
+            ));
+            answer.status.exit_code()
+        })
     }
 
     pub(crate) fn assessment(&self) -> Assessment<'_> {

@@ -73,7 +73,7 @@ struct Seen {
 struct Report {
     environment: Environment,
     statements: Vec<StatementReport>,
-    /// What contradicts the rules of the domain.
+    /// Contradictions to the rules of the domain.
     contradictions: Vec<String>,
     /// Boxes that fit no world.
     findings: Vec<String>,
@@ -81,7 +81,7 @@ struct Report {
     read_as: Vec<String>,
     assumed: Vec<String>,
     unsaid: Vec<String>,
-    /// What no state of the domain says, in the model's words.
+    /// The rest that no state of the domain says, in the model's words.
     left_out: Vec<String>,
     unsure: Vec<String>,
     /// The file to which the environment was written.

@@ -29,12 +29,9 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
         domain: arguments.domain.clone(),
         rules: arguments.rules.clone(),
     })?;
-    let assessment = draft.assessment();
-    let Some(plan) = assessment.verified() else {
-        let answer = assessment.verdict();
-        show::answer(&answer, show::Changes::Shown);
-        show::hint("only a verified plan is taught; `longstep repair PLAN.json --save FILE` may mend it");
-        return Ok(answer.status.exit_code());
+    let plan = match draft.verified("taught") {
+        Ok(plan) => plan,
+        Err(code) => return Ok(code),
     };
     let requests = requests(plan.world(), plan.plan());
     if requests.iter().all(|request| request.parameters.is_empty()) {

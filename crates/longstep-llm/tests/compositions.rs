@@ -7,27 +7,16 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod opened;
+
 use longstep::compose::{self, Composed, CompositionAnswer, CompositionDialogue, CompositionInput, Stored};
 use longstep::dialogue::Dialogue;
 use longstep::domain;
 use longstep_core::environment::{self, Environment, World};
 use longstep_core::json;
 use longstep_core::plan::{Node, PlanFile, Written, script};
-use longstep_llm::{
-    ChatModel, ConverseError, ModelReference, OpenOptions, Progress, cache_directory, catalogue, converse, open,
-};
+use longstep_llm::{ConverseError, Progress, converse};
 use serde_json::{Value, json};
-
-fn model() -> Box<dyn ChatModel> {
-    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
-    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
-    let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
-    let options = OpenOptions {
-        threads: Some(threads),
-        ..OpenOptions::new(cache_directory().unwrap())
-    };
-    open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
-}
 
 fn scene(scene: &Value) -> (World, Vec<Stored>) {
     let domain = domain::shipped(scene["domain"].as_str().unwrap()).unwrap().unwrap();
@@ -71,7 +60,7 @@ fn same(right: &CompositionAnswer, said: Option<&CompositionAnswer>) -> bool {
 #[ignore = "asks a real model"]
 fn own_cases() {
     let file: Value = serde_json::from_str(include_str!("compositions/cases.json")).unwrap();
-    let mut model = model();
+    let mut model = opened::model();
     let (mut verified, mut right, mut all) = (0, 0, 0);
     for case in file["cases"].as_array().unwrap() {
         let (world, stored) = scene(&file["scenes"][case["scene"].as_str().unwrap()]);

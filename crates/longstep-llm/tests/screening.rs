@@ -8,24 +8,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod opened;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use longstep::session::{Proposal, Response, Session, Settings};
 use longstep::{Planner, World, goal};
 use longstep_core::verify;
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, load_domain, open};
-
-fn model() -> Box<dyn ChatModel> {
-    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
-    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
-    let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
-    let options = OpenOptions {
-        threads: Some(threads),
-        ..OpenOptions::new(cache_directory().unwrap())
-    };
-    open(&reference, &options, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"))
-}
+use longstep_llm::load_domain;
 
 /// An instruction with its scene and what is checked.
 struct Case<'a> {
@@ -111,7 +102,7 @@ fn is_goal(world: &World, proposal: &Proposal, texts: &str) -> bool {
 }
 
 fn measure(text: &str) -> BTreeMap<(String, &'static str), usize> {
-    let mut model = model();
+    let mut model = opened::model();
     let settings = Settings {
         screening: std::env::var("LONGSTEP_SCREENING").as_deref() != Ok("0"),
         ..Settings::default()

@@ -7,11 +7,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod opened;
+
 use std::collections::BTreeMap;
 
 use longstep::Planner;
 use longstep::perception::{SightDialogue, SightInput, Sighting, View};
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, converse, open};
+use longstep_llm::{Progress, converse};
 use serde::Deserialize;
 
 const DESCRIPTIONS: &str = include_str!("seeing/descriptions.toml");
@@ -137,22 +139,11 @@ fn mirror(entities: &mut [Entity]) {
     }
 }
 
-fn model() -> Box<dyn ChatModel> {
-    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
-    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
-    let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
-    let options = OpenOptions {
-        threads: Some(threads),
-        ..OpenOptions::new(cache_directory().unwrap())
-    };
-    open(&reference, &options, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"))
-}
-
 fn measure(text: &str) {
     let file: File = toml::from_str(text).unwrap();
     let planner = Planner::shipped("household").unwrap();
     let domain = planner.domain();
-    let mut model = model();
+    let mut model = opened::model();
     let (mut right, mut contradictory) = (0, 0);
     for description in &file.description {
         let input = SightInput {

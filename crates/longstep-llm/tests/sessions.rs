@@ -11,23 +11,14 @@
 #[path = "../../longstep/tests/chain/mod.rs"]
 mod chain;
 
+mod opened;
+
 use chain::{Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
 use longstep::domain::Domain;
 use longstep::report;
 use longstep::session::{Event, ModelFacts, Response, Session, Settings};
 use longstep_core::environment::World;
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, advance, cache_directory, catalogue, open};
-
-fn model() -> Box<dyn ChatModel> {
-    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
-    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
-    let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
-    let options = OpenOptions {
-        threads: Some(threads),
-        ..OpenOptions::new(cache_directory().unwrap())
-    };
-    open(&reference, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
-}
+use longstep_llm::{ChatModel, Progress, advance};
 
 fn session(name: &str, domain: Domain, world: World, model: &dyn ChatModel) -> Session {
     let facts = ModelFacts {
@@ -78,7 +69,7 @@ fn mark(right: bool) -> &'static str {
 #[test]
 #[ignore = "asks a real model about the recorded scenes"]
 fn scenes() {
-    let mut model = model();
+    let mut model = opened::model();
     let (mut verified, mut right, mut all) = (0, 0, 0);
     for scene in SCENES {
         let read = read(&format!("household/{scene}.json"));
@@ -118,7 +109,7 @@ fn scenes() {
 #[test]
 #[ignore = "asks a real model about a recorded plan"]
 fn wishes() {
-    let mut model = model();
+    let mut model = opened::model();
     let scene = read("household/shelf.json");
     let step = &scene["steps"][0];
     let instruction = step["instruction"].as_str().unwrap();
@@ -159,7 +150,7 @@ fn moves(session: &Session) -> i32 {
 #[test]
 #[ignore = "asks a real model a hundred times"]
 fn hundred() {
-    let mut model = model();
+    let mut model = opened::model();
     let domain = domain("virtualhome");
     let first = world_of(&domain, &read("virtualhome14/kitchen.json"));
     let mut recomputed = Recomputation::new(first.environment());

@@ -19,7 +19,7 @@ use crate::ask::{self, Waiting};
 use crate::clock::stopwatch;
 use crate::draft::Draft;
 use crate::failure::Failure;
-use crate::{inputs, plan, show, solve};
+use crate::{inputs, plan, solve};
 
 /// A plan and its purpose.
 pub(super) struct Begun {
@@ -42,15 +42,8 @@ fn of_file(arguments: &RunArguments, path: &Path) -> Result<Result<Begun, u8>> {
         domain: arguments.domain.clone(),
         rules: arguments.rules.clone(),
     })?;
-    let assessment = draft.assessment();
-    let Some(plan) = assessment.verified() else {
-        let answer = assessment.verdict();
-        show::answer(&answer, show::Changes::Shown);
-        show::hint("only a verified plan is run; `longstep repair PLAN.json --save FILE` may mend it");
-        return Ok(Err(answer.status.exit_code()));
-    };
     let aim = Aim::from(arguments.goal.clone());
-    Ok(Ok(Begun { plan, aim }))
+    Ok(draft.verified("run").map(|plan| Begun { plan, aim }))
 }
 
 fn of_instruction(arguments: &RunArguments, instruction: &str) -> Result<Result<Begun, u8>> {

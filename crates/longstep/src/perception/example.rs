@@ -47,7 +47,7 @@ impl SightExample {
     }
 }
 
-/// What a person says about a sighting, with the sentences that are different.
+/// A person's words about a sighting, with the sentences that are different.
 pub(super) struct CorrectionExample {
     pub(super) before: Sighting,
     pub(super) text: String,

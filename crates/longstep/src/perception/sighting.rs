@@ -35,9 +35,9 @@ pub struct Sighting {
     pub statements: Vec<Statement>,
     /// Names of entities that are not there, in a correction.
     pub absent: Vec<String>,
-    /// What no state of the domain says, in the model's words.
+    /// The rest that no state of the domain says, in the model's words.
     pub left_out: Vec<String>,
-    /// What cannot be seen well, in the model's words.
+    /// The parts that cannot be seen well, in the model's words.
     pub unsure: Vec<String>,
 }
 

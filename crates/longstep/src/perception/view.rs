@@ -24,11 +24,11 @@ pub struct View {
     pub world: Result<World, Diagnostics>,
     /// The account in the names and words of the domain.
     pub sighting: Sighting,
-    /// What was changed or left out to read the account.
+    /// Changes and omissions that were needed to read the account.
     pub leniencies: Vec<Leniency>,
     /// The facts that the domain assumes, as sentences.
     pub assumed: Vec<String>,
-    /// What the account leaves open, as sentences.
+    /// Points that the account leaves open, as sentences.
     pub unsaid: Vec<String>,
 }
 

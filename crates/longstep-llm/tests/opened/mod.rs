@@ -1,0 +1,15 @@
+//! The model of tests that need a real one.
+
+use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open};
+
+/// Opens the model that `LONGSTEP_MODEL` names, by default the catalogue's default model, with `LONGSTEP_THREADS` threads (1).
+pub(crate) fn model() -> Box<dyn ChatModel> {
+    let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
+    let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
+    let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
+    let options = OpenOptions {
+        threads: Some(threads),
+        ..OpenOptions::new(cache_directory().unwrap())
+    };
+    open(&reference, &options, &mut |_: Progress| {}).unwrap_or_else(|error| panic!("{error}"))
+}
