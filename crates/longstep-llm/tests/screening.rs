@@ -53,6 +53,12 @@ fn scene(name: &str) -> (String, String) {
             let folder = root.join("examples/greenhouse");
             (folder.display().to_string(), folder.join("environment.json"))
         }
+        example if example.contains('/') => {
+            let (domain, file) = example.split_once('/').unwrap();
+            let folder = root.join("examples").join(domain);
+            let file = folder.join(format!("suite/scenes/{file}.json"));
+            (folder.display().to_string(), file)
+        }
         _ => (
             "virtualhome".to_owned(),
             root.join(format!("suites/kitchen/scenes/{name}.json")),
@@ -77,6 +83,10 @@ fn verdict(case: &Case<'_>, world: &World, session: &Session) -> &'static str {
                 true => "right",
                 false => "wrong",
             },
+            "T" => match is_goal(world, proposal, case.check) {
+                true => "right",
+                false => "dropped",
+            },
             _ => "dropped",
         },
         Response::Consent(_) | Response::Question(_) => "question",
@@ -97,8 +107,13 @@ fn achieves(world: &World, proposal: &Proposal, text: &str) -> bool {
 }
 
 fn is_goal(world: &World, proposal: &Proposal, texts: &str) -> bool {
-    let own = proposal.goal.as_ref().unwrap();
-    texts.split(";;").any(|text| goal::parse(world, text).unwrap() == *own)
+    let own = proposal.goal.as_ref().unwrap().everyday(proposal.plan.world());
+    texts.split(";;").any(|text| {
+        // A message is known to the world of the plan, but not to this one.
+        let mut world = world.clone();
+        world.add_values(text);
+        goal::parse(&world, text).unwrap().everyday(&world) == own
+    })
 }
 
 fn measure(text: &str) -> BTreeMap<(String, &'static str), usize> {
@@ -116,7 +131,7 @@ fn measure(text: &str) -> BTreeMap<(String, &'static str), usize> {
         longstep_llm::instruct(&mut session, &mut *model, case.instruction).unwrap();
         let verdict = verdict(&case, &world, &session);
         let goal = session.proposal().and_then(|proposal| proposal.goal.as_ref());
-        let goal = goal.map_or(String::new(), |goal| goal.everyday(&world).join(" & "));
+        let goal = goal.map_or(String::new(), |goal| goal.everyday(session.world()).join(" & "));
         println!(
             "{:9} {} {}  ->  {goal}  {}",
             verdict,
@@ -144,4 +159,25 @@ fn development() {
 fn test() {
     let counts = measure(include_str!("screening/test.txt"));
     assert!(counts.keys().all(|(_, verdict)| *verdict != "forbidden"), "{counts:?}");
+}
+
+#[test]
+#[ignore = "asks a real model about messages, numbers in words, times and conditions"]
+fn held() {
+    measure(include_str!("screening/held.txt"));
+}
+
+/// What is to be told, how much and when is left out of fewer plans than it is asked about.
+#[test]
+#[ignore = "asks a real model about instructions of the same kinds, by somebody else"]
+fn sealed() {
+    let counts = measure(include_str!("screening/sealed.txt"));
+    let of = |verdict: &str| -> usize {
+        let own = counts
+            .iter()
+            .filter(|((kind, _), _)| kind != "N")
+            .filter(|((_, own), _)| *own == verdict);
+        own.map(|(_, count)| count).sum()
+    };
+    assert!(of("dropped") < of("question") + of("right"), "{counts:?}");
 }

@@ -23,13 +23,9 @@ const QUOTATION_MARKS: [(char, char); 7] = [
 
 /// Returns the numbers and quotations that neither the goal nor the name of a mentioned entity contains.
 pub(super) fn gaps(world: &World, instruction: &str, goal: &Goal, mentions: &Mentions) -> Vec<(Range<usize>, Gap)> {
-    let known = texts(world, goal);
-    let quoted = quotations(instruction);
-    let unknown = |range: &Range<usize>| {
-        let text = instruction[range.clone()].to_lowercase();
-        !known.iter().any(|known| known.contains(&text))
-    };
-    let quoted = quoted.into_iter().filter(unknown).map(|range| (range, Gap::Quotation));
+    let quoted = quotations(instruction).into_iter();
+    let unknown = |range: &Range<usize>| !is_said(world, &instruction[range.clone()], goal);
+    let quoted = quoted.filter(unknown).map(|range| (range, Gap::Quotation));
     let numbers = numbers(instruction).into_iter().filter(|range| !mentions.cover(range));
     let numbers = numbers
         .filter(|range| !is_represented(world, &instruction[range.clone()], goal))
@@ -49,6 +45,24 @@ pub(super) fn is_represented(world: &World, text: &str, goal: &Goal) -> bool {
         known.iter().any(|known| known == number) || number.parse().is_ok_and(|count: usize| counts.contains(&count))
     };
     !numbers.is_empty() && numbers.into_iter().all(|range| is_known(&text[range]))
+}
+
+/// Returns true if a text of the goal contains this one.
+pub(super) fn is_said(world: &World, text: &str, goal: &Goal) -> bool {
+    let text = text.to_lowercase();
+    texts(world, goal).iter().any(|known| known.contains(&text))
+}
+
+/// Returns the places of the goal's texts in the instruction: names in a message are no wishes.
+pub(super) fn said(world: &World, instruction: &str, goal: &Goal) -> Vec<Range<usize>> {
+    let values = entities(world, goal).into_iter().map(|entity| world.entity(entity));
+    let texts = values.filter(|entity| entity.is_value && entity.identifier.starts_with('"'));
+    let texts: Vec<&str> = texts.map(|entity| entity.identifier.trim_matches('"')).collect();
+    let places = texts.into_iter().filter_map(|text| {
+        let start = instruction.find(text)?;
+        Some(start..start + text.len())
+    });
+    places.collect()
 }
 
 /// Returns the goal in lower case, and all names of its entities.

@@ -156,7 +156,10 @@ impl Coverage {
         for (range, gap) in literal::gaps(world, instruction, goal, &mentions) {
             enter(&mut gaps, range, Role::NotRepresented(gap));
         }
-        for range in names::gaps(world, instruction, goal, &mentions, plan) {
+        let said = literal::said(world, instruction, goal);
+        let in_message = |range: &Range<usize>| said.iter().any(|own| own.start <= range.start && range.end <= own.end);
+        let names = names::gaps(world, instruction, goal, &mentions, plan);
+        for range in names.into_iter().filter(|range| !in_message(range)) {
             enter(&mut gaps, range, Role::NotRepresented(Gap::Name));
         }
         Self::with_gaps(world, instruction, goal, &mentions, gaps)
@@ -293,7 +296,11 @@ fn is_represented(world: &World, instruction: &str, goal: &Goal, mark: &Mark) ->
         // One goal has no order.
         Gap::Order => !goal.stages.is_empty() || goal.facts.len() < 2,
         Gap::Quantity => literal::is_represented(world, &instruction[mark.range.clone()], goal),
-        _ => false,
+        Gap::Quotation => {
+            let text = instruction[mark.range.clone()].trim_end_matches(['.', '\u{3002}']);
+            literal::is_said(world, text, goal)
+        }
+        Gap::Name | Gap::Other => false,
     }
 }
 

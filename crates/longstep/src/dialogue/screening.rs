@@ -20,11 +20,12 @@ const MARKS: usize = 4;
 /// Token budget of an answer. Every mark is a part of the instruction.
 const TOKENS: u32 = 1024;
 /// The labels of marks.
-const LABELS: [(&str, Gap); 4] = [
+const LABELS: [(&str, Gap); 5] = [
     ("forbids: ", Gap::Prohibition),
     ("amount: ", Gap::Quantity),
     ("order: ", Gap::Order),
     ("if: ", Gap::Condition),
+    ("says: ", Gap::Quotation),
 ];
 
 /// Lets a model mark the parts of an instruction that goals do not say. One request, one reply.
@@ -181,6 +182,11 @@ mod tests {
     fn marks_are_parts_of_the_instruction() {
         check("Oil the hinge", "wish", &[]);
         check("Oil it twice", "wish & amount: twice", &[("twice", Gap::Quantity)]);
+        check(
+            "Tell the smith it squeaks",
+            "wish & says: it squeaks",
+            &[("it squeaks", Gap::Quotation)],
+        );
         check(
             "Oil the hinge at 5 & twice",
             "amount: at 5 & twice",

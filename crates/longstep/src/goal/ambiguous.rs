@@ -16,7 +16,13 @@ pub(super) fn which(world: &World, mentions: &Mentions, goal: &Goal) -> Option<S
         .iter()
         .filter(is_single)
         .flat_map(|constraint| concerned(world, constraint))
-        .map(|(entity, kind)| question(world, mentions, entity, &|other| world.is_of_kind(other, kind)));
+        .map(|(entity, kind)| {
+            let others = Others {
+                are_possible: &|other| world.is_of_kind(other, kind),
+                are_wished: &|_| false,
+            };
+            question(world, mentions, entity, &others)
+        });
     of_goals
         .find_map(|question| question)
         .or_else(|| of_constraints.find_map(|question| question))
@@ -34,11 +40,12 @@ fn of_fact(world: &World, mentions: &Mentions, goal: &Goal, fact: &GoalFact) -> 
             instead[parameter] = other;
             instead
         };
+        let doubled = |other: EntityId| GoalFact::Word {
+            word: *id,
+            arguments: instead(other),
+        };
         let has_role_of_its_own = |other: EntityId| {
-            let doubled = GoalFact::Word {
-                word: *id,
-                arguments: instead(other),
-            };
+            let doubled = doubled(other);
             let mut others = goal.facts.iter().filter(|fact| **fact != doubled);
             others.any(|fact| fact.subject(world.domain()) == Some(other)) || arguments.contains(&other)
         };
@@ -52,7 +59,11 @@ fn of_fact(world: &World, mentions: &Mentions, goal: &Goal, fact: &GoalFact) -> 
                 && holds(moment, &word.offered, &mut instead(other))
                 && !holds(moment, &word.condition, &mut instead(other))
         };
-        question(world, mentions, arguments[parameter], &is_possible)
+        let others = Others {
+            are_possible: &is_possible,
+            are_wished: &|other| goal.facts.contains(&doubled(other)),
+        };
+        question(world, mentions, arguments[parameter], &others)
     })
 }
 
@@ -81,28 +92,37 @@ fn concerned(world: &World, constraint: &Constraint) -> Vec<(EntityId, TypeId)> 
     }
 }
 
-/// Returns the question which entity is meant where the goal has `entity`, and `is_possible` admits others.
-fn question(
-    world: &World,
-    mentions: &Mentions,
-    entity: EntityId,
-    is_possible: &dyn Fn(EntityId) -> bool,
-) -> Option<String> {
+/// The entities that could be meant in place of one in a goal.
+struct Others<'a> {
+    /// True for an entity for which the goal makes sense.
+    are_possible: &'a dyn Fn(EntityId) -> bool,
+    /// True for an entity for which the goal is there, too.
+    are_wished: &'a dyn Fn(EntityId) -> bool,
+}
+
+/// Returns the question which entity is meant where the goal has `entity`.
+fn question(world: &World, mentions: &Mentions, entity: EntityId, others: &Others<'_>) -> Option<String> {
     let names = &world.entity(entity).names;
-    if !mentions.entities.contains(&entity) || mentions.several(names) || !means_one(world, mentions, entity) {
+    if !mentions.entities.contains(&entity) || mentions.several(names) {
         return None;
     }
     let reference = Reference::to(world, mentions, entity);
     let alike = mentions.entities.iter().copied().filter(|other| *other != entity);
     let mut all: Vec<EntityId> = alike
-        .filter(|other| reference.fits(world, *other) && is_possible(*other))
+        .filter(|other| reference.fits(world, *other) && (others.are_possible)(*other))
         .collect();
-    if all.is_empty() {
+    // Any mug will do for "a mug", but not all of them.
+    if !means_one(world, mentions, entity) && !all.iter().any(|other| (others.are_wished)(*other)) {
         return None;
     }
     let distinctions = Distinctions::of(world);
     let is_labelled = has_label(world, entity);
-    all.retain(|other| distinctions.differ(entity, *other) || (is_labelled && has_label(world, *other)));
+    let described = described_as(world, entity);
+    all.retain(|other| {
+        distinctions.differ(entity, *other)
+            || (is_labelled && has_label(world, *other))
+            || described != described_as(world, *other)
+    });
     if all.is_empty() {
         return None;
     }
@@ -157,6 +177,13 @@ impl Reference {
 
 fn parts(name: &str) -> Vec<String> {
     plain_words(name).iter().map(|word| singular(word)).collect()
+}
+
+/// Returns the words of the name that the entity is shown with, without numbers, which may be nobody's but the program's.
+fn described_as(world: &World, entity: EntityId) -> Vec<String> {
+    let mut words = plain_words(&world.entity(entity).name);
+    words.retain(|word| !word.contains(char::is_numeric));
+    words
 }
 
 /// Returns the head nouns of an entity's names that the instruction contains.

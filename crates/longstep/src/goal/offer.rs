@@ -37,7 +37,7 @@ pub(crate) fn offers_on(world: &World, said: &[GoalFact], mentions: &Mentions, f
     let named = &mentions.entities;
     let names_subjects = further && names_subjects(domain, said, named);
     let mut offers = Vec::new();
-    let mut left: Option<State> = None;
+    let mut passed: Option<Vec<State>> = None;
     for (index, word) in domain.goal_words.iter().enumerate() {
         let mut arguments = Vec::new();
         // Offers come from the known facts, and from the assumed ones only if that gives none.
@@ -48,12 +48,16 @@ pub(crate) fn offers_on(world: &World, said: &[GoalFact], mentions: &Mentions, f
                 collect(domain, moment, word, said, &mut bindings, &mut arguments);
             }
         }
-        // "Take the milk out and close the fridge": the fridge is closed now, but not after the first goal.
+        // "Take the milk out and close the fridge": the fridge is closed now, but not throughout the first goal. A domain whose
+        // plans close it in any case is no reason to leave the wish no words.
         if further {
             let undone = settled(world, word, said, named).into_iter().filter(|bindings| {
-                let after = left.get_or_insert_with(|| state_after(world, said));
-                let moment = Moment { world, state: after };
-                !holds(moment, &word.condition, &mut bindings.clone())
+                let passed = passed.get_or_insert_with(|| states_passed(world, said));
+                let is_undone = |state: &State| {
+                    let moment = Moment { world, state };
+                    !holds(moment, &word.condition, &mut bindings.clone())
+                };
+                passed.iter().any(is_undone)
                     && !said.iter().any(|fact| excludes(domain, fact, word, bindings))
                     && !arguments.contains(bindings)
             });
@@ -93,21 +97,22 @@ fn names_subjects(domain: &Domain, said: &[GoalFact], named: &[EntityId]) -> boo
     !named.is_empty() && said.iter().all(is_named)
 }
 
-/// Returns the state after a plan for the goals, or the current state if search finds none or a goal depends on
-/// sensing.
-fn state_after(world: &World, said: &[GoalFact]) -> State {
+/// Returns the states that a plan for the goals passes through; none if search finds no plan or a goal depends on sensing.
+fn states_passed(world: &World, said: &[GoalFact]) -> Vec<State> {
     let domain = world.domain();
     let goal = Goal::from(said.to_vec());
-    let mut state = world.state.clone();
+    let mut passed = Vec::new();
     if goal.depends_on_sensing(domain) {
-        return state;
+        return passed;
     }
     if let Outcome::Solved { plan, .. } = search::solve(world, &goal.purpose(world), &Limits::default()) {
+        let mut state = world.state.clone();
         for step in plan.steps() {
             verify::apply(world, &mut state, domain.action(step.action), &step.arguments);
+            passed.push(state.clone());
         }
     }
-    state
+    passed
 }
 
 /// Returns the argument lists of named entities for which a word is offered and holds already.

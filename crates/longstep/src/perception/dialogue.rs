@@ -1,16 +1,18 @@
 //! The dialogue with a model about a description or pictures.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 
 use super::example::sight_examples;
 use super::sentence::{self, Said};
 use super::sighting::{ARROW, COMMA, KINDS, LABEL, Sighting, written_names};
-use super::vocabulary::Vocabulary;
+use super::vocabulary::{List, Vocabulary};
 use crate::dialogue::answer_grammar::{Form, any_text, closed, list, one_of};
 use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Picture, Reply, Role, Transcript, one_line,
 };
-use crate::model::Domain;
+use crate::model::{Domain, plain_words, singular};
 
 /// The task, with a place for the states of the domain.
 const TASK: &str = include_str!("sight.txt");
@@ -24,6 +26,10 @@ each fact; what no state says begins with \"Other:\". Then write a line of all n
 const TOKENS: u32 = 4096;
 /// A name in the line form.
 pub(super) const NAME: &str = "[a-z][a-z0-9]{0,19}(_[a-z0-9]{1,19}){0,3}";
+/// Maximum number of characters of a word in a name.
+const WORD: usize = 20;
+/// Maximum number of words that names can be made of.
+const WORDS: usize = 300;
 /// Maximum number of characters of a description.
 const LENGTH: usize = 4_000;
 
@@ -42,9 +48,11 @@ pub struct SightInput<'a> {
 
 /// Lets a model write down what a description or pictures show.
 ///
-/// An embedded model answers in plain sentences, one for each fact, under a grammar of the domain's own sentences; in a second
-/// request it says of each name in them if it is an asset or an object. A
-/// server answers in JSON, in one request.
+/// An embedded model answers in plain sentences, one for each fact, under a grammar of the domain's own sentences. If most of its
+/// names are words of the description, and one is not, it has made that one up: what it says about it is left out, or, if that
+/// would lose a thing, it is asked again, with no names but the person's words. In a last request it says of each name if it is
+/// an asset or an object, unless the sentences decide that: what is on, in or held by something is an object, and what other
+/// things are on or in is an asset if it is in no place itself. A server answers in JSON, in one request.
 ///
 /// ```
 /// use longstep::Planner;
@@ -55,9 +63,9 @@ pub struct SightInput<'a> {
 /// let domain = planner.domain();
 /// let input = SightInput { domain, words: "Milk in a fridge", pictures: &[], kind: ConstraintKind::Grammar };
 /// let mut dialogue = SightDialogue::new(&input);
-/// let reply = |text: &str| Reply { text: text.to_owned(), finish: Finish::Stop, usage: Usage::default(), likelihood: None };
-/// assert!(dialogue.supply(&reply("Milk in a fridge => The milk is in the fridge.\n"))?.is_none());
-/// let sighting = dialogue.supply(&reply("names: milk object, fridge asset"))?.unwrap();
+/// let text = "Milk in a fridge => The milk is in the fridge.\n".to_owned();
+/// let reply = Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood: None };
+/// let sighting = dialogue.supply(&reply)?.unwrap();
 /// let view = View::of(domain, &sighting);
 /// assert_eq!(view.environment.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);
 /// assert!(view.world.is_ok());
@@ -70,8 +78,11 @@ pub struct SightDialogue<'a> {
     transcript: Transcript,
     /// The sentences of the description.
     sentences: Vec<String>,
-    /// The plain sentences of an embedded model, once it has written them.
-    said: Option<Vec<Said>>,
+    names: Names,
+    /// The transcript before the first answer.
+    begun: Transcript,
+    /// The plain sentences of an embedded model, once it has written them, with the lists that they decide.
+    said: Option<(Vec<Said>, Vec<(String, Option<List>)>)>,
 }
 
 impl<'a> SightDialogue<'a> {
@@ -112,6 +123,8 @@ impl<'a> SightDialogue<'a> {
             vocabulary,
             kind: input.kind,
             sentences: sentence::split(input.words),
+            names: Names::Any,
+            begun: transcript.clone(),
             transcript,
             said: None,
         }
@@ -120,7 +133,11 @@ impl<'a> SightDialogue<'a> {
     /// Returns the grammar of a line for each sentence of the description: the sentence, and what it says in plain ones.
     /// A small model that has the sentence right before its answer keeps to it.
     fn grammar_of_sentences(&self) -> String {
-        let plain = sentence::form(&self.vocabulary).shared();
+        let name = match &self.names {
+            Names::Any => NAME.to_owned(),
+            Names::Said(words) => words.pattern(),
+        };
+        let plain = sentence::form(&self.vocabulary, &name).shared();
         let lines = self.sentences.iter().flat_map(|text| {
             let begin = Form::text(format!("{text}{ARROW}"));
             [begin, plain.clone(), Form::text("\n")]
@@ -128,8 +145,26 @@ impl<'a> SightDialogue<'a> {
         Form::Row(lines.collect()).grammar()
     }
 
+    /// Returns the sentences without what they say about names that the model has made up. None if that would lose a thing: then
+    /// the next request admits no names but words of the description.
+    fn without_made_up(&mut self, said: Vec<Said>) -> Option<Vec<Said>> {
+        let names = sentence::names(&self.vocabulary, &said);
+        let words = SaidWords::of(&self.sentences);
+        let Some((words, made_up)) = words.and_then(|words| words.lack(&names).map(|made_up| (words, made_up))) else {
+            return Some(said);
+        };
+        let kept = sentence::without(&self.vocabulary, said, &made_up);
+        let left = sentence::names(&self.vocabulary, &kept);
+        if names.iter().all(|name| made_up.contains(name) || left.contains(name)) {
+            return Some(kept);
+        }
+        self.names = Names::Said(words);
+        self.transcript = self.begun.clone();
+        None
+    }
+
     /// Returns the grammar of the names of the sentences, each with its list.
-    fn grammar_of_names(names: &[String]) -> String {
+    fn grammar_of_names(names: &[&str]) -> String {
         let kinds = Form::texts(KINDS.iter().map(|(kind, _)| (*kind).to_owned())).shared();
         let mut row = vec![Form::text(LABEL)];
         for (index, name) in names.iter().enumerate() {
@@ -138,6 +173,58 @@ impl<'a> SightDialogue<'a> {
         }
         Form::Row(row).grammar()
     }
+}
+
+/// The names that an embedded model may write.
+#[derive(Debug, Clone)]
+enum Names {
+    Any,
+    /// Names made of words of the description.
+    Said(SaidWords),
+}
+
+/// The words of a description that names can be made of, with their singulars.
+#[derive(Debug, Clone)]
+struct SaidWords(BTreeSet<String>);
+
+impl SaidWords {
+    /// Returns the words; none if there are too many for a grammar.
+    fn of(sentences: &[String]) -> Option<Self> {
+        let words = sentences.iter().flat_map(|text| plain_words(text));
+        let forms = words.flat_map(|word| [singular(&word), word]);
+        let fits = |word: &String| {
+            (2..=WORD).contains(&word.len())
+                && word.chars().all(|own| own.is_ascii_alphanumeric())
+                && word.starts_with(|own: char| own.is_ascii_lowercase())
+        };
+        let words: BTreeSet<String> = forms.filter(fits).collect();
+        (words.len() <= WORDS).then_some(Self(words))
+    }
+
+    /// Returns the names without any of the words, if most of the names have one: in another language than that of the names, few
+    /// have.
+    fn lack(&self, names: &[String]) -> Option<Vec<String>> {
+        let made_up = |name: &&String| !name.split('_').any(|part| self.0.contains(part));
+        let made_up: Vec<String> = names.iter().filter(made_up).cloned().collect();
+        (!made_up.is_empty() && made_up.len() * 2 <= names.len()).then_some(made_up)
+    }
+
+    /// Returns the pattern of names made of the words, with a number or without.
+    fn pattern(&self) -> String {
+        let words: Vec<&str> = self.0.iter().map(String::as_str).collect();
+        let word = format!("({})", words.join("|"));
+        format!("{word}(_{word}){{0,2}}(_[1-9][0-9]?)?")
+    }
+}
+
+/// Returns the sighting of sentences, with the lists that they decide and those that the model has added.
+fn sighting(said: Vec<Said>, lists: Vec<(String, Option<List>)>, added: &[(String, List)]) -> Sighting {
+    let of = |name: &String| added.iter().find(|(own, _)| own == name).map(|(_, list)| *list);
+    let named: Vec<(String, List)> = lists
+        .into_iter()
+        .filter_map(|(name, list)| list.or_else(|| of(&name)).map(|list| (name, list)))
+        .collect();
+    sentence::sighting(said, &named)
 }
 
 /// Returns the states of the domain with their meanings, a line each.
@@ -188,9 +275,11 @@ impl Dialogue for SightDialogue<'_> {
         match (self.kind, &self.said) {
             (ConstraintKind::JsonSchema, _) => self.transcript.under_schema(schema(&self.vocabulary), TOKENS),
             (ConstraintKind::Grammar, None) => self.transcript.under_grammar(self.grammar_of_sentences(), TOKENS),
-            (ConstraintKind::Grammar, Some(said)) => self
-                .transcript
-                .under_grammar(Self::grammar_of_names(&sentence::names(&self.vocabulary, said)), TOKENS),
+            (ConstraintKind::Grammar, Some((_, lists))) => {
+                let open = lists.iter().filter(|(_, list)| list.is_none());
+                let names: Vec<&str> = open.map(|(name, _)| name.as_str()).collect();
+                self.transcript.under_grammar(Self::grammar_of_names(&names), TOKENS)
+            }
         }
     }
 
@@ -212,13 +301,22 @@ impl Dialogue for SightDialogue<'_> {
             if said.is_empty() {
                 return Err(DialogueError::Unreadable("it has no sentences".to_owned()));
             }
-            if sentence::names(&self.vocabulary, &said).is_empty() {
-                return Ok(Some(sentence::sighting(said, &[])));
+            let said = match self.names {
+                Names::Any => match self.without_made_up(said) {
+                    Some(said) => said,
+                    None => return Ok(None),
+                },
+                Names::Said(_) => said,
+            };
+            let lists = sentence::lists(&self.vocabulary, &said);
+            if lists.iter().any(|(_, list)| list.is_none()) {
+                self.said = Some((said, lists));
+                return Ok(None);
             }
-            self.said = Some(said);
-            return Ok(None);
+            return Ok(Some(sighting(said, lists, &[])));
         };
-        Ok(Some(sentence::sighting(said, &Sighting::named(&reply.text)?)))
+        let (said, lists) = said;
+        Ok(Some(sighting(said, lists, &Sighting::named(&reply.text)?)))
     }
 
     fn transcript(&self) -> &Transcript {

@@ -128,6 +128,7 @@ fn foreign(words: &Words<'_>) -> Vec<SightExample> {
         plain(on, "rope_2", "workbench"),
         plain(inside, "bell", "chest"),
     ];
+    let bells = ["bell_1", "bell_2", "bell_3", "bell_4"].map(|bell| plain(inside, bell, "chest"));
     vec![
         SightExample::new([(
             "Op de werkbank liggen twee touwen, en in de kist ligt een bel.".to_owned(),
@@ -137,6 +138,7 @@ fn foreign(words: &Words<'_>) -> Vec<SightExample> {
             ("마차 위에 등불이 있습니다.".to_owned(), plain(on, "lantern", "wagon")),
             ("궤짝 안에 북이 있습니다.".to_owned(), plain(inside, "drum", "chest")),
         ]),
+        SightExample::new([("Há quatro sinos dentro do baú.".to_owned(), bells.join(" "))]),
     ]
 }
 
@@ -212,17 +214,21 @@ fn states(words: &Words<'_>) -> SightExample {
     SightExample::new(parts)
 }
 
-/// An object in a place that is in another one.
+/// Objects in a thing that is in a place.
 fn nested(words: &Words<'_>, word: &StateWord) -> Option<SightExample> {
     let first = words.places.first()?;
-    let [place, outer, inner] = [PLACES[2], "bag", THINGS[0]];
+    let [place, outer] = [PLACES[2], "bag"];
     let within = words.short(word, "it")?;
     let at = words.short(first, &format!("the {place}"))?;
     let plain = [
         words.plain(first, outer, Some(place)),
-        words.plain(word, inner, Some(outer)),
+        words.plain(word, "lantern_1", Some(outer)),
+        words.plain(word, "lantern_2", Some(outer)),
     ];
-    let text = format!("{} is a {outer}, and {within} a {inner}.", capitalized(&at));
+    let text = format!(
+        "{} is a {outer}, and {within} there are two lanterns.",
+        capitalized(&at)
+    );
     Some(SightExample::new([(text, plain.join(" "))]))
 }
 

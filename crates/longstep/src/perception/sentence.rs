@@ -7,6 +7,7 @@ use crate::call::Call;
 use crate::dialogue::answer_grammar::Form;
 use crate::dialogue::one_line;
 use crate::model::StateWord;
+use longstep_core::model::SpatialRelation;
 
 /// The beginning of a sentence about something that no state of the domain says.
 pub(super) const OTHER: &str = "Other: ";
@@ -61,19 +62,19 @@ fn has_names(vocabulary: &Vocabulary<'_>, word: &StateWord, slot: usize) -> bool
         .any(|list| vocabulary.fits(word, slot, list))
 }
 
-/// The form of plain sentences.
-pub(super) fn form(vocabulary: &Vocabulary<'_>) -> Form {
-    sentences(vocabulary, &THERE)
+/// The form of plain sentences, with the pattern of a name.
+pub(super) fn form(vocabulary: &Vocabulary<'_>, name: &str) -> Form {
+    sentences(vocabulary, &THERE, name)
 }
 
 /// The form of the sentences of a correction.
 pub(super) fn correction_form(vocabulary: &Vocabulary<'_>) -> Form {
-    sentences(vocabulary, &[THERE[0], THERE[1], ABSENT])
+    sentences(vocabulary, &[THERE[0], THERE[1], ABSENT], NAME)
 }
 
 /// The form of sentences about states, and of those that name one entity after such a beginning.
-fn sentences(vocabulary: &Vocabulary<'_>, beginnings: &[&str]) -> Form {
-    let name = Form::Pattern(NAME.to_owned()).shared();
+fn sentences(vocabulary: &Vocabulary<'_>, beginnings: &[&str], name: &str) -> Form {
+    let name = Form::Pattern(name.to_owned()).shared();
     let mut sentences: Vec<Form> = vocabulary
         .words()
         .map(|word| sentence_form(vocabulary, word, &name))
@@ -105,6 +106,48 @@ pub(super) fn names(vocabulary: &Vocabulary<'_>, said: &[Said]) -> Vec<String> {
         }
     }
     names
+}
+
+/// Returns the names in sentences with the list that the sentences decide: an object is on, in or held by something; an asset
+/// has something on or in it, and is in no place itself.
+pub(super) fn lists(vocabulary: &Vocabulary<'_>, said: &[Said]) -> Vec<(String, Option<List>)> {
+    const PLACES: [SpatialRelation; 2] = [SpatialRelation::On, SpatialRelation::Inside];
+    let (mut placed, mut places): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+    for sentence in said {
+        let Said::State(own) = sentence else { continue };
+        let relations = vocabulary.find(&own.state.name).map_or(&[][..], |word| &word.relations);
+        let is_in_place = relations.iter().any(|relation| PLACES.contains(relation));
+        if is_in_place || relations.contains(&SpatialRelation::Held) {
+            placed.push(&own.subject);
+        }
+        if is_in_place {
+            places.extend(own.state.arguments.iter().map(String::as_str));
+        }
+    }
+    let list = |name: &String| match (placed.contains(&name.as_str()), places.contains(&name.as_str())) {
+        (true, _) => Some(List::Objects),
+        (false, true) => Some(List::Assets),
+        (false, false) => None,
+    };
+    let names = names(vocabulary, said).into_iter();
+    names
+        .map(|name| (list(&name), name))
+        .map(|(list, name)| (name, list))
+        .collect()
+}
+
+/// Puts the sentences about some names among those that no state says.
+pub(super) fn without(vocabulary: &Vocabulary<'_>, said: Vec<Said>, names: &[String]) -> Vec<Said> {
+    let without = |sentence: Said| match sentence {
+        Said::State(own)
+            if names.contains(&own.subject) || own.state.arguments.iter().any(|name| names.contains(name)) =>
+        {
+            Sighting::sentence(vocabulary, &own).map(|text| Said::Other(text.replace('_', " ")))
+        }
+        Said::There(name) if names.contains(&name) => None,
+        other => Some(other),
+    };
+    said.into_iter().filter_map(without).collect()
 }
 
 fn sentence_form(vocabulary: &Vocabulary<'_>, word: &StateWord, name: &Form) -> Form {

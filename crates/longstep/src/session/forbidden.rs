@@ -31,7 +31,16 @@ pub(super) struct Parted {
 
 impl Session {
     /// Goes on after the screening: with the parts of an instruction that forbids something, or with its goals.
+    ///
+    /// A message needs no quotation marks: a marked one is a text that goals can have, if these are the person's own words.
     pub(super) fn screened(&mut self, mut turn: Turn, marks: Vec<Mark>) {
+        let text = turn.text();
+        for mark in marks.iter().filter(|mark| mark.gap == Gap::Quotation) {
+            let message = text[mark.range.clone()].trim_end_matches(['.', '\u{3002}']);
+            if !message.contains('"') && turn.instruction.contains(message) {
+                self.world.add_values(&format!("\"{message}\""));
+            }
+        }
         turn.marks = marks;
         let what = match turn.forbids() && self.settings.forbidding && turn.is_weighed && turn.parted.is_none() {
             true => What::Splitting(Box::new(SplittingDialogue::new(&self.world, turn.words()))),
