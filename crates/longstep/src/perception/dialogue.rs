@@ -81,8 +81,8 @@ pub struct SightDialogue<'a> {
     names: Names,
     /// The transcript before the first answer.
     begun: Transcript,
-    /// The plain sentences of an embedded model, once it has written them, with the lists that they decide.
-    said: Option<(Vec<Said>, Vec<(String, Option<List>)>)>,
+    /// The plain sentences of an embedded model, once it has written them, if they leave open the list of a name.
+    said: Option<Vec<Said>>,
 }
 
 impl<'a> SightDialogue<'a> {
@@ -275,7 +275,8 @@ impl Dialogue for SightDialogue<'_> {
         match (self.kind, &self.said) {
             (ConstraintKind::JsonSchema, _) => self.transcript.under_schema(schema(&self.vocabulary), TOKENS),
             (ConstraintKind::Grammar, None) => self.transcript.under_grammar(self.grammar_of_sentences(), TOKENS),
-            (ConstraintKind::Grammar, Some((_, lists))) => {
+            (ConstraintKind::Grammar, Some(said)) => {
+                let lists = sentence::lists(&self.vocabulary, said);
                 let open = lists.iter().filter(|(_, list)| list.is_none());
                 let names: Vec<&str> = open.map(|(name, _)| name.as_str()).collect();
                 self.transcript.under_grammar(Self::grammar_of_names(&names), TOKENS)
@@ -310,12 +311,12 @@ impl Dialogue for SightDialogue<'_> {
             };
             let lists = sentence::lists(&self.vocabulary, &said);
             if lists.iter().any(|(_, list)| list.is_none()) {
-                self.said = Some((said, lists));
+                self.said = Some(said);
                 return Ok(None);
             }
             return Ok(Some(sighting(said, lists, &[])));
         };
-        let (said, lists) = said;
+        let lists = sentence::lists(&self.vocabulary, &said);
         Ok(Some(sighting(said, lists, &Sighting::named(&reply.text)?)))
     }
 
