@@ -259,6 +259,14 @@ pub(crate) fn names_entity(world: &World, text: &str) -> bool {
     !named(world, text).is_empty()
 }
 
+/// Returns the kinds of the marked parts that the goal does not represent.
+pub(crate) fn missing(world: &World, instruction: &str, goal: &Goal, marks: &[Mark]) -> impl Iterator<Item = Gap> {
+    let missing = marks
+        .iter()
+        .filter(move |mark| !is_represented(world, instruction, goal, mark));
+    missing.map(|mark| mark.gap)
+}
+
 /// Returns the marked parts that the goal does not represent.
 fn marked(world: &World, instruction: &str, goal: &Goal, marks: &[Mark]) -> Vec<Part> {
     let missing = marks

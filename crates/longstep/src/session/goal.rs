@@ -213,7 +213,7 @@ impl Session {
             let note = "the words do not name what the goal is about, and no other meaning was found";
             answer.assumptions.push(note.to_owned());
         }
-        let forgets = turn.forgets_prohibition(&goal);
+        let forgets = turn.forgets(world, &goal);
         let coverage = turn.coverage(world, &goal, solution.plan.as_ref());
         answer.set_coverage(&goal, &coverage);
         let question = match goal.facts.is_empty() {
@@ -223,11 +223,10 @@ impl Session {
         let question = question.filter(|_| !self.settings.partial);
         turn.doubt(match &solution.plan {
             None => Some(Doubt::NoPlan),
-            Some(_) if forgets => Some(Doubt::ForgetsProhibition),
-            Some(_) => question
-                .as_ref()
-                .map(|_| Doubt::NotRepresented)
-                .filter(|_| !goal.facts.is_empty()),
+            Some(_) => forgets.or_else(|| {
+                let is_partial = question.is_some() && !goal.facts.is_empty();
+                is_partial.then_some(Doubt::NotRepresented)
+            }),
         });
         turn.price(&mut answer);
         match solution.plan {
@@ -241,7 +240,7 @@ impl Session {
                     question,
                 };
                 let is_rule_as_said = turn.parted.is_some() && proposal.offers_rule();
-                if forgets || proposal.question.is_some() && !is_rule_as_said {
+                if forgets.is_some() || proposal.question.is_some() && !is_rule_as_said {
                     self.leave_open(turn, Open::Consent(Box::new(proposal)));
                 } else {
                     self.propose(turn, proposal);

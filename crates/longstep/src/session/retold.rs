@@ -6,7 +6,9 @@
 
 use super::asking::{Asking, What};
 use super::{Failure, Proposal, Session, Stage, Strategy, Turn};
+use crate::coverage::{self, Gap};
 use crate::dialogue::{ConstraintKind, Doubt, ReadingOf, Retelling, RetellingDialogue};
+use crate::environment::World;
 use crate::goal::{self, Goal};
 
 /// Likelihood in nats below which the goal of a retelling is not used as it is, if the instruction names nothing itself.
@@ -202,10 +204,18 @@ impl Turn {
         self.retold.is_some() && self.is_unanswered()
     }
 
-    /// Returns true if the instruction forbids something that the goal of its retelling does not.
-    pub(super) fn forgets_prohibition(&self, goal: &Goal) -> bool {
-        let forbids = |retold: &Retold| retold.before.forbids();
-        self.is_retold_now() && goal.constraints.is_empty() && self.retold.as_ref().is_some_and(forbids)
+    /// Returns the doubt about the goal of a retelling that lacks what the instruction forbids, or a part of it that was told
+    /// from the rest: other words for a wish do not answer the question about the part.
+    pub(super) fn forgets(&self, world: &World, goal: &Goal) -> Option<Doubt> {
+        let retold = self.retold.as_ref().filter(|_| self.is_retold_now())?;
+        if goal.constraints.is_empty() && retold.before.forbids() {
+            return Some(Doubt::ForgetsProhibition);
+        }
+        let is_marked_again = |gap: Gap| self.marks.iter().any(|mark| mark.gap == gap);
+        let text = retold.before.text();
+        let mut missing = coverage::missing(world, &text, goal, &retold.before.marks);
+        let is_lost = missing.any(|gap| gap.is_question() && !is_marked_again(gap));
+        (is_lost && matches!(retold.open, Open::Consent(_))).then_some(Doubt::NotRepresented)
     }
 
     /// Returns the note that a plan is for other words than those of the instruction.
