@@ -64,7 +64,7 @@ pub(crate) fn offers_on(world: &World, said: &[GoalFact], mentions: &Mentions, f
             let undone: Vec<_> = undone.collect();
             arguments.extend(undone);
         }
-        narrow(world, named, word.parameters.len(), &mut arguments);
+        narrow(world, named, word, &mut arguments);
         if names_subjects {
             arguments.retain(|bindings| word.subject.is_none_or(|place| named.contains(&bindings[place])));
         }
@@ -145,14 +145,15 @@ fn settled(world: &World, word: &GoalWord, said: &[GoalFact], named: &[EntityId]
 
 /// Keeps the arguments that the instruction names, for each parameter where there are any. Of named places, those where
 /// an object is already are the last choice as its destination: "the pan on the stove by the door" says where it is.
-fn narrow(world: &World, named: &[EntityId], parameters: usize, arguments: &mut Vec<Vec<EntityId>>) {
+/// A goal that moves a thing on the way ("wipe the counter with the cloth") does not say where it ends.
+fn narrow(world: &World, named: &[EntityId], word: &GoalWord, arguments: &mut Vec<Vec<EntityId>>) {
     if named.is_empty() {
         return;
     }
-    for parameter in 0..parameters {
+    for parameter in 0..word.parameters.len() {
         keep(arguments, |bindings| named.contains(&bindings[parameter]));
     }
-    if parameters == 2 {
+    if word.parameters.len() == 2 && word.disturbs.is_empty() {
         let at = Relations::of(world, arguments);
         keep(arguments, |b| !at.lead_to(b[0], b[1]) && !at.lead_to(b[1], b[0]));
         // "On the tray on the desk" means the tray.

@@ -284,6 +284,24 @@ fn offered_in_kitchen(domain: &Domain, instruction: &str, said: &str) -> Vec<Str
 }
 
 #[test]
+fn a_tool_may_lie_where_it_is_used() {
+    let household = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<table>", "<shelf>", "<bin>"], "objects": ["<cereal>", "<cloth>"],
+        "object_states": {"<cereal>": "on_something(<shelf>)", "<cloth>": "on_something(<table>)"}}"#;
+    let environment = Environment::from_json(text).unwrap();
+    let world = environment::read(&household, &environment, "kitchen", text, &Path::default()).unwrap();
+    let mentions = Mentions::of(&world, "Put the cereal in the bin and wipe the table with the cloth");
+    let said = parse(&world, "put(cereal, bin)").unwrap();
+    let wiped = parse(&world, "wiped(table, cloth)").unwrap();
+    let GoalFact::Word { word, arguments } = &wiped.facts[0] else {
+        panic!()
+    };
+    let offers = offers(&world, &said.facts, &mentions);
+    let offer = offers.iter().find(|offer| offer.word == *word).unwrap();
+    assert!(offer.arguments.contains(arguments), "{offer:?}");
+}
+
+#[test]
 fn what_a_plan_would_undo_can_be_asked_for_again() {
     let instruction = "Take the milk out, put it on the table and close the fridge again";
     let mut files = domain::shipped_files("household").unwrap();
