@@ -204,8 +204,9 @@ impl Turn {
         self.retold.is_some() && self.is_unanswered()
     }
 
-    /// Returns the doubt about the goal of a retelling that lacks what the instruction forbids, or a part of it that was told
-    /// from the rest: other words for a wish do not answer the question about the part.
+    /// Returns the doubt about the goal of a retelling that lacks what the instruction forbids, or a case or a message that was
+    /// told from the rest: other words for a wish do not answer the question about them. An amount can be in the other words
+    /// ("only half" is "halfway").
     pub(super) fn forgets(&self, world: &World, goal: &Goal) -> Option<Doubt> {
         let retold = self.retold.as_ref().filter(|_| self.is_retold_now())?;
         if goal.constraints.is_empty() && retold.before.forbids() {
@@ -214,7 +215,7 @@ impl Turn {
         let is_marked_again = |gap: Gap| self.marks.iter().any(|mark| mark.gap == gap);
         let text = retold.before.text();
         let mut missing = coverage::missing(world, &text, goal, &retold.before.marks);
-        let is_lost = missing.any(|gap| gap.is_question() && !is_marked_again(gap));
+        let is_lost = missing.any(|gap| matches!(gap, Gap::Condition | Gap::Quotation) && !is_marked_again(gap));
         (is_lost && matches!(retold.open, Open::Consent(_))).then_some(Doubt::NotRepresented)
     }
 

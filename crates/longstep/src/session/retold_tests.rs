@@ -115,7 +115,7 @@ fn a_question_is_asked_only_if_the_retold_instruction_leaves_one() {
         // The retelling loses a part that was told from the rest of the wish.
         (
             &[
-                ("wish & amount: al estante", -1),
+                ("wish & says: al estante", -1),
                 ("put(pen, shelf)", -500),
                 (RETOLD, -2000),
                 ("wish", -1),
