@@ -167,7 +167,7 @@ fn held() {
     measure(include_str!("screening/held.txt"));
 }
 
-/// What is to be told, how much and when is left out of fewer plans than it is asked about.
+/// Plans leave out fewer messages, amounts and conditions than are asked about.
 #[test]
 #[ignore = "asks a real model about instructions of the same kinds, by somebody else"]
 fn sealed() {

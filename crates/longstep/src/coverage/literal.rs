@@ -23,8 +23,9 @@ const QUOTATION_MARKS: [(char, char); 7] = [
 
 /// Returns the numbers and quotations that neither the goal nor the name of a mentioned entity contains.
 pub(super) fn gaps(world: &World, instruction: &str, goal: &Goal, mentions: &Mentions) -> Vec<(Range<usize>, Gap)> {
+    let known = texts(world, goal);
     let quoted = quotations(instruction).into_iter();
-    let unknown = |range: &Range<usize>| !is_said(world, &instruction[range.clone()], goal);
+    let unknown = |range: &Range<usize>| !contain(&known, &instruction[range.clone()]);
     let quoted = quoted.filter(unknown).map(|range| (range, Gap::Quotation));
     let numbers = numbers(instruction).into_iter().filter(|range| !mentions.cover(range));
     let numbers = numbers
@@ -47,10 +48,10 @@ pub(super) fn is_represented(world: &World, text: &str, goal: &Goal) -> bool {
     !numbers.is_empty() && numbers.into_iter().all(|range| is_known(&text[range]))
 }
 
-/// Returns true if a text of the goal contains this one.
-pub(super) fn is_said(world: &World, text: &str, goal: &Goal) -> bool {
+/// Returns true if one of these texts in lower case contains another one, in any case.
+pub(super) fn contain(known: &[String], text: &str) -> bool {
     let text = text.to_lowercase();
-    texts(world, goal).iter().any(|known| known.contains(&text))
+    known.iter().any(|known| known.contains(&text))
 }
 
 /// Returns the places of the goal's texts in the instruction: names in a message are no wishes.
@@ -66,7 +67,7 @@ pub(super) fn said(world: &World, instruction: &str, goal: &Goal) -> Vec<Range<u
 }
 
 /// Returns the goal in lower case, and all names of its entities.
-fn texts(world: &World, goal: &Goal) -> Vec<String> {
+pub(super) fn texts(world: &World, goal: &Goal) -> Vec<String> {
     let parts = goal.everyday(world).into_iter();
     let names = entities(world, goal)
         .into_iter()

@@ -93,6 +93,15 @@ impl Mark {
         }
     }
 
+    /// Returns the marked text of the instruction. A message has no full stop.
+    pub(crate) fn text<'i>(&self, instruction: &'i str) -> &'i str {
+        let text = &instruction[self.range.clone()];
+        match self.gap {
+            Gap::Quotation => text.trim_end_matches(['.', '\u{3002}']),
+            _ => text,
+        }
+    }
+
     /// Returns the mark of a quotation from the instruction; none if the instruction does not contain the text.
     pub fn of(instruction: &str, quotation: &str, gap: Gap) -> Option<Self> {
         let text = quotation.trim();
@@ -259,20 +268,21 @@ pub(crate) fn names_entity(world: &World, text: &str) -> bool {
     !named(world, text).is_empty()
 }
 
-/// Returns the kinds of the marked parts that the goal does not represent.
-pub(crate) fn missing(world: &World, instruction: &str, goal: &Goal, marks: &[Mark]) -> impl Iterator<Item = Gap> {
-    let missing = marks
+/// Returns the marks that the goal does not represent.
+pub(crate) fn missing<'m>(
+    world: &World,
+    instruction: &str,
+    goal: &Goal,
+    marks: &'m [Mark],
+) -> impl Iterator<Item = &'m Mark> {
+    marks
         .iter()
-        .filter(move |mark| !is_represented(world, instruction, goal, mark));
-    missing.map(|mark| mark.gap)
+        .filter(move |mark| !is_represented(world, instruction, goal, mark))
 }
 
 /// Returns the marked parts that the goal does not represent.
 fn marked(world: &World, instruction: &str, goal: &Goal, marks: &[Mark]) -> Vec<Part> {
-    let missing = marks
-        .iter()
-        .filter(|mark| !is_represented(world, instruction, goal, mark));
-    let mut missing: Vec<&Mark> = missing.collect();
+    let mut missing: Vec<&Mark> = missing(world, instruction, goal, marks).collect();
     // Of overlapping marks the one with a question stays, and of these the longest: consent is to all of its text.
     missing.sort_by_key(|mark| {
         (
@@ -303,11 +313,8 @@ fn is_represented(world: &World, instruction: &str, goal: &Goal, mark: &Mark) ->
         Gap::Condition => goal.facts.iter().any(|fact| matches!(fact, GoalFact::If(_))),
         // One goal has no order.
         Gap::Order => !goal.stages.is_empty() || goal.facts.len() < 2,
-        Gap::Quantity => literal::is_represented(world, &instruction[mark.range.clone()], goal),
-        Gap::Quotation => {
-            let text = instruction[mark.range.clone()].trim_end_matches(['.', '\u{3002}']);
-            literal::is_said(world, text, goal)
-        }
+        Gap::Quantity => literal::is_represented(world, mark.text(instruction), goal),
+        Gap::Quotation => literal::contain(&literal::texts(world, goal), mark.text(instruction)),
         Gap::Name | Gap::Other => false,
     }
 }

@@ -78,9 +78,8 @@ pub struct SightDialogue<'a> {
     transcript: Transcript,
     /// The sentences of the description.
     sentences: Vec<String>,
-    names: Names,
-    /// The transcript before the first answer.
-    begun: Transcript,
+    /// The words that names are made of; none for any names.
+    words: Option<SaidWords>,
     /// The plain sentences of an embedded model, once it has written them, if they leave open the list of a name.
     said: Option<Vec<Said>>,
 }
@@ -123,8 +122,7 @@ impl<'a> SightDialogue<'a> {
             vocabulary,
             kind: input.kind,
             sentences: sentence::split(input.words),
-            names: Names::Any,
-            begun: transcript.clone(),
+            words: None,
             transcript,
             said: None,
         }
@@ -133,10 +131,7 @@ impl<'a> SightDialogue<'a> {
     /// Returns the grammar of a line for each sentence of the description: the sentence, and what it says in plain ones.
     /// A small model that has the sentence right before its answer keeps to it.
     fn grammar_of_sentences(&self) -> String {
-        let name = match &self.names {
-            Names::Any => NAME.to_owned(),
-            Names::Said(words) => words.pattern(),
-        };
+        let name = self.words.as_ref().map_or_else(|| NAME.to_owned(), SaidWords::pattern);
         let plain = sentence::form(&self.vocabulary, &name).shared();
         let lines = self.sentences.iter().flat_map(|text| {
             let begin = Form::text(format!("{text}{ARROW}"));
@@ -158,8 +153,8 @@ impl<'a> SightDialogue<'a> {
         if names.iter().all(|name| made_up.contains(name) || left.contains(name)) {
             return Some(kept);
         }
-        self.names = Names::Said(words);
-        self.transcript = self.begun.clone();
+        self.words = Some(words);
+        self.transcript.answer.clear();
         None
     }
 
@@ -173,14 +168,6 @@ impl<'a> SightDialogue<'a> {
         }
         Form::Row(row).grammar()
     }
-}
-
-/// The names that an embedded model may write.
-#[derive(Debug, Clone)]
-enum Names {
-    Any,
-    /// Names made of words of the description.
-    Said(SaidWords),
 }
 
 /// The words of a description that names can be made of, with their singulars.
@@ -302,13 +289,11 @@ impl Dialogue for SightDialogue<'_> {
             if said.is_empty() {
                 return Err(DialogueError::Unreadable("it has no sentences".to_owned()));
             }
-            let said = match self.names {
-                Names::Any => match self.without_made_up(said) {
-                    Some(said) => said,
-                    None => return Ok(None),
-                },
-                Names::Said(_) => said,
+            let said = match self.words {
+                None => self.without_made_up(said),
+                Some(_) => Some(said),
             };
+            let Some(said) = said else { return Ok(None) };
             let lists = sentence::lists(&self.vocabulary, &said);
             if lists.iter().any(|(_, list)| list.is_none()) {
                 self.said = Some(said);

@@ -131,8 +131,10 @@ pub(super) fn lists(vocabulary: &Vocabulary<'_>, said: &[Said]) -> Vec<(String, 
     };
     let names = names(vocabulary, said).into_iter();
     names
-        .map(|name| (list(&name), name))
-        .map(|(list, name)| (name, list))
+        .map(|name| {
+            let list = list(&name);
+            (name, list)
+        })
         .collect()
 }
 

@@ -238,7 +238,7 @@ fn an_observation_keeps_what_a_look_does_not_decide() {
     }
 }
 
-/// What is said about a name that the description does not have is left out. If that would lose a thing, the model is asked
+/// A sentence about a name that the description does not have is left out. If that would lose a thing, the model is asked
 /// again, with the words of the description alone.
 #[test]
 fn names_are_words_of_the_description() {

@@ -36,7 +36,7 @@ impl Session {
     pub(super) fn screened(&mut self, mut turn: Turn, marks: Vec<Mark>) {
         let text = turn.text();
         for mark in marks.iter().filter(|mark| mark.gap == Gap::Quotation) {
-            let message = text[mark.range.clone()].trim_end_matches(['.', '\u{3002}']);
+            let message = mark.text(&text);
             if !message.contains('"') && turn.instruction.contains(message) {
                 self.world.add_values(&format!("\"{message}\""));
             }

@@ -212,10 +212,10 @@ impl Turn {
         if goal.constraints.is_empty() && retold.before.forbids() {
             return Some(Doubt::ForgetsProhibition);
         }
-        let is_marked_again = |gap: Gap| self.marks.iter().any(|mark| mark.gap == gap);
+        let is_kept = |gap: Gap| self.marks.iter().any(|mark| mark.gap == gap);
         let text = retold.before.text();
         let mut missing = coverage::missing(world, &text, goal, &retold.before.marks);
-        let is_lost = missing.any(|gap| matches!(gap, Gap::Condition | Gap::Quotation) && !is_marked_again(gap));
+        let is_lost = missing.any(|mark| matches!(mark.gap, Gap::Condition | Gap::Quotation) && !is_kept(mark.gap));
         (is_lost && matches!(retold.open, Open::Consent(_))).then_some(Doubt::NotRepresented)
     }
 
