@@ -102,6 +102,12 @@ impl Mark {
         }
     }
 
+    /// Returns true if the mark says that the whole instruction is a prohibition.
+    pub(crate) fn is_prohibition_of_all(&self, instruction: &str) -> bool {
+        let rest = [&instruction[..self.range.start], &instruction[self.range.end..]].concat();
+        self.gap == Gap::Prohibition && !rest.contains(char::is_alphanumeric)
+    }
+
     /// Returns the mark of a quotation from the instruction; none if the instruction does not contain the text.
     pub fn of(instruction: &str, quotation: &str, gap: Gap) -> Option<Self> {
         let text = quotation.trim();

@@ -16,8 +16,8 @@ use crate::coverage::{Gap, Mark};
 use crate::effort;
 use crate::environment::World;
 use crate::goal::{
-    self, Begun, Correction, Goal, GoalFact, Mentions, Next, Offer, Understanding, ended, guess, offers, offers_on,
-    understand_mentions,
+    self, Begun, Correction, Goal, GoalFact, Mentions, Next, Offer, Understanding, ended, guess, is_settled, offers,
+    offers_on, settled_offers, understand_mentions,
 };
 use crate::model::Domain;
 use crate::search;
@@ -28,6 +28,10 @@ const GOAL_LIMIT: usize = 6;
 const STEP_TOKENS: u32 = 96;
 /// Token budget of a whole answer of a server.
 pub(super) const ANSWER_TOKENS: u32 = 1024;
+
+/// Distance in thousandths of a nat to an answer that changes something, above which an answer that holds already is taken:
+/// people mostly ask for what is not so yet.
+const AHEAD: i64 = 1500;
 
 /// Lets a model translate an instruction into goals.
 #[derive(Debug, Clone)]
@@ -48,6 +52,8 @@ pub struct GoalDialogue {
     endings: Endings,
     /// The answers before this one, which were guesses.
     tries: Tries,
+    /// The answers that begin with a goal which holds already, as far as they are known.
+    settled: Settled,
     /// True if the answer is the first one to the instruction: an unlikely one is a question then.
     is_first: bool,
     /// Possible next goals.
@@ -153,6 +159,7 @@ impl GoalDialogue {
             has_condition: false,
             endings: Endings::default(),
             tries: Tries::default(),
+            settled: Settled::default(),
             is_first: rounds.is_empty(),
             open: Vec::new(),
             further: None,
@@ -305,13 +312,60 @@ impl GoalDialogue {
         offers.retain(|offer| !offer.arguments.is_empty());
         if !further {
             self.tries.keep(&mut offers, &self.correction.mentions.entities);
+            if self.may_settle() {
+                for offer in settled_offers(&self.world, &self.correction.mentions) {
+                    match offers.iter_mut().find(|own| own.word == offer.word) {
+                        Some(own) => own.arguments.extend(offer.arguments),
+                        None => offers.push(offer),
+                    }
+                }
+            }
         }
         offers
+    }
+
+    /// Returns true if the answer may begin with a goal that holds already: the first answer of a model under a grammar. A
+    /// server gives no likelihoods to compare.
+    fn may_settle(&self) -> bool {
+        let is_first = matches!(self.settled, Settled::Open) && !self.tries.has_begun();
+        is_first && self.transcript.kind == ConstraintKind::Grammar
+    }
+
+    /// Puts an answer aside that begins with a goal which holds already, and returns true if it did. The next answer may not:
+    /// people mostly ask for what is not so yet, and a place that they name may be where a thing is.
+    fn set_aside(&mut self, goal: &Goal) -> bool {
+        let is_settled = |begin: &GoalFact| is_settled(&self.world, begin);
+        if !self.may_settle() || !goal.facts.first().is_some_and(is_settled) {
+            return false;
+        }
+        self.settled = match self.is_guess(goal) || self.correction.rejected.contains(&goal.facts) {
+            true => Settled::Closed,
+            false => Settled::Aside(self.endings.clone(), goal.clone()),
+        };
+        true
+    }
+
+    /// Takes back the answer that was put aside, if it is much likelier than another one.
+    fn take_back(&mut self, other: Option<i64>) -> Option<Goal> {
+        match std::mem::replace(&mut self.settled, Settled::Closed) {
+            Settled::Aside(endings, goal)
+                if other.is_none_or(|other| endings.likelihood().saturating_sub(other) >= AHEAD) =>
+            {
+                self.endings = endings;
+                Some(goal)
+            }
+            _ => None,
+        }
     }
 
     fn supply_part(&mut self, reply: &Reply) -> Result<Option<Understanding>, DialogueError> {
         if let Some(question) = question_in(&self.transcript.answer) {
             let question = question.to_owned();
+            if let Some(goal) = self.take_back(None) {
+                self.candidates
+                    .push(Candidate::new(question, reply.likelihood.map(|reply| reply.text)));
+                return Ok(Some(self.understood(goal)));
+            }
             return Ok(Some(self.asks(question, reply.likelihood.map(|reply| reply.text))));
         }
         let before = self.transcript.answer.len() - reply.text.len();
@@ -379,6 +433,7 @@ impl GoalDialogue {
         let goal = Goal::from(std::mem::take(&mut self.facts));
         self.weigh(&goal);
         let again = match self.correction.rejected.contains(&goal.facts) {
+            _ if self.set_aside(&goal) => true,
             true => self.tries.refuse(&goal),
             false => self.is_guess(&goal) && self.tries.again(&self.endings, &goal),
         };
@@ -396,7 +451,8 @@ impl GoalDialogue {
         }
         let (endings, goal) = self.tries.likeliest(std::mem::take(&mut self.endings), goal);
         self.endings = endings;
-        Some(self.understood(goal))
+        let aside = self.take_back(Some(self.endings.likelihood()));
+        Some(self.understood(aside.unwrap_or(goal)))
     }
 
     /// Returns true if the model finds its first answer, or a further goal, unlikely. Goals with conditions are never called a
@@ -462,6 +518,18 @@ impl GoalDialogue {
             doubt: self.doubt,
         }
     }
+}
+
+/// The answer that begins with a goal which holds already.
+#[derive(Debug, Clone, Default)]
+enum Settled {
+    /// The model may still write one.
+    #[default]
+    Open,
+    /// It wrote this one, and is writing another answer to compare it with.
+    Aside(Endings, Goal),
+    /// There is none any more.
+    Closed,
 }
 
 /// Returns true if a part of a goal has a condition.

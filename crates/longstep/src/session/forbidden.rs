@@ -10,7 +10,7 @@ use super::{Session, Stage, Turn};
 use crate::coverage::{self, Gap, Mark};
 use crate::dialogue::{ConditionMark, Split, SplittingDialogue};
 use crate::environment::EntityId;
-use crate::goal::{self, Constraint, Goal, GoalFact, NEVER, Understanding};
+use crate::goal::{self, ALWAYS, Constraint, Goal, GoalFact, NEVER, Understanding};
 
 /// An instruction in two parts.
 #[derive(Debug, Clone)]
@@ -33,6 +33,7 @@ impl Session {
     /// Goes on after the screening: with the parts of an instruction that forbids something, or with its goals.
     ///
     /// A message needs no quotation marks: a marked one is a text that goals can have, if these are the person's own words.
+    /// Parts that overruled a screening are not overruled by a second one: it finds again what it found in the same words.
     pub(super) fn screened(&mut self, mut turn: Turn, marks: Vec<Mark>) {
         let text = turn.text();
         for mark in marks.iter().filter(|mark| mark.gap == Gap::Quotation) {
@@ -42,6 +43,9 @@ impl Session {
             }
         }
         turn.marks = marks;
+        if turn.parted.as_ref().is_some_and(|parted| !parted.forbids) {
+            turn.marks.retain(|mark| !mark.is_prohibition_of_all(&text));
+        }
         let what = match turn.forbids() && self.settings.forbidding && turn.is_weighed && turn.parted.is_none() {
             true => What::Splitting(Box::new(SplittingDialogue::new(&self.world, turn.words()))),
             false => What::Goal(None),
@@ -163,14 +167,27 @@ impl Session {
     }
 
     /// Returns the constraints that no fact of a goal ever holds; none if the goal is more than facts.
-    pub(super) fn prohibition(&self, goal: &Goal) -> Option<Vec<Constraint>> {
+    fn prohibition(&self, goal: &Goal) -> Option<Vec<Constraint>> {
+        self.constraints(goal, |_| NEVER)
+    }
+
+    /// Returns the rule that words without a wish give: what they say never holds, and what holds already always does. "The
+    /// window stays shut" is read as a shut window.
+    pub(super) fn rule(&self, goal: &Goal) -> Option<Vec<Constraint>> {
+        self.constraints(goal, |fact| match goal::is_settled(&self.world, fact) {
+            true => ALWAYS,
+            false => NEVER,
+        })
+    }
+
+    fn constraints(&self, goal: &Goal, word: impl Fn(&GoalFact) -> &'static str) -> Option<Vec<Constraint>> {
         let is_plain = |fact: &GoalFact| !matches!(fact, GoalFact::If(_) | GoalFact::Choice(_));
         if goal.is_empty() || !goal.constraints.is_empty() || !goal.facts.iter().all(is_plain) {
             return None;
         }
         let parts = goal.facts.iter().flat_map(GoalFact::parts);
         let texts: Vec<String> = parts
-            .map(|fact| format!("{NEVER}{}", fact.exact(&self.world)))
+            .map(|fact| format!("{}{}", word(fact), fact.exact(&self.world)))
             .collect();
         Some(goal::parse(&self.world, &texts.join(" & ")).ok()?.constraints)
     }

@@ -304,10 +304,10 @@ impl Session {
     }
 
     /// Handles an instruction that only forbids something. What the model understood as a goal is what must not be
-    /// achieved: it is offered as a rule, with an empty plan.
+    /// achieved, or what stays as it is: that is offered as a rule, with an empty plan.
     fn offer_rule(&mut self, turn: Turn, understood: &Understanding) {
         let rules = match understood {
-            Understanding::Goal(goal) => self.prohibition(goal),
+            Understanding::Goal(goal) => self.rule(goal),
             Understanding::Doubtful(_) | Understanding::Question(_) | Understanding::Which(_) => None,
         };
         match rules {

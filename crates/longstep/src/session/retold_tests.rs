@@ -418,17 +418,54 @@ fn what_is_only_forbidden_is_read_as_a_rule() {
 }
 
 #[test]
+fn what_stays_as_it_is_is_read_as_a_rule() {
+    const SAID: &str = "The cupboard stays shut";
+    let mut session = grammar(Settings::default());
+    let replies = [
+        ("forbids: The cupboard stays shut", -1),
+        ("do: Shut the cupboard.", -2600),
+        ("closed(cupboard)", -300),
+        ("opened(cupboard)", -3900),
+        ("Shut the cupboard.", -11_000),
+    ];
+    play_weighed(&mut session, SAID, &replies);
+    assert_eq!(
+        question(&session),
+        "There is nothing to do. Should `always closed(cupboard)` hold from now on?"
+    );
+    let events = session.take_events();
+    check_log(&mut session, &events);
+}
+
+#[test]
 fn a_model_that_is_certain_overrules_its_screening() {
     let split = "do: Put the pen on the shelf.";
+    for again in ["wish", "forbids: Put the pen on the shelf"] {
+        let mut session = grammar(Settings::default());
+        let replies = [
+            ("forbids: El boli, al estante", -1),
+            (split, -900),
+            (again, -1),
+            ("put(pen, shelf)", -500),
+        ];
+        play_weighed(&mut session, SAID, &replies);
+        assert_eq!(end(&session), "put(<pen>, <shelf>)", "{again}");
+    }
+}
+
+#[test]
+fn a_part_that_is_forbidden_in_the_wish_of_a_split_is_asked_about() {
     let mut session = grammar(Settings::default());
     let replies = [
         ("forbids: El boli, al estante", -1),
-        (split, -900),
-        ("wish", -1),
+        ("do: Put the pen on the shelf, not the ruler.", -900),
+        ("wish & forbids: not the ruler", -1),
         ("put(pen, shelf)", -500),
+        (RETOLD, -11_000),
     ];
     play_weighed(&mut session, SAID, &replies);
-    assert_eq!(end(&session), "put(<pen>, <shelf>)");
+    let asked = question(&session);
+    assert!(asked.contains("\"not the ruler\""), "{asked}");
 }
 
 #[test]

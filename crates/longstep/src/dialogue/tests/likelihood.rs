@@ -97,6 +97,24 @@ fn a_guess_gives_way_to_a_likelier_answer() {
 }
 
 #[test]
+fn what_is_so_already_is_said_only_if_it_is_much_likelier() {
+    let (closed, opened) = (("closed(cupboard)", -100, None), "opened(cupboard)");
+    check(
+        "Shut the cupboard",
+        &[],
+        &[closed, (opened, -3300, None)],
+        "closed(cupboard)",
+    );
+    let asks = ("question: I see no cupboard here.", -40_000, None);
+    check("Shut the cupboard", &[], &[closed, asks], "closed(cupboard)");
+    // A place that is named may be where the thing is.
+    let (desk, shelf) = ("put(pen, desk)", "put(pen, shelf)");
+    let instruction = "The pen on the desk goes on the shelf";
+    check(instruction, &[], &[(desk, -900, None), (shelf, -1200, None)], shelf);
+    check(instruction, &[], &[(desk, -5000, None), (shelf, -3900, None)], shelf);
+}
+
+#[test]
 fn an_answer_ends_before_an_unlikely_goal() {
     let first = ("put(pen, shelf) &", -400, Some(-900));
     check(
