@@ -2,9 +2,11 @@
 //!
 //! Richter and Westphal, *The LAMA Planner* (2010): a state is evaluated when it is taken from the open list, not when it
 //! is generated, and a second open list has only the successors by operators of the relaxed plan. It is served more often
-//! after progress.
+//! after progress. A third list takes states of every estimate and depth in turn (Xie et al., *Type-Based Exploration with
+//! Multiple Search Queues*, 2014): where estimates mislead, the others stay on one plateau.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::ops::Bound;
 
 use rustc_hash::FxHashMap;
 
@@ -18,6 +20,9 @@ use crate::effort;
 
 /// Turns of the preferred successors after progress.
 const BOOST: i64 = 1_000;
+
+/// One in so many successors is of the next type, for a first plan.
+const EXPLORE: u64 = 3;
 
 /// How a search ranks states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,6 +64,33 @@ impl Open {
     }
 }
 
+/// Successors that were not generated yet, by the estimate and the cost of their parents.
+#[derive(Default)]
+struct Types {
+    entries: BTreeMap<(u32, u32), VecDeque<(u32, u32)>>,
+    /// The type of the last one that was taken.
+    last: (u32, u32),
+}
+
+impl Types {
+    fn push(&mut self, of: (u32, u32), entry: (u32, u32)) {
+        self.entries.entry(of).or_default().push_back(entry);
+    }
+
+    /// Takes the oldest one of the next type, in turn.
+    fn pop(&mut self) -> Option<(u32, u32)> {
+        let after = (Bound::Excluded(self.last), Bound::Unbounded);
+        let next = self.entries.range(after).next().or_else(|| self.entries.iter().next());
+        self.last = *next?.0;
+        let entries = self.entries.get_mut(&self.last)?;
+        let entry = entries.pop_front();
+        if entries.is_empty() {
+            self.entries.remove(&self.last);
+        }
+        entry
+    }
+}
+
 /// A task with the data that all its searches share.
 pub(super) struct Lazy<'a> {
     task: &'a Task,
@@ -86,6 +118,8 @@ impl<'a> Lazy<'a> {
             known: FxHashMap::default(),
             all: Open::default(),
             preferred: Open::default(),
+            types: Types::default(),
+            pops: 0,
             least: u32::MAX,
             scratch: Vec::new(),
         };
@@ -135,10 +169,14 @@ impl<'a> Lazy<'a> {
             Rank::Estimate => cost,
             Rank::Weighted(weight) => node.depth.saturating_add(weight.saturating_mul(cost)),
         };
+        let depth = node.depth;
         let mut scratch = std::mem::take(&mut run.scratch);
         self.applicable.find(self.task, &node.state, &mut scratch);
         for operator in &scratch {
             run.all.push(rank, (number, *operator));
+            if run.rank == Rank::Estimate {
+                run.types.push((cost, depth), (number, *operator));
+            }
             if estimate.preferred.binary_search(operator).is_ok() {
                 run.preferred.push(rank, (number, *operator));
             }
@@ -158,6 +196,8 @@ struct Run<'a> {
     known: FxHashMap<Bits, u32>,
     all: Open,
     preferred: Open,
+    types: Types,
+    pops: u64,
     /// The least estimate so far.
     least: u32,
     scratch: Vec<u32>,
@@ -169,6 +209,12 @@ type Generated = (Bits, Option<(u32, u32)>, u32);
 impl Run<'_> {
     /// Takes the next successor from the list whose turn it is.
     fn pop(&mut self) -> Option<(u32, u32)> {
+        self.pops += 1;
+        if self.pops.is_multiple_of(EXPLORE)
+            && let Some(entry) = self.types.pop()
+        {
+            return Some(entry);
+        }
         let (first, second) = match self.preferred.turns <= self.all.turns {
             true => (&mut self.preferred, &mut self.all),
             false => (&mut self.all, &mut self.preferred),
