@@ -1,5 +1,6 @@
 //! Questions about references that several entities fit.
 
+use super::mentions::said_length;
 use super::{Constraint, Goal, GoalFact, Mentions, reference_words};
 use crate::environment::{Distinctions, EntityId, Fact, Moment, World, holds};
 use crate::model::{TypeId, head, label, plain_words, singular};
@@ -156,7 +157,8 @@ struct Reference {
 impl Reference {
     fn to(world: &World, mentions: &Mentions, entity: EntityId) -> Self {
         let words: Vec<String> = mentions.words().iter().map(|word| singular(word)).collect();
-        let is_said = |name: &Vec<String>| !name.is_empty() && words.windows(name.len()).any(|window| window == name);
+        let begins = |name: &[String], start| said_length(name, &words[start..]).is_some();
+        let is_said = |name: &Vec<String>| !name.is_empty() && (0..words.len()).any(|start| begins(name, start));
         let names = world.entity(entity).names.iter().map(|name| parts(name));
         Self {
             names: names.filter(is_said).collect(),

@@ -3,6 +3,8 @@
 //! Names come from the environment and the domain, in any language. They are found as words of the instruction; apart from
 //! names, no word means anything here.
 
+use std::ops::Range;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::reference_words;
@@ -139,8 +141,8 @@ impl<'w> Places<'w> {
 struct FullNames {
     /// For each entity, indices into `occurrences` of the names in the instruction.
     names: FxHashMap<EntityId, Vec<usize>>,
-    /// For each name, its length in words and its start positions.
-    occurrences: Vec<(usize, Vec<usize>)>,
+    /// For each name, its length in words and its places.
+    occurrences: Vec<(usize, Vec<Range<usize>>)>,
     /// For each position, the longest name that covers it, and the longest one of another entity.
     longest: Vec<[(usize, Option<EntityId>); 2]>,
 }
@@ -149,7 +151,7 @@ impl FullNames {
     fn of(world: &World, said: &Places<'_>, singulars: &[String]) -> Self {
         let mut numbers: FxHashMap<Vec<String>, Option<usize>> = FxHashMap::default();
         let mut names: FxHashMap<EntityId, Vec<usize>> = FxHashMap::default();
-        let mut occurrences: Vec<(usize, Vec<usize>)> = Vec::new();
+        let mut occurrences: Vec<(usize, Vec<Range<usize>>)> = Vec::new();
         // Two entities with a name suffice to find the longest name of any other entity.
         let mut owners: Vec<[Option<EntityId>; 2]> = Vec::new();
         for (id, entity) in world.entities() {
@@ -161,10 +163,12 @@ impl FullNames {
                 let known = numbers.get(&parts).copied();
                 let number = known.unwrap_or_else(|| {
                     let begins = said.of_word(&parts[0]).iter().copied();
-                    let starts: Vec<usize> = begins.filter(|start| singulars[*start..].starts_with(&parts)).collect();
-                    let number = (!starts.is_empty()).then_some(occurrences.len());
+                    let places: Vec<Range<usize>> = begins
+                        .filter_map(|start| Some(start..start + said_length(&parts, &singulars[start..])?))
+                        .collect();
+                    let number = (!places.is_empty()).then_some(occurrences.len());
                     if number.is_some() {
-                        occurrences.push((parts.len(), starts));
+                        occurrences.push((parts.len(), places));
                         owners.push([None; 2]);
                     }
                     numbers.insert(parts, number);
@@ -182,8 +186,8 @@ impl FullNames {
             }
         }
         let mut longest = vec![[(0, None); 2]; singulars.len()];
-        for ((length, starts), owners) in occurrences.iter().zip(&owners) {
-            for place in starts.iter().flat_map(|start| *start..start + length) {
+        for ((length, places), owners) in occurrences.iter().zip(&owners) {
+            for place in places.iter().cloned().flatten() {
                 owners
                     .iter()
                     .flatten()
@@ -204,8 +208,8 @@ impl FullNames {
         let own = self.names.get(&id).map_or(&[][..], Vec::as_slice);
         let mut own_longest: FxHashMap<usize, usize> = FxHashMap::default();
         for number in own {
-            let (length, starts) = &self.occurrences[*number];
-            for place in starts.iter().flat_map(|start| *start..start + length) {
+            let (length, places) = &self.occurrences[*number];
+            for place in places.iter().cloned().flatten() {
                 let longest = own_longest.entry(place).or_default();
                 *longest = (*longest).max(*length);
             }
@@ -217,6 +221,19 @@ impl FullNames {
         };
         heads.iter().flat_map(|word| said.of_word(word)).all(covered)
     }
+}
+
+/// Returns the number of words that a name takes at the beginning of some; none if it is not there. In a name of three words or
+/// more, a word may stand between two of them: "the hallway between the kitchen and the bedroom".
+pub(super) fn said_length(name: &[String], words: &[String]) -> Option<usize> {
+    let most_between = usize::from(name.len() >= 3);
+    let mut length = 0;
+    for (index, part) in name.iter().enumerate() {
+        let most_between = if index == 0 { 0 } else { most_between };
+        let ahead = words[length..].iter().take(most_between + 1);
+        length += 1 + ahead.into_iter().position(|word| word == part)?;
+    }
+    Some(length)
 }
 
 /// Records a name that covers a position.

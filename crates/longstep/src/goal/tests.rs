@@ -243,6 +243,34 @@ fn one_thing_is_not_taken_for_all_with_its_name() {
     }
 }
 
+#[test]
+fn a_long_name_may_be_said_with_articles() {
+    let household = domain::shipped("household").unwrap().unwrap();
+    let text = r#"{"assets": ["<fridge>", "<shelf_from_sink_to_stove>", "<shelf_from_fridge_to_stove>"], "objects": ["<pen>"],
+        "object_states": {"<pen>": "on_something(<fridge>)"}}"#;
+    let world = world(&household, text);
+    let (goal, which) = (
+        "put(pen, shelf from sink to stove)",
+        "Which stove do you mean: shelf from sink to stove, or shelf from fridge to stove?",
+    );
+    for (instruction, expected) in [
+        (
+            "Take the pen off the fridge and put it on the shelf from the sink to the stove",
+            goal,
+        ),
+        (
+            "Take the pen off the fridge and put it on the shelf from sink to stove",
+            goal,
+        ),
+        (
+            "Take the pen off the fridge and put it on the shelf to the stove, not from the sink",
+            which,
+        ),
+    ] {
+        assert_eq!(understood(&world, instruction, goal), expected, "{instruction}");
+    }
+}
+
 /// Returns all offers after the goals of `said` in a small household kitchen.
 fn offered_in_kitchen(domain: &Domain, instruction: &str, said: &str) -> Vec<String> {
     let text = r#"{"assets": ["<table>", "<fridge>", "<dusty_shelf>"],
