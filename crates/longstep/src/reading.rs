@@ -82,6 +82,8 @@ pub enum Doubt {
     NotRepresented,
     /// The instruction forbids something, and the answer does not.
     ForgetsProhibition,
+    /// Only a retelling that the model is not sure of leads to it.
+    OnlyRetold,
     /// There is no plan for it, or none was found.
     NoPlan,
 }
@@ -130,6 +132,7 @@ impl Reading {
             (Doubt::Asks, _) => "the model asks back".to_owned(),
             (Doubt::NotRepresented, _) => "a question: a part of the words is not in the goal".to_owned(),
             (Doubt::ForgetsProhibition, _) => "not used: it lacks what the instruction forbids".to_owned(),
+            (Doubt::OnlyRetold, _) => "a question: the model is not sure of the words that show it".to_owned(),
             (Doubt::NoPlan, _) => "there is no plan".to_owned(),
         }
     }

@@ -23,20 +23,33 @@ const MARGIN: i64 = 1500;
 #[derive(Debug, Clone)]
 pub(crate) struct Weighing {
     wordings: [String; 2],
-    /// The answers, each with the sum of its likelihoods so far.
-    answers: Vec<(String, i64)>,
+    answers: Vec<Answer>,
     /// Number of replies so far.
     replies: usize,
 }
 
+/// An answer with the sum of its likelihoods so far.
+#[derive(Debug, Clone)]
+struct Answer {
+    text: String,
+    sum: i64,
+    /// True if a reading that can be relied on led to it.
+    counts: bool,
+}
+
 impl Weighing {
-    /// Starts to weigh the answers of these readings; none if there is none that is a goal.
-    pub(crate) fn new(world: &World, wordings: [String; 2], readings: &[&Reading]) -> Option<Self> {
-        let mut answers: Vec<(String, i64)> = Vec::new();
-        for reading in readings {
+    /// Starts to weigh the answers of these readings, each with true if it can be relied on; none if no answer is a goal. The
+    /// answers of the other readings are weighed too, and not acted on.
+    pub(crate) fn new<'a>(
+        world: &World,
+        wordings: [String; 2],
+        readings: impl Iterator<Item = (&'a Reading, bool)>,
+    ) -> Option<Self> {
+        let mut answers: Vec<Answer> = Vec::new();
+        for (reading, counts) in readings {
             for text in answers_of(world, reading) {
-                if answers.len() < ANSWERS && answers.iter().all(|(own, _)| *own != text) {
-                    answers.push((text, 0));
+                if answers.len() < ANSWERS && answers.iter().all(|own| own.text != text) {
+                    answers.push(Answer { text, sum: 0, counts });
                 }
             }
         }
@@ -55,8 +68,8 @@ impl Weighing {
     /// Returns the wording and the answer that the next reply is about.
     pub(crate) fn next(&self) -> (&str, &str) {
         let wording = (self.replies / self.answers.len()).min(self.wordings.len() - 1);
-        let (answer, _) = &self.answers[self.replies % self.answers.len()];
-        (&self.wordings[wording], answer)
+        let answer = &self.answers[self.replies % self.answers.len()];
+        (&self.wordings[wording], &answer.text)
     }
 
     /// Counts a reply: the answer, or the answer and the joint of a further goal.
@@ -69,19 +82,19 @@ impl Weighing {
             };
             text.map(|text| text + likelihood.forced)
         });
-        let counted = &mut self.answers[at].1;
+        let counted = &mut self.answers[at].sum;
         *counted = counted.saturating_add(whole.flatten().unwrap_or(i64::from(i32::MIN)));
         self.replies += 1;
     }
 
     /// Returns the answers with their likelihoods, and if the likeliest one is a guess.
     pub(crate) fn reading(&self) -> Reading {
-        let mut sorted: Vec<&(String, i64)> = self.answers.iter().collect();
-        sorted.sort_by_key(|(_, sum)| std::cmp::Reverse(*sum));
-        let is_likely = sorted[0].1 >= LEAST;
-        let is_ahead = sorted.get(1).is_none_or(|next| sorted[0].1 - next.1 >= MARGIN);
-        let candidate = |(index, (text, sum)): (usize, &&(String, i64))| {
-            let mut candidate = Candidate::new(text.clone(), Some(*sum));
+        let mut sorted: Vec<&Answer> = self.answers.iter().collect();
+        sorted.sort_by_key(|answer| std::cmp::Reverse(answer.sum));
+        let best = sorted[0];
+        let is_ahead = sorted.get(1).is_none_or(|next| best.sum - next.sum >= MARGIN);
+        let candidate = |(index, answer): (usize, &&Answer)| {
+            let mut candidate = Candidate::new(answer.text.clone(), Some(answer.sum));
             candidate.chosen = index == 0;
             candidate
         };
@@ -90,10 +103,11 @@ impl Weighing {
             words: self.wordings.join("\" and \""),
             candidates: sorted.iter().enumerate().map(candidate).collect(),
             least: Some(nats(LEAST)),
-            doubt: match (is_likely, is_ahead) {
-                (true, true) => None,
-                (false, _) => Some(Doubt::Unlikely),
-                (true, false) => Some(Doubt::Close),
+            doubt: match best {
+                best if best.sum < LEAST => Some(Doubt::Unlikely),
+                _ if !is_ahead => Some(Doubt::Close),
+                best if !best.counts => Some(Doubt::OnlyRetold),
+                _ => None,
             },
         }
     }

@@ -7,7 +7,7 @@
 use super::asking::{Asking, What};
 use super::{Failure, Proposal, Session, Stage, Strategy, Turn};
 use crate::coverage::{self, Gap};
-use crate::dialogue::{ConstraintKind, Doubt, ReadingOf, Retelling, RetellingDialogue};
+use crate::dialogue::{ConstraintKind, Doubt, Reading, ReadingOf, Retelling, RetellingDialogue};
 use crate::environment::World;
 use crate::goal::{self, Goal};
 
@@ -111,7 +111,7 @@ impl Session {
             goal::Mentions::of(&self.world, &turn.instruction).entities.is_empty()
                 && likelihood().is_some_and(|likelihood| likelihood < MADE_UP)
         };
-        turn.is_retold_now() && (turn.retold.as_ref().is_some_and(|retold| !retold.is_sure) || is_made_up())
+        turn.is_retold_now() && (!turn.is_sure() || is_made_up())
     }
 
     /// Returns to what was open before the instruction was retold.
@@ -167,6 +167,25 @@ impl Turn {
     /// Returns the instruction in plain English, if a model has retold it.
     pub(super) fn retelling(&self) -> Option<&str> {
         self.retold.as_ref()?.text.as_deref()
+    }
+
+    /// Returns true if the model is sure of the retelling.
+    pub(super) fn is_sure(&self) -> bool {
+        self.retold.as_ref().is_some_and(|retold| retold.is_sure)
+    }
+
+    /// Returns the readings of the wish, each with true if it can be relied on: that of a retelling of which the model is not sure
+    /// can choose among the answers to the instruction itself, and adds none.
+    pub(super) fn wishes(&self) -> impl Iterator<Item = (&Reading, bool)> {
+        let mut counts = true;
+        self.readings.iter().filter_map(move |own| match own.of {
+            ReadingOf::Wish => Some((own, counts)),
+            ReadingOf::Retelling => {
+                counts = self.is_sure();
+                None
+            }
+            ReadingOf::Prohibition | ReadingOf::Weighing => None,
+        })
     }
 
     /// Puts a better guess in place of one that would be asked about.

@@ -6,7 +6,7 @@
 use super::asking::{Asking, What};
 use super::retold::Open;
 use super::{Session, Stage, Turn};
-use crate::dialogue::{GoalDialogue, Prepared, PromptError, Reading, ReadingOf, TokenCounter, Weighing, plain_line};
+use crate::dialogue::{GoalDialogue, Prepared, PromptError, ReadingOf, TokenCounter, Weighing, plain_line};
 use crate::goal::{self, Mentions, Understanding};
 
 /// Answers that are being weighed.
@@ -21,12 +21,11 @@ impl Session {
     /// Weighs the answers to an instruction and to its retelling. If that is not possible, what was open before is open again. The
     /// parts of an instruction that was split have no wordings to compare.
     pub(super) fn weigh(&mut self, turn: Turn) {
-        let wishes: Vec<&Reading> = turn.readings.iter().filter(|own| own.of == ReadingOf::Wish).collect();
         let is_weighed = turn.readings.iter().any(|own| own.of == ReadingOf::Weighing);
         let may_weigh = self.settings.weighing && turn.is_whole() && !is_weighed;
         let retelling = turn.retelling().filter(|_| may_weigh);
         let wordings = retelling.map(|retelling| [plain_line(&turn.instruction), plain_line(retelling)]);
-        match wordings.and_then(|wordings| Weighing::new(&self.world, wordings, &wishes)) {
+        match wordings.and_then(|wordings| Weighing::new(&self.world, wordings, turn.wishes())) {
             Some(weighing) => {
                 let weighed = Weighed {
                     weighing,
