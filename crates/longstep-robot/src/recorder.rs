@@ -58,7 +58,7 @@ pub enum RecorderError {
         reason: String,
     },
     /// The program ended, or closed its output, before it was to end.
-    #[error("the recorder stopped before the step was shown: {reason}{}", last_words(.messages))]
+    #[error("the recorder stopped before the step was shown: {reason}")]
     EndedEarly {
         /// How it ended.
         reason: String,
@@ -66,7 +66,7 @@ pub enum RecorderError {
         messages: String,
     },
     /// The program wrote no line for too long.
-    #[error("the recorder wrote nothing for {} s{}", .limit.as_secs_f64(), last_words(.messages))]
+    #[error("the recorder wrote nothing for {} s", .limit.as_secs_f64())]
     Silent {
         /// [`RecorderLimits::silence`].
         limit: Duration,
@@ -74,7 +74,7 @@ pub enum RecorderError {
         messages: String,
     },
     /// The program wrote no complete line until its end.
-    #[error("the recorder wrote nothing{}", last_words(.messages))]
+    #[error("the recorder wrote nothing")]
     Empty {
         /// The last lines that it wrote to its standard error; empty if there are none.
         messages: String,
@@ -105,14 +105,15 @@ pub enum RecorderError {
     },
 }
 
-fn last_words(messages: &str) -> String {
-    match messages {
-        "" => String::new(),
-        lines => format!("; its last messages:\n{lines}"),
-    }
-}
-
 impl RecorderError {
+    /// Returns the last lines that the program wrote to its standard error; empty if there are none.
+    pub fn messages(&self) -> &str {
+        match self {
+            Self::EndedEarly { messages, .. } | Self::Silent { messages, .. } | Self::Empty { messages } => messages,
+            _ => "",
+        }
+    }
+
     /// Returns the next step for the user.
     pub fn hint(&self) -> &'static str {
         match self {
