@@ -204,7 +204,7 @@ fn a_recorder_that_cannot_be_used_is_an_error_and_the_step_is_asked_for_again() 
         (script("exec sleep 600"), 1, "error: the recorder wrote nothing for 1 s"),
         (script("exec sleep 600"), 2, "error: the recorder wrote nothing\n"),
         (
-            script("echo t,hand,x,y,z; exec sleep 600"),
+            script("echo t,hand,x,y,z; touch $folder/written; exec sleep 600"),
             2,
             "error: the recorder: no frames",
         ),
@@ -236,17 +236,15 @@ fn a_recorder_that_cannot_be_used_is_an_error_and_the_step_is_asked_for_again() 
             "missing: step 1 `move_hand(<drawer_handle>)`: only 1 frames",
         ),
     ] {
-        // Without this, a recorder may be silent before the second Enter.
-        let silence = if enters == 1 { "1" } else { "60" };
+        let silence = if expected.contains("for 1 s") { "1" } else { "60" };
         let mut talk = Talk::start(&mut bench.teach(&["--recorder", &recorder, "--silence", silence]));
         talk.until("Press Enter to begin.\n");
         talk.say("");
         if enters == 2 {
             let begins = recorder.contains("printf");
             talk.until(if begins { "Recording." } else { "Starting the recorder" });
-            if recorder.contains("echo t,hand") {
-                // Its one line is on its way.
-                std::thread::sleep(Duration::from_secs(1));
+            if recorder.contains("written") {
+                bench.wait_for("written");
             }
             talk.say("");
         }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use longstep_robot::CommandLine;
 use longstep_robot::recorder::{Recorder, RecorderError, RecorderLimits};
 
-const MOMENT: Duration = Duration::from_millis(300);
+const MOMENT: Duration = Duration::from_secs(1);
 
 fn limits() -> RecorderLimits {
     RecorderLimits {
