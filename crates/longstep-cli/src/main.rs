@@ -17,6 +17,7 @@ mod exit_code;
 mod explain;
 mod export;
 mod failure;
+mod input_lines;
 mod inputs;
 mod lanes;
 mod model;

@@ -1,6 +1,8 @@
 //! `longstep teach`: the skill parameters of a plan's steps, from demonstrations.
 
 mod questions;
+#[cfg(unix)]
+mod recorder;
 
 use std::fs::File;
 use std::io::Read;
@@ -21,6 +23,8 @@ use crate::exit_code::NOT_VALID;
 use crate::failure::Failure;
 use crate::output::{self, Style, print_line, remark};
 use crate::show;
+use questions::Questions;
+use recorder::StepRecorder;
 
 pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
     let draft = Draft::read(&DraftArguments {
@@ -54,9 +58,12 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
                 .into(),
         );
     }
-    let lesson = match arguments.demo.is_empty() {
-        true => questions::lesson(&requests, &expectations)?,
-        false => learn(&requests, &segments(arguments, &requests)?, &expectations),
+    let (lesson, repetition) = match arguments.demo.is_empty() {
+        true => {
+            let recorder = StepRecorder::of(arguments, requests.len())?;
+            Questions::new(&requests, &expectations, recorder).lesson()?
+        }
+        false => (learn(&requests, &segments(arguments, &requests)?, &expectations), None),
     };
     let file = skills_file(&requests, &lesson);
     // The program that reads the file is the one that wrote it: what it refuses is a defect of this command.
@@ -81,6 +88,9 @@ pub(crate) fn run(arguments: &TeachArguments) -> Result<u8> {
             lesson.findings.iter().for_each(tell);
         }
         conclude(arguments, &lesson);
+        if let Some(repetition) = repetition {
+            show::hint(&repetition);
+        }
     }
     Ok(match lesson.is_complete() {
         true => 0,
@@ -146,12 +156,56 @@ fn segments(arguments: &TeachArguments, requests: &[Request]) -> Result<Vec<Segm
     }
 }
 
+/// Recorders are ended with the process groups of Unix.
+#[cfg(not(unix))]
+mod recorder {
+    use anyhow::Result;
+    use longstep_teach::Segment;
+
+    use super::questions::Recording;
+    use crate::arguments::TeachArguments;
+    use crate::failure::Failure;
+    use crate::input_lines::InputLines;
+
+    /// There is none.
+    pub(super) enum StepRecorder {}
+
+    pub(super) enum Recorded {
+        Shown(Recording),
+        Answer(Option<String>),
+        Stopped,
+    }
+
+    impl StepRecorder {
+        pub(super) fn of(arguments: &TeachArguments, _: usize) -> Result<Option<Self>> {
+            match arguments.recorder {
+                None => Ok(None),
+                Some(_) => Err(Failure::unreadable("`--recorder` works on Unix only")
+                    .hint("record with your own program, and answer with its file")
+                    .into()),
+            }
+        }
+
+        pub(super) fn record(&self, _: usize, _: &mut InputLines) -> Result<Recorded> {
+            match *self {}
+        }
+
+        pub(super) fn command(&self) -> String {
+            match *self {}
+        }
+
+        pub(super) fn repetition(&self, _: &[&Segment]) -> String {
+            match *self {}
+        }
+    }
+}
+
 /// Reads a recording in the format that its name says.
 fn recording(path: &Path) -> Result<Demonstration> {
     let shown = path.display().to_string();
     let Some(format) = Format::of_name(&shown) else {
         return Err(Failure::unreadable(format!("{shown} is no recording"))
-            .hint("a recording is a .csv, .json or .mcap file")
+            .hint("a recording is a .csv, .json, .jsonl or .mcap file")
             .into());
     };
     let failed = |error: &std::io::Error| Failure::unreadable(format!("cannot read {shown}: {}", plain_reason(error)));

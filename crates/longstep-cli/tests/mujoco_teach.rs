@@ -11,6 +11,7 @@ use std::path::Path;
 use std::process::Output;
 
 use common::longstep;
+use common::talk::Talk;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -161,4 +162,60 @@ fn a_taught_plan_opens_the_door_and_the_drawer() {
             assert_eq!(last["environment"]["object_states"][handle], "open()", "{last}");
         }
     }
+}
+
+/// The simulated hand as a hand tracker: each step is recorded live, and the taught plan opens both.
+#[test]
+#[ignore = "needs LONGSTEP_MUJOCO, the Python that scripts/robots/mujoco.sh prints"]
+fn a_plan_is_taught_live_by_the_simulated_hand() {
+    let bench = Bench::new();
+    let python = std::env::var("LONGSTEP_MUJOCO").unwrap();
+    let tracker = root().join("examples/robots/mujoco/tracker.py").display().to_string();
+    let (plan, log) = (bench.file("plan.json"), bench.file("simulated.jsonl"));
+    let (skills, shown) = (bench.file("skills.json"), bench.file("shown"));
+    let run = ["run", &plan, "--robot", "sim", "--approve", "never", "--log", &log];
+    assert_eq!(bench.longstep(&run).status.code(), Some(0));
+    let recorder = format!("{python} {tracker} {log} --noise 0.005 --speed 4 --shown {shown}");
+    let mut command = longstep(bench.0.path());
+    let domain = root().join("examples/robots/mujoco/domain").display().to_string();
+    command.args([
+        "teach",
+        &plan,
+        "--domain",
+        &domain,
+        "-o",
+        &skills,
+        "--recorder",
+        &recorder,
+    ]);
+    let mut talk = Talk::start(&mut command);
+    // The robot finds its other ways by itself.
+    for question in ["turn the fridge handle to open", "slide the drawer handle to open"] {
+        talk.until(question);
+        talk.say("");
+        talk.until("Recording.");
+        let begun = std::time::Instant::now();
+        while !Path::new(&shown).exists() {
+            assert!(begun.elapsed().as_secs() < 120, "the step is not shown");
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        fs::remove_file(&shown).unwrap();
+        talk.say("");
+        talk.until("Saved ");
+    }
+    let (code, errors, results) = talk.finish();
+    assert_eq!(code, 0, "{errors}");
+    println!("{results}");
+
+    let values: Value = serde_json::from_str(&fs::read_to_string(&skills).unwrap()).unwrap();
+    let turn = &values["open-by-rotate"][0]["values"];
+    let radius = turn["radius"].as_f64().unwrap() - RADIUS;
+    let angle = turn["angle"].as_f64().unwrap().abs().to_degrees() - ANGLE;
+    let centre = distance(vector(&turn["centre"]), HINGE);
+    let way = vector(&values["open-by-slide"][0]["values"]["displacement"]);
+    let slide = distance(way, [0.0, -WAY, 0.0]);
+    println!("centre {centre:.4} m, radius {radius:+.4} m, angle {angle:+.2} degrees, displacement {slide:.4} m");
+    assert!(centre < 0.03 && radius.abs() < 0.03 && angle.abs() < 5.0 && slide < 0.025);
+    let run = bench.run(&domain, "run.jsonl", "", &["--skills", &skills]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
 }

@@ -1,4 +1,4 @@
-//! `longstep see` with scenes of boxes, and with pictures and a server that answers what a cassette has (`tests/see/*.json`).
+//! `longstep see` with scenes of boxes, and with pictures and a server that gives stored replies (`tests/see/*.json`).
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
 mod common;
@@ -7,20 +7,9 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use common::look::{SHELF, reply};
 use common::{Answer, Ran, Server, longstep, root, run};
 use serde_json::{Value, json};
-
-const SHELF: &str = "examples/see/shelf.png";
-
-/// The reply of a cassette.
-fn cassette(name: &str) -> Answer {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/see/{name}.json"));
-    let mut cassette: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-    Answer::Ends(
-        cassette["message"].take(),
-        cassette["finish"].as_str().unwrap().to_owned(),
-    )
-}
 
 fn says(text: &str) -> Answer {
     Answer::Says(text.to_owned())
@@ -88,7 +77,7 @@ fn a_scene_that_fits_no_world_is_saved_only_when_confirmed() {
 #[test]
 fn a_picture_is_sent_byte_by_byte_and_the_reply_becomes_an_environment() {
     let home = tempfile::tempdir().unwrap();
-    let (ran, server) = see(home.path(), vec![cassette("good")], &["--json", "--yes"], "");
+    let (ran, server) = see(home.path(), vec![reply("good")], &["--json", "--yes"], "");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let picture = STANDARD.encode(std::fs::read(root().join(SHELF)).unwrap());
     let body = &server.texts()[0];
@@ -110,7 +99,7 @@ fn a_picture_is_sent_byte_by_byte_and_the_reply_becomes_an_environment() {
 #[test]
 fn what_a_reply_lacks_is_resolved_or_left_out_and_listed() {
     let home = tempfile::tempdir().unwrap();
-    let (ran, _) = see(home.path(), vec![cassette("lenient")], &["--json"], "");
+    let (ran, _) = see(home.path(), vec![reply("lenient")], &["--json"], "");
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!(
         report["environment"]["object_states"],
@@ -135,12 +124,7 @@ fn a_contradictory_reply_is_shown_and_never_saved() {
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("env.json");
     let output = file.to_str().unwrap();
-    let (ran, _) = see(
-        home.path(),
-        vec![cassette("contradictory")],
-        &["--yes", "-o", output],
-        "",
-    );
+    let (ran, _) = see(home.path(), vec![reply("contradictory")], &["--yes", "-o", output], "");
     assert_eq!(ran.code, 10);
     for part in [
         "<juice> cannot be on <table> and inside <fridge>",
@@ -151,7 +135,7 @@ fn a_contradictory_reply_is_shown_and_never_saved() {
     assert!(!file.exists());
     // A person says how it is; what contradicts that gives way.
     let replies = vec![
-        cassette("contradictory"),
+        reply("contradictory"),
         says("The juice is in the fridge."),
         says("The fridge is open."),
     ];
@@ -167,7 +151,7 @@ fn a_contradictory_reply_is_shown_and_never_saved() {
 fn a_person_corrects_in_words() {
     let home = tempfile::tempdir().unwrap();
     let replies = vec![
-        cassette("good"),
+        reply("good"),
         says("The juice is on the shelf_top."),
         says("The knife is on the table. There is no spam."),
     ];
@@ -201,9 +185,9 @@ fn replies_that_cannot_be_used_are_errors() {
     let many: Vec<String> = (0..1000).map(|index| format!("thing {index}")).collect();
     let deep = format!("{}{}", r#"{"assets": "#, "[".repeat(100_000));
     for (reply, code, part) in [
-        (cassette("cut_off"), 20, "the model's answer was cut off"),
-        (cassette("refusing"), 40, "the model refused to answer"),
-        (cassette("nonsense"), 40, "the model's answer cannot be read"),
+        (reply("cut_off"), 20, "the model's answer was cut off"),
+        (reply("refusing"), 40, "the model refused to answer"),
+        (reply("nonsense"), 40, "the model's answer cannot be read"),
         (
             says(&json!({"assets": many, "objects": [], "states": []}).to_string()),
             40,

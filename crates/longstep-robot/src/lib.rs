@@ -14,6 +14,7 @@
 //!   also while another one waits for it.
 //! - [`process::Process`]: a robot behind another program, in any language. [`ros2::Ros2`]: one behind ROS 2.
 //! - [`virtualhome::VirtualHome`]: a character in the VirtualHome simulator.
+//! - [`recorder::Recorder`]: a program that records the hand of a person who shows a step.
 //! - [`DryRun`]: shows what a robot would be sent, and moves nothing. [`Exclusive`]: a robot that no other program drives.
 //!
 //! Usage:
@@ -35,6 +36,10 @@ mod preflight;
 /// Process groups and pipes that do not block are those of Unix.
 #[cfg(unix)]
 pub mod process;
+#[cfg(unix)]
+mod program;
+#[cfg(unix)]
+pub mod recorder;
 mod robot;
 pub mod ros2;
 mod run_log;
@@ -50,6 +55,8 @@ pub use exclusive::Exclusive;
 pub use observation::{Observation, Scope};
 pub use order::{ArgumentValue, Order};
 pub use preflight::preflight;
+#[cfg(unix)]
+pub use program::{CommandLine, CommandLineError};
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};
 pub use run_log::{RunHeader, RunLog, RunLogError};
 pub use sim::{Mishap, Sim, SimCounts, SimOptions, SimOptionsError};

@@ -1,6 +1,6 @@
-//! Recordings from CSV, JSON and MCAP.
+//! Recordings from CSV, JSON, JSON Lines and MCAP.
 //!
-//! All three have the same columns: a line of CSV, an object of a JSON list, and a JSON message of MCAP are one [`Frame`].
+//! All have the same columns: a line of CSV, an object of a JSON list or line, and a JSON message of MCAP are one [`Frame`].
 
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -28,6 +28,8 @@ pub enum Format {
     Csv,
     /// A list of objects.
     Json,
+    /// An object on each line.
+    JsonLines,
     /// A container of messages, of which the JSON channels are read.
     Mcap,
 }
@@ -45,8 +47,33 @@ impl Format {
         match ending.to_ascii_lowercase().as_str() {
             "csv" => Some(Self::Csv),
             "json" => Some(Self::Json),
+            "jsonl" => Some(Self::JsonLines),
             "mcap" => Some(Self::Mcap),
             _ => None,
+        }
+    }
+
+    /// Returns the format of a text that is written line by line: JSON Lines if it begins with an object, else CSV.
+    ///
+    /// ```
+    /// use longstep_teach::Format;
+    /// assert_eq!(Format::of_lines(b"{\"t\": 0}\n"), Format::JsonLines);
+    /// assert_eq!(Format::of_lines(b"t,hand,x,y,z\n"), Format::Csv);
+    /// ```
+    pub fn of_lines(text: &[u8]) -> Self {
+        match text.trim_ascii_start().first() {
+            Some(b'{') => Self::JsonLines,
+            _ => Self::Csv,
+        }
+    }
+
+    /// Returns the ending of the names of such files, without the dot.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Json => "json",
+            Self::JsonLines => "jsonl",
+            Self::Mcap => "mcap",
         }
     }
 }
@@ -126,6 +153,7 @@ impl Demonstration {
         match format {
             Format::Csv => read_csv(bytes, &mut builder)?,
             Format::Json => read_json(bytes, &mut builder)?,
+            Format::JsonLines => read_json_lines(bytes, &mut builder)?,
             Format::Mcap => read_mcap(bytes, &mut builder)?,
         }
         let mut recording = builder.recording;
@@ -171,6 +199,16 @@ fn read_json(bytes: &[u8], builder: &mut Builder) -> Result<(), ReadError> {
         (None, Err(error)) => Err(builder.error(format!("expected a list of frames: {error}"))),
         (None, Ok(())) => Ok(()),
     }
+}
+
+fn read_json_lines(bytes: &[u8], builder: &mut Builder) -> Result<(), ReadError> {
+    let lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    for line in lines.filter(|line| !line.is_empty()) {
+        let row =
+            serde_json::from_slice(line).map_err(|error| builder.error(format!("expected an object: {error}")))?;
+        builder.add(row, None)?;
+    }
+    Ok(())
 }
 
 /// The rows of a JSON list, added while they are read: a list that is too long is not read to its end.

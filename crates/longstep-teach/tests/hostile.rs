@@ -48,6 +48,8 @@ fn all_formats_give_the_same_frames() {
     let of = |format, bytes: &[u8]| Demonstration::read("demo", format, bytes).unwrap();
     let expected = of(Format::Csv, text.as_bytes());
     assert_eq!(of(Format::Json, json.as_bytes()), expected);
+    let lines = rows.join("\r\n\n");
+    assert_eq!(of(Format::JsonLines, lines.as_bytes()), expected);
     assert_eq!(of(Format::Mcap, &mcap_of(&rows, None)), expected);
     // Without `t`, the time of the message counts.
     let logged = of(Format::Mcap, &mcap_of(&[ROW.to_owned(), ROW.to_owned()], None));
@@ -125,6 +127,18 @@ fn mistakes_have_a_place_and_a_reason() {
             "number out of range",
         ),
         (Format::Json, "[", "expected a list of frames: EOF"),
+        (Format::JsonLines, "", "demo: no frames"),
+        (Format::JsonLines, "[]\n", "frame 1: expected an object: invalid length"),
+        (
+            Format::JsonLines,
+            "{\"t\": 0, \"hand\": \"left\", \"x\": 0, \"y\": 0, \"z\": 0}\n{\"t\": 1, \"hand\"",
+            "frame 2: expected an object: EOF",
+        ),
+        (
+            Format::JsonLines,
+            "{\"t\": 0, \"hand\": \"left\", \"x\": 0, \"y\": 0, \"z\": 0} {}",
+            "frame 1: expected an object: trailing characters",
+        ),
         (Format::Mcap, "mcap", "not an MCAP file"),
     ] {
         let error = Demonstration::read("demo", format, text.as_bytes())
@@ -155,7 +169,12 @@ fn too_many_frames_are_refused_before_they_are_all_read() {
 }
 
 fn formats() -> impl Strategy<Value = Format> {
-    prop_oneof![Just(Format::Csv), Just(Format::Json), Just(Format::Mcap)]
+    prop_oneof![
+        Just(Format::Csv),
+        Just(Format::Json),
+        Just(Format::JsonLines),
+        Just(Format::Mcap)
+    ]
 }
 
 proptest! {
@@ -176,6 +195,7 @@ proptest! {
         let mut bytes: Cow<'_, [u8]> = match format {
             Format::Csv => Cow::Borrowed(b"t,hand,x,y,z,grip,step\n0,left,0,0,0,1,1\n0.1,left,0,0,1,1,2\n0.2,right,0,0,0,0,2\n"),
             Format::Json => Cow::Owned(format!("[{}]", rows.join(",")).into_bytes()),
+            Format::JsonLines => Cow::Owned(rows.join("\n").into_bytes()),
             Format::Mcap => Cow::Owned(mcap_of(&rows, None)),
         };
         for (place, byte) in &changes {

@@ -1,18 +1,27 @@
 //! The arguments of `longstep teach`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use longstep_teach::Hand;
+
+use super::seconds;
 
 #[derive(Debug, Args)]
 pub(crate) struct TeachArguments {
     /// Plan: a verified plan in the paper's JSON format
     #[arg(value_name = "PLAN.json")]
     pub(crate) plan: PathBuf,
-    /// Recording of the hand: .csv, .json or .mcap; several files: one for each step [default: ask for each step]
+    /// Recording of the hand: .csv, .json, .jsonl or .mcap; several files: one for each step [default: ask for each step]
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub(crate) demo: Vec<PathBuf>,
+    /// Program that records the hand while you show a step: it writes CSV or JSON Lines to its standard output until Ctrl-C
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["demo", "segments", "json"])]
+    pub(crate) recorder: Option<String>,
+    /// Longest time in seconds in which the recorder may write nothing [default: 30]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "recorder")]
+    pub(crate) silence: Option<Duration>,
     /// Times of the steps in a recording, in seconds: 1:0-2.4,2:2.4-3.1
     #[arg(long, value_name = "STEP:FROM-TO,...", requires = "demo")]
     pub(crate) segments: Option<String>,

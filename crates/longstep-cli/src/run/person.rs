@@ -1,11 +1,11 @@
 //! Decisions of the person at the terminal.
 
-use std::io::{BufRead, IsTerminal, Read};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::io::IsTerminal;
 use std::time::Duration;
 
 use longstep_robot::StopRequest;
 
+use crate::input_lines::{InputLines, Waited};
 use crate::output::remark;
 
 /// Maximum length of an answer.
@@ -31,23 +31,23 @@ pub(crate) fn decision(line: &str) -> Option<bool> {
     }
 }
 
-/// The person at the terminal. Lines are read in a thread, so that a signal ends the wait for an answer.
+/// The person at the terminal. A signal ends the wait for an answer.
 pub(super) struct Person {
-    lines: Option<Receiver<String>>,
+    lines: InputLines,
     request: StopRequest,
 }
 
 impl Person {
     pub(super) fn new(request: StopRequest) -> Self {
-        Self { lines: None, request }
+        let lines = InputLines::new(LONGEST);
+        Self { lines, request }
     }
 
     fn line(&mut self) -> Option<String> {
-        let lines = self.lines.get_or_insert_with(read_lines);
         loop {
-            match lines.recv_timeout(LOOK) {
-                Ok(line) => return Some(line),
-                Err(RecvTimeoutError::Disconnected) => {
+            match self.lines.wait(LOOK) {
+                Ok(Waited::Line(line)) => return Some(line),
+                Ok(Waited::Ended) | Err(_) => {
                     let why = match std::io::stdin().is_terminal() {
                         true => "the input has ended",
                         false => "nobody can answer; pass `--approve never` to run without questions",
@@ -55,8 +55,8 @@ impl Person {
                     remark!("{why}");
                     return None;
                 }
-                Err(RecvTimeoutError::Timeout) if self.request.is_requested() => return None,
-                Err(RecvTimeoutError::Timeout) => {}
+                Ok(Waited::Nothing) if self.request.is_requested() => return None,
+                Ok(Waited::Nothing) => {}
             }
         }
     }
@@ -71,19 +71,4 @@ impl Decide for Person {
             }
         }
     }
-}
-
-fn read_lines() -> Receiver<String> {
-    let (sender, receiver) = channel();
-    std::thread::spawn(move || {
-        let mut stdin = std::io::stdin().lock();
-        loop {
-            let mut line = String::new();
-            match stdin.by_ref().take(LONGEST).read_line(&mut line) {
-                Ok(1..) if sender.send(line).is_ok() => {}
-                _ => return,
-            }
-        }
-    });
-    receiver
 }

@@ -1,6 +1,12 @@
-//! The shared parts of the tests of the program: a small server that speaks OpenAI's dialect and says what it is told to, and
-//! the program with its input and output.
+//! The shared parts of the tests of the program: a small server that speaks the dialects of OpenAI, Anthropic and Gemini and
+//! says what it is told to, and the program with its input and output.
 #![allow(dead_code, clippy::unwrap_used, clippy::panic, missing_docs, unreachable_pub)]
+
+mod dialect;
+pub mod drawer;
+pub mod look;
+#[cfg(unix)]
+pub mod talk;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -11,6 +17,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use dialect::Dialect;
 use serde_json::{Value, json};
 
 pub const PANTRY: &str = "examples/environments/pantry.json";
@@ -55,6 +62,7 @@ pub fn another_goal() -> Answer {
 pub struct Server {
     address: String,
     bodies: Arc<Mutex<Vec<Value>>>,
+    heads: Arc<Mutex<Vec<String>>>,
     texts: Arc<Mutex<Vec<String>>>,
     others: Arc<AtomicUsize>,
 }
@@ -72,19 +80,20 @@ impl Server {
         let server = Self {
             address: format!("http://{}/v1", listener.local_addr().unwrap()),
             bodies: Arc::default(),
+            heads: Arc::default(),
             texts: Arc::default(),
             others: Arc::default(),
         };
         let (bodies, others, answer) = (server.bodies.clone(), server.others.clone(), Arc::new(answer));
-        let texts = server.texts.clone();
+        let (heads, texts) = (server.heads.clone(), server.texts.clone());
         // It ends with the test's process.
         thread::spawn(move || {
             for stream in listener.incoming() {
                 let (bodies, others, answer) = (bodies.clone(), others.clone(), answer.clone());
-                let texts = texts.clone();
+                let (heads, texts) = (heads.clone(), texts.clone());
                 // A client that was killed in the middle is no reason to stop.
                 thread::spawn(move || {
-                    stream.and_then(|stream| attend(stream, &bodies, &texts, &others, answer.as_ref()))
+                    stream.and_then(|stream| attend(stream, &bodies, &heads, &texts, &others, answer.as_ref()))
                 });
             }
         });
@@ -93,6 +102,11 @@ impl Server {
 
     pub fn address(&self) -> &str {
         &self.address
+    }
+
+    /// The address without the version of the API, as other dialects have it.
+    pub fn base(&self) -> &str {
+        self.address.strip_suffix("/v1").unwrap()
     }
 
     /// The reference for `--model`.
@@ -110,6 +124,11 @@ impl Server {
         self.texts.lock().unwrap().clone()
     }
 
+    /// The request lines and headers of the requests for replies so far.
+    pub fn heads(&self) -> Vec<String> {
+        self.heads.lock().unwrap().clone()
+    }
+
     /// How often it was asked for something else, as the size of the context.
     pub fn others(&self) -> usize {
         self.others.load(Ordering::SeqCst)
@@ -119,6 +138,7 @@ impl Server {
 fn attend(
     mut stream: TcpStream,
     bodies: &Mutex<Vec<Value>>,
+    heads: &Mutex<Vec<String>>,
     texts: &Mutex<Vec<String>>,
     others: &AtomicUsize,
     answer: &(dyn Fn(usize, &Value) -> Answer + Send + Sync),
@@ -126,7 +146,7 @@ fn attend(
     let mut reader = BufReader::new(stream.try_clone()?);
     let mut method = String::new();
     reader.read_line(&mut method)?;
-    let mut length = 0;
+    let (mut length, mut head) = (0, method.clone());
     loop {
         let mut line = String::new();
         if reader.read_line(&mut line)? == 0 || line == "\r\n" {
@@ -135,33 +155,43 @@ fn attend(
         if let Some(value) = line.to_lowercase().strip_prefix("content-length:") {
             length = value.trim().parse().unwrap();
         }
+        head.push_str(&line);
     }
     // What else servers of this kind can be asked, this one does not know.
-    if !method.starts_with("POST /v1/chat/completions") {
+    let Some(dialect) = Dialect::of(&method) else {
         others.fetch_add(1, Ordering::SeqCst);
         return write!(
             stream,
             "HTTP/1.1 404 X\r\ncontent-length: 0\r\nconnection: close\r\n\r\n"
         );
-    }
+    };
     let mut body = vec![0; length];
     reader.read_exact(&mut body)?;
     texts.lock().unwrap().push(String::from_utf8(body.clone()).unwrap());
+    heads.lock().unwrap().push(head);
     let body: Value = serde_json::from_slice(&body)?;
-    let streams = body["stream"] == json!(true);
+    // Gemini has it in the path.
+    let streams = body["stream"] == json!(true) || dialect == Dialect::Gemini;
     let number = {
         let mut bodies = bodies.lock().unwrap();
         bodies.push(body.clone());
         bodies.len() - 1
     };
     let (status, text) = match answer(number, &body) {
-        Answer::Says(content) if streams => (200, streamed(&completion(&content))),
+        Answer::Says(content) if streams => (200, dialect.streamed(&completion(&content))),
         Answer::Says(content) => (200, completion(&content).to_string()),
         Answer::Ends(message, finish) => {
             let mut answer = completion("");
             answer["choices"][0]["message"] = message;
             answer["choices"][0]["finish_reason"] = finish.into();
-            (200, if streams { streamed(&answer) } else { answer.to_string() })
+            (
+                200,
+                if streams {
+                    dialect.streamed(&answer)
+                } else {
+                    answer.to_string()
+                },
+            )
         }
         Answer::Status(status, error) => (status, error.to_string()),
         Answer::Silence(time) => {

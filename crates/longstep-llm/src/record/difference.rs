@@ -1,9 +1,11 @@
 //! The difference between a request and the recorded requests.
 
-use super::wire::{WireConstraint, WireMessage, WireRequest};
+use super::wire::{WireConstraint, WireMessage, WirePicture, WireRequest};
 
 /// Characters to show around a difference.
 const SHOWN: usize = 40;
+/// Digits of a picture's hash to show.
+const HASH_SHOWN: usize = 12;
 
 /// The difference from the most similar recorded request, in one line.
 pub(super) fn nearest<'a>(requested: &WireRequest, recorded: impl Iterator<Item = &'a WireRequest>) -> String {
@@ -74,9 +76,32 @@ fn message(requested: &WireMessage, recorded: &WireMessage) -> String {
         return format!("recorded from {:?}, requested from {:?}", recorded.role, requested.role);
     }
     if requested.text == recorded.text {
-        return "the pictures".into();
+        return pictures(&requested.pictures, &recorded.pictures);
     }
     texts(&requested.text, &recorded.text)
+}
+
+/// The first pictures that differ, by their hashes: a recording has no copies of them.
+fn pictures(requested: &[WirePicture], recorded: &[WirePicture]) -> String {
+    let (many, few) = (requested.len(), recorded.len());
+    if many != few {
+        return format!("the number of pictures: recorded {few}, requested {many}");
+    }
+    let pairs = requested.iter().zip(recorded).enumerate();
+    let differs = |(_, (requested, recorded)): &(usize, (&WirePicture, &WirePicture))| requested != recorded;
+    let named = |picture: &WirePicture| {
+        let hash: String = picture.sha256.chars().take(HASH_SHOWN).collect();
+        format!("{} with the SHA-256 {hash}...", picture.media_type)
+    };
+    match pairs.into_iter().find(differs) {
+        Some((number, (requested, recorded))) => format!(
+            "picture {}: recorded {}, requested {}",
+            number + 1,
+            named(recorded),
+            named(requested)
+        ),
+        None => "the pictures".to_owned(),
+    }
 }
 
 fn constraint(constraint: &WireConstraint) -> String {

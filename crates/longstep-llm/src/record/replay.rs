@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, EstimatedTokens, Message, Reply, TokenCounter};
 
 use super::difference;
-use super::wire::{Line, VERSION, WireHead, WireReply, WireRequest};
+use super::wire::{Line, VERSION, WireHead, WireMessage, WireReply, WireRequest};
 use crate::bounded::{LOG_LIMIT, read_text_bounded};
 use crate::{ChatModel, ModelError, Watch};
 
@@ -16,7 +16,8 @@ pub(crate) struct Replay {
     path: PathBuf,
     head: WireHead,
     turns: Vec<Turn>,
-    counts: HashMap<Message, u64>,
+    /// By the recorded form of a message, which has the hashes of its pictures.
+    counts: HashMap<WireMessage, u64>,
     frame: Option<u64>,
 }
 
@@ -56,7 +57,7 @@ impl Replay {
                     given: false,
                 }),
                 Line::Count(count) => {
-                    counts.entry(count.message.into()).or_insert(count.tokens);
+                    counts.entry(count.message).or_insert(count.tokens);
                 }
                 Line::Frame(tokens) => {
                     frame.get_or_insert(tokens);
@@ -113,7 +114,7 @@ impl ChatModel for Replay {
 impl TokenCounter for Replay {
     /// The recorded count, or an estimate for a message that was not counted.
     fn message_tokens(&mut self, message: &Message) -> u64 {
-        let known = self.counts.get(message).copied();
+        let known = self.counts.get(&WireMessage::from(message)).copied();
         known.unwrap_or_else(|| EstimatedTokens::default().message_tokens(message))
     }
 

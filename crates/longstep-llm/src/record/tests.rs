@@ -1,4 +1,4 @@
-use longstep::dialogue::{Constraint, EstimatedTokens, Finish, Likelihood, Role, Usage};
+use longstep::dialogue::{Constraint, EstimatedTokens, Finish, Likelihood, Picture, Role, Usage};
 use serde_json::json;
 
 use super::*;
@@ -166,6 +166,53 @@ fn what_differs_is_told() {
         assert!(error.to_string().ends_with(expected), "{error}");
         assert!(error.hint().is_some());
     }
+}
+
+#[test]
+fn pictures_are_compared_by_their_content() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("look.jsonl");
+    let picture = |content: &[u8]| Picture::new([b"\x89PNG\r\n\x1a\n", content].concat()).unwrap();
+    let showing = |pictures: &[&[u8]]| {
+        let pictures = pictures.iter().map(|content| picture(content)).collect();
+        Message::new(Role::User, "Look.").with_pictures(pictures)
+    };
+    let asking = |pictures: &[&[u8]]| {
+        let mut request = request("");
+        request.messages[1] = showing(pictures);
+        request
+    };
+    let mut model = Recording::new(Box::new(Numbering(0)), &path).unwrap();
+    model.chat(&asking(&[b"table", b"shelf"]), &mut quiet).unwrap();
+    model.message_tokens(&showing(&[b"table"]));
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(text.matches("\"sha256\"").count(), 3);
+    assert!(!text.contains("shelf"), "{text}");
+
+    let mut model = replay(&path).unwrap();
+    assert_eq!(model.message_tokens(&showing(&[b"table"])), 1005);
+    let estimate = EstimatedTokens::default().message_tokens(&showing(&[]));
+    assert_eq!(model.message_tokens(&showing(&[b"shelf"])), estimate);
+    for (pictures, expected) in [
+        (
+            &[&b"table"[..], b"door"][..],
+            "message 2: picture 2: recorded image/png with the SHA-256 ab7227178e98..., requested image/png with the SHA-256 ",
+        ),
+        (
+            &[b"shelf", b"table"],
+            "message 2: picture 1: recorded image/png with the SHA-256 ",
+        ),
+        (
+            &[b"table"],
+            "message 2: the number of pictures: recorded 2, requested 1",
+        ),
+        (&[], "message 2: the number of pictures: recorded 2, requested 0"),
+    ] {
+        let error = model.chat(&asking(pictures), &mut quiet).unwrap_err();
+        assert!(error.to_string().contains(expected), "{error}");
+    }
+    let reply = model.chat(&asking(&[b"table", b"shelf"]), &mut quiet).unwrap();
+    assert_eq!(reply.text, "answer 1");
 }
 
 #[test]

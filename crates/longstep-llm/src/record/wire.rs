@@ -58,7 +58,7 @@ pub(super) struct WireCount {
     pub(super) tokens: u64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(super) struct WireMessage {
     pub(super) role: WireRole,
     pub(super) text: String,
@@ -68,7 +68,7 @@ pub(super) struct WireMessage {
 }
 
 /// A picture, identified by its SHA-256 hash.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(super) struct WirePicture {
     pub(super) media_type: String,
     pub(super) sha256: String,
@@ -84,7 +84,7 @@ impl From<&Picture> for WirePicture {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum WireRole {
     System,
@@ -171,17 +171,6 @@ impl From<&Message> for WireMessage {
             text: message.text.clone(),
             pictures: message.pictures.iter().map(WirePicture::from).collect(),
         }
-    }
-}
-
-impl From<WireMessage> for Message {
-    fn from(message: WireMessage) -> Self {
-        let role = match message.role {
-            WireRole::System => Role::System,
-            WireRole::User => Role::User,
-            WireRole::Assistant => Role::Assistant,
-        };
-        Self::new(role, message.text)
     }
 }
 

@@ -158,6 +158,10 @@ struct Calibrated {
 
 impl Calibrated {
     fn learn(&mut self, messages: &[Message], prompt_tokens: u64) {
+        // Pictures have tokens and no characters.
+        if messages.iter().any(|message| !message.pictures.is_empty()) {
+            return;
+        }
         let around = EstimatedTokens::default().around * (messages.len() as u64 + 1);
         let characters: usize = messages.iter().map(|message| message.text.chars().count()).sum();
         // A server that counts no tokens, or not all, is ignored.
@@ -193,6 +197,8 @@ impl Calibrated {
 
 #[cfg(test)]
 mod tests {
+    use longstep::dialogue::Picture;
+
     use super::*;
     use crate::StopFlag;
 
@@ -204,6 +210,8 @@ mod tests {
         // Zero tokens, and an implausible number.
         estimate.learn(std::slice::from_ref(&message), 0);
         estimate.learn(std::slice::from_ref(&message), 5000);
+        let picture = Picture::new(b"\x89PNG\r\n\x1a\n".to_vec()).unwrap();
+        estimate.learn(&[message.clone().with_pictures(vec![picture])], 108);
         assert_eq!(estimate.replies, 0);
         estimate.learn(std::slice::from_ref(&message), 108);
         assert_eq!(estimate.now().characters, 4.0);

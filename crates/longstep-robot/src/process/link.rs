@@ -5,12 +5,11 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::child::Child;
-use super::lines::{Lines, TooLong};
 use super::message::{self, Incoming, LINE_LIMIT, Refusal, broken};
 use crate::description::Timeouts;
 use crate::error::RobotError;
 use crate::order::Order;
+use crate::program::{Child, Lines, TooLong};
 use crate::robot::{Feedback, Progress};
 
 /// The feedback of an order that is kept until it is polled. Older feedback is dropped.
@@ -213,7 +212,7 @@ impl Link {
             self.closed = Some(now);
         }
         loop {
-            match self.lines.next() {
+            match self.lines.next(LINE_LIMIT) {
                 Ok(None) => return,
                 Ok(Some(line)) => self.receive(&line),
                 Err(TooLong) => {

@@ -8,8 +8,6 @@
 //! - The program and its children are ended at the latest one stop timeout after a stop, and again one after that.
 //! - Everything that is read has a bound: a line, the feedback of a step, the messages on standard error.
 
-mod child;
-mod lines;
 mod link;
 mod message;
 
@@ -21,7 +19,6 @@ use std::time::{Duration, Instant};
 use longstep_core::environment::Environment;
 use serde_json::json;
 
-use child::{Child, Watched};
 use link::{Link, Reply};
 use message::{initialized, observed};
 
@@ -29,6 +26,7 @@ use crate::description::Description;
 use crate::error::RobotError;
 use crate::observation::{Observation, Scope};
 use crate::order::{Handle, Order};
+use crate::program::{Child, CommandLine, Watched};
 use crate::robot::{Progress, Robot, StopSwitch};
 use crate::stop::StopRequest;
 
@@ -40,9 +38,7 @@ const TICK: Duration = Duration::from_millis(20);
 /// The program of a robot.
 #[derive(Debug, Clone)]
 pub struct Command {
-    /// The program and its arguments.
-    words: Vec<String>,
-    folder: Option<PathBuf>,
+    line: CommandLine,
     domain: Option<String>,
     environment: Option<Environment>,
     startup: Duration,
@@ -65,23 +61,21 @@ impl Command {
     ///
     /// An empty command, and a quote that does not end.
     pub fn parse(text: &str) -> Result<Self, RobotError> {
-        let unreachable = |reason: &str| RobotError::Unreachable {
+        let line = CommandLine::parse(text).map_err(|error| RobotError::Unreachable {
             robot: longstep_core::visible::line(text).into_owned(),
-            reason: reason.to_owned(),
-        };
-        let words =
-            shlex::split(text).ok_or_else(|| unreachable("a quote or a backslash at its end is not complete"))?;
-        if words.is_empty() {
-            return Err(unreachable("it names no program"));
-        }
-        Ok(Self::new(words))
+            reason: error.to_string(),
+        })?;
+        Ok(Self::of(line))
     }
 
     /// Returns the command with these words; the first is the program.
     pub fn new<W: Into<String>>(words: impl IntoIterator<Item = W>) -> Self {
+        Self::of(CommandLine::new(words))
+    }
+
+    fn of(line: CommandLine) -> Self {
         Self {
-            words: words.into_iter().map(Into::into).collect(),
-            folder: None,
+            line,
             domain: None,
             environment: None,
             startup: Duration::from_secs(30),
@@ -91,7 +85,7 @@ impl Command {
     /// Runs the program in this folder.
     #[must_use]
     pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
-        self.folder = Some(folder.into());
+        self.line = self.line.folder(folder);
         self
     }
 
@@ -126,7 +120,11 @@ impl Command {
     ///
     /// As for [`Command::open`]; [`RobotError::Stopped`] after the request.
     pub fn open_until(self, request: &StopRequest) -> Result<Process, RobotError> {
-        let (child, watched) = Child::spawn(&self.words, self.folder.as_deref())?;
+        let unreachable = |error: std::io::Error| RobotError::Unreachable {
+            robot: self.line.to_string(),
+            reason: error.to_string(),
+        };
+        let (child, watched) = Child::spawn(&self.line).map_err(unreachable)?;
         let shared = Arc::new(Shared {
             link: Mutex::new(Link::new(child)),
             changed: Condvar::new(),
@@ -135,13 +133,10 @@ impl Command {
         let thread = std::thread::Builder::new().spawn(move || watch(&watcher, &watched));
         let thread = thread.map_err(|error| {
             shared.lock().kill();
-            RobotError::Unreachable {
-                robot: self.words.join(" "),
-                reason: error.to_string(),
-            }
+            unreachable(error)
         })?;
         let mut process = Process {
-            description: Description::new(self.words.first().map_or("", String::as_str)),
+            description: Description::new(self.line.program()),
             shared,
             thread: Some(thread),
         };

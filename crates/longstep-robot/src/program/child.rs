@@ -1,9 +1,8 @@
-//! The program of a robot: its process group, its pipes, its end.
+//! A program that was started: its process group, its pipes, its end.
 
 use std::io::{Read, Write};
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::Path;
 use std::process::{ChildStderr, ChildStdin, ChildStdout, Stdio};
 use std::time::Duration;
 
@@ -11,7 +10,7 @@ use longstep_core::visible;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
-use crate::error::RobotError;
+use super::CommandLine;
 
 /// The last bytes of standard error that are kept for messages.
 const MESSAGES_LIMIT: usize = 4096;
@@ -21,9 +20,9 @@ const MESSAGES_LIMIT: usize = 4096;
 const LOOK_LIMIT: usize = 1 << 20;
 
 /// A program in a process group of its own, so that its end ends its children, and a Ctrl-C in the terminal does not
-/// reach it before its `stop`.
+/// reach it before this program has told it to stop. Dropping it ends it.
 #[derive(Debug)]
-pub(super) struct Child {
+pub(crate) struct Child {
     process: std::process::Child,
     input: Option<ChildStdin>,
     output: Option<ChildStdout>,
@@ -31,43 +30,37 @@ pub(super) struct Child {
     messages: Vec<u8>,
     /// The end of the program; none while it runs.
     ended: Option<String>,
+    /// True after the process was reaped: its number may belong to another process from then on.
+    reaped: bool,
 }
 
 impl Child {
     /// Starts a program, with handles to wait for what it writes.
-    pub(super) fn spawn(words: &[String], folder: Option<&Path>) -> Result<(Self, Watched), RobotError> {
-        let unreachable = |error: std::io::Error| RobotError::Unreachable {
-            robot: visible::line(&words.join(" ")).into_owned(),
-            reason: error.to_string(),
-        };
-        let program = words.first().map_or("", String::as_str);
-        let mut command = std::process::Command::new(program);
-        command.args(&words[words.len().min(1)..]);
-        command
+    ///
+    /// # Errors
+    ///
+    /// The program cannot be started, or its pipes cannot be set up. Nothing runs then.
+    pub(crate) fn spawn(line: &CommandLine) -> std::io::Result<(Self, Watched)> {
+        let mut process = line
+            .command()
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
-            .process_group(0);
-        if let Some(folder) = folder {
-            command.current_dir(folder);
-        }
-        let mut process = command.spawn().map_err(unreachable)?;
+            .process_group(0)
+            .spawn()?;
         let (input, output, errors) = (process.stdin.take(), process.stdout.take(), process.stderr.take());
-        let mut child = Self {
+        let child = Self {
             process,
             input,
             output,
             errors,
             messages: Vec::new(),
             ended: None,
+            reaped: false,
         };
-        match child.unblock().and_then(|()| child.watched()) {
-            Ok(watched) => Ok((child, watched)),
-            Err(error) => {
-                child.end();
-                Err(unreachable(error))
-            }
-        }
+        child.unblock()?;
+        let watched = child.watched()?;
+        Ok((child, watched))
     }
 
     /// Makes reading and writing return at once.
@@ -98,7 +91,7 @@ impl Child {
     }
 
     /// Appends what the program wrote to its standard output. Returns false at its end.
-    pub(super) fn read(&mut self, bytes: &mut Vec<u8>) -> bool {
+    pub(crate) fn read(&mut self, bytes: &mut Vec<u8>) -> bool {
         match &mut self.output {
             Some(output) => {
                 let is_open = read_available(output, |piece| bytes.extend_from_slice(piece));
@@ -112,7 +105,7 @@ impl Child {
     }
 
     /// Keeps the last messages of its standard error.
-    pub(super) fn read_messages(&mut self) {
+    pub(crate) fn read_messages(&mut self) {
         let messages = &mut self.messages;
         let mut keep = |piece: &[u8]| {
             messages.extend_from_slice(piece);
@@ -127,7 +120,7 @@ impl Child {
     }
 
     /// Returns the last messages for people, whole lines where there are several.
-    pub(super) fn messages(&mut self) -> String {
+    pub(crate) fn messages(&mut self) -> String {
         self.read_messages();
         let text = String::from_utf8_lossy(&self.messages);
         let whole = match text.split_once('\n') {
@@ -142,7 +135,7 @@ impl Child {
     /// # Errors
     ///
     /// The program does not read any more.
-    pub(super) fn write(&mut self, bytes: &mut Vec<u8>) -> std::io::Result<()> {
+    pub(crate) fn write(&mut self, bytes: &mut Vec<u8>) -> std::io::Result<()> {
         while !bytes.is_empty() {
             let Some(input) = &mut self.input else {
                 return Err(std::io::ErrorKind::BrokenPipe.into());
@@ -158,12 +151,12 @@ impl Child {
     }
 
     /// Closes its standard input.
-    pub(super) fn close_input(&mut self) {
+    pub(crate) fn close_input(&mut self) {
         self.input = None;
     }
 
     /// Returns how the program ended; none while it runs. Its process is not reaped, so its group keeps its number.
-    pub(super) fn exit(&mut self) -> Option<&str> {
+    pub(crate) fn exit(&mut self) -> Option<&str> {
         if self.ended.is_none() {
             let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
             if let Ok(Some(status)) = waitid(WaitId::Pid(self.pid()), options) {
@@ -177,8 +170,19 @@ impl Child {
         self.ended.as_deref()
     }
 
+    /// Sends the program and its children the signal of Ctrl-C, after which they may write the rest and end.
+    pub(crate) fn interrupt(&self) {
+        if !self.reaped {
+            // The only error is that the group is gone already.
+            let _gone = kill_process_group(self.pid(), Signal::INT);
+        }
+    }
+
     /// Ends the program with its children, and reaps it.
-    pub(super) fn end(&mut self) {
+    pub(crate) fn end(&mut self) {
+        if std::mem::replace(&mut self.reaped, true) {
+            return;
+        }
         (self.input, self.output) = (None, None);
         // The only error is that the group is gone already.
         let _gone = kill_process_group(self.pid(), Signal::KILL);
@@ -195,6 +199,12 @@ impl Child {
 
     fn pid(&self) -> Pid {
         Pid::from_child(&self.process)
+    }
+}
+
+impl Drop for Child {
+    fn drop(&mut self) {
+        self.end();
     }
 }
 
@@ -219,11 +229,11 @@ fn read_available(pipe: &mut impl Read, mut use_piece: impl FnMut(&[u8])) -> boo
 
 /// The pipes that a program writes to.
 #[derive(Debug)]
-pub(super) struct Watched(Vec<OwnedFd>);
+pub(crate) struct Watched(Vec<OwnedFd>);
 
 impl Watched {
     /// Waits until there is something to read, or the time is over.
-    pub(super) fn wait(&self, limit: Duration) {
+    pub(crate) fn wait(&self, limit: Duration) {
         let mut pipes: Vec<PollFd<'_>> = self.0.iter().map(|pipe| PollFd::new(pipe, PollFlags::IN)).collect();
         let limit = Timespec {
             tv_sec: limit.as_secs().cast_signed(),

@@ -1,10 +1,8 @@
 //! Lines from bytes.
 
-use super::message::LINE_LIMIT;
-
 /// Bytes that were read, and the place of the next line in them.
 #[derive(Debug, Default)]
-pub(super) struct Lines {
+pub(crate) struct Lines {
     bytes: Vec<u8>,
     /// The beginning of the next line.
     start: usize,
@@ -14,19 +12,19 @@ pub(super) struct Lines {
 
 /// A line without an end within the limit.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct TooLong;
+pub(crate) struct TooLong;
 
 impl Lines {
     /// The buffer for further bytes.
-    pub(super) fn buffer(&mut self) -> &mut Vec<u8> {
+    pub(crate) fn buffer(&mut self) -> &mut Vec<u8> {
         &mut self.bytes
     }
 
-    /// Returns the next complete line, without its end; none if there is none.
-    pub(super) fn next(&mut self) -> Result<Option<Vec<u8>>, TooLong> {
+    /// Returns the next complete line of at most `limit` bytes, without its end; none if there is none.
+    pub(crate) fn next(&mut self, limit: usize) -> Result<Option<Vec<u8>>, TooLong> {
         let end = self.bytes[self.searched..].iter().position(|byte| *byte == b'\n');
         let end = end.map(|end| end + self.searched);
-        if end.unwrap_or(self.bytes.len()) - self.start > LINE_LIMIT {
+        if end.unwrap_or(self.bytes.len()) - self.start > limit {
             return Err(TooLong);
         }
         if let Some(end) = end {
@@ -41,7 +39,7 @@ impl Lines {
     }
 
     /// Drops everything.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 }
@@ -50,18 +48,20 @@ impl Lines {
 mod tests {
     use super::*;
 
+    const LIMIT: usize = 100;
+
     #[test]
     fn lines_are_complete_and_bounded() {
         let mut lines = Lines::default();
         lines.buffer().extend(b"one\n\ntw");
-        assert_eq!(lines.next(), Ok(Some(b"one".to_vec())));
-        assert_eq!(lines.next(), Ok(Some(Vec::new())));
-        assert_eq!(lines.next(), Ok(None));
+        assert_eq!(lines.next(LIMIT), Ok(Some(b"one".to_vec())));
+        assert_eq!(lines.next(LIMIT), Ok(Some(Vec::new())));
+        assert_eq!(lines.next(LIMIT), Ok(None));
         lines.buffer().extend(b"o\n");
-        assert_eq!(lines.next(), Ok(Some(b"two".to_vec())));
-        lines.buffer().extend(vec![b'x'; LINE_LIMIT]);
-        assert_eq!(lines.next(), Ok(None));
+        assert_eq!(lines.next(LIMIT), Ok(Some(b"two".to_vec())));
+        lines.buffer().extend(vec![b'x'; LIMIT]);
+        assert_eq!(lines.next(LIMIT), Ok(None));
         lines.buffer().push(b'x');
-        assert_eq!(lines.next(), Err(TooLong));
+        assert_eq!(lines.next(LIMIT), Err(TooLong));
     }
 }
