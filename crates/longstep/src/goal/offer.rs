@@ -149,7 +149,7 @@ pub(crate) fn is_settled(world: &World, fact: &GoalFact) -> bool {
         state: &world.state,
     };
     let condition = &world.domain().goal_word(*word).condition;
-    holds(moment, condition, &mut arguments.iter().copied().collect())
+    holds(moment, condition, &mut arguments.to_vec())
 }
 
 /// Returns the argument lists for which a word is offered and holds already, of entities that fit their places.
