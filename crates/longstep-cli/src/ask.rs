@@ -1,5 +1,6 @@
 //! Opening and watching a model, for the commands that need one.
 
+use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -18,23 +19,43 @@ use crate::signals;
 /// Opens a model, with a spinner on stderr.
 pub(crate) fn model(name: &str, arguments: &ModelArguments) -> Result<Box<dyn ChatModel>> {
     let spinner = Spinner::new();
-    Ok(opened(name, arguments, &mut |progress| spinner.show(&progress))?)
+    Ok(opened(name, arguments, None, &mut |progress| {
+        spinner.show(&progress);
+    })?)
+}
+
+/// Opens a model for pictures, with a spinner on stderr: an embedded one with its projector.
+///
+/// # Errors
+///
+/// The model cannot be opened, or it is an embedded one without a projector.
+pub(crate) fn seeing_model(arguments: &ModelArguments, vision: Option<&Path>) -> Result<Box<dyn ChatModel>> {
+    let reference: ModelReference = arguments.model.parse()?;
+    if reference.is_embedded() && vision.is_none() {
+        return Err(ModelError::no_vision(&arguments.model).into());
+    }
+    let spinner = Spinner::new();
+    Ok(opened(&arguments.model, arguments, vision, &mut |progress| {
+        spinner.show(&progress);
+    })?)
 }
 
 /// Opens a model without a spinner.
 pub(crate) fn open_quietly(arguments: &ModelArguments) -> Result<Box<dyn ChatModel>, ModelError> {
-    opened(&arguments.model, arguments, &mut |_| {})
+    opened(&arguments.model, arguments, None, &mut |_| {})
 }
 
 fn opened(
     name: &str,
     arguments: &ModelArguments,
+    vision: Option<&Path>,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Box<dyn ChatModel>, ModelError> {
     let reference: ModelReference = name.parse()?;
     let mut options = OpenOptions::new(cache_directory()?);
     options.threads = arguments.threads.map(usize::from);
     options.context_tokens = arguments.context;
+    options.vision = vision.map(Path::to_path_buf);
     options.record.clone_from(&arguments.record);
     options.timeout = arguments.timeout;
     options.silence = arguments.silence;

@@ -106,7 +106,11 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     if let Some(error) = model {
         let code = match error {
             ModelError::TooLong { .. } | ModelError::TimedOut { .. } | ModelError::TooLarge { .. } => LIMIT,
-            ModelError::UnknownReference { .. } => UNREADABLE,
+            ModelError::UnknownReference { .. }
+            | ModelError::NoVisionEngine { .. }
+            | ModelError::NoProjector { .. }
+            | ModelError::BadProjector { .. }
+            | ModelError::BadPicture { .. } => UNREADABLE,
             ModelError::File { source, .. } if source.kind() == std::io::ErrorKind::FileTooLarge => UNREADABLE,
             _ => MODEL,
         };

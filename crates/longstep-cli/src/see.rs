@@ -6,7 +6,6 @@ mod update;
 use std::path::Path;
 
 use anyhow::Result;
-use longstep::dialogue::ConstraintKind;
 use longstep::domain::Domain;
 use longstep::perception::{CorrectionDialogue, Coverage, SightDialogue, SightInput, View};
 use longstep_core::diagnostic::Diagnostics;
@@ -18,7 +17,7 @@ use serde::Serialize;
 
 use crate::arguments::SeeArguments;
 use crate::ask::{self, Waiting};
-use crate::failure::{Failure, LIMIT, NOT_VALID, UNREADABLE};
+use crate::failure::{Failure, LIMIT, NOT_VALID};
 use crate::output::{self, print_line};
 use crate::question::ask as ask_person;
 use crate::show;
@@ -147,13 +146,10 @@ fn seen_by_model(arguments: &SeeArguments, domain: &Domain, source: &Source) -> 
     let Source::Described { words, pictures } = source else {
         return Err(Failure::unreadable("there is nothing to describe").into());
     };
-    let mut model = ask::model(&arguments.model.model, &arguments.model)?;
-    if !pictures.is_empty() && model.constraint_kind() == ConstraintKind::Grammar {
-        let failure = Failure::new("the embedded engine does not see pictures", UNREADABLE);
-        return Err(failure
-            .hint("name a model that sees with `--model`, such as openai:NAME or URL#NAME; see docs/seeing.md")
-            .into());
-    }
+    let mut model = match pictures.is_empty() {
+        true => ask::model(&arguments.model.model, &arguments.model)?,
+        false => ask::seeing_model(&arguments.model, arguments.vision.as_deref())?,
+    };
     let input = SightInput {
         domain,
         words,

@@ -254,6 +254,27 @@ fn files_that_are_no_source_are_errors() {
     }
 }
 
+/// The build with the feature `vision` has tests of its own (`vision.rs`).
+#[cfg(not(feature = "vision"))]
+#[test]
+fn a_build_without_embedded_vision_says_what_to_do() {
+    let home = tempfile::tempdir().unwrap();
+    for arguments in [
+        &[][..],
+        &["--model", "weights.gguf"],
+        &["--model", "weights.gguf", "--vision", "eyes.gguf"],
+    ] {
+        let ran = run(longstep(home.path()).args(["see", SHELF]).args(arguments), "");
+        assert_eq!(ran.code, 30, "{arguments:?}: {}", ran.stderr);
+        assert!(
+            ran.stderr.contains("this build has no embedded vision"),
+            "{}",
+            ran.stderr
+        );
+        assert!(ran.stderr.contains("--features vision"), "{}", ran.stderr);
+    }
+}
+
 #[test]
 fn a_new_look_says_what_changed_in_a_session() {
     let home = tempfile::tempdir().unwrap();

@@ -75,6 +75,36 @@ pub enum ModelError {
         /// The model, as the user wrote it.
         model: String,
     },
+    /// An embedded model with pictures or a projector, but this build has no embedded vision (the feature `vision` is off).
+    #[error("{place} cannot be used for pictures: this build has no embedded vision")]
+    NoVisionEngine {
+        /// The model, or the file of the projector.
+        place: String,
+    },
+    /// Pictures for an embedded model that was opened without its projector.
+    #[error("{model} does not see pictures without its projector")]
+    NoProjector {
+        /// The model.
+        model: String,
+    },
+    /// The file is no projector, or none of this model.
+    #[error("{} is no projector for the model: {reason}", path.display())]
+    BadProjector {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        reason: String,
+    },
+    /// A picture cannot be read.
+    #[error("picture {number} of {total} cannot be read: {reason}")]
+    BadPicture {
+        /// The number of the picture in the request, from 1.
+        number: usize,
+        /// The number of pictures in the request.
+        total: usize,
+        /// The reason.
+        reason: String,
+    },
     /// The model cannot serve a request of this form.
     #[error("{model} cannot serve this request: {reason}")]
     Unsupported {
@@ -233,7 +263,23 @@ impl ModelError {
             Self::NoEngine { .. } => {
                 Some("build with the feature `embedded`, or use a model on a server or `replay:FILE`".into())
             }
-            Self::TooLong { .. } => Some("shorten the environment, or open the model with a larger context".into()),
+            Self::NoVisionEngine { .. } => Some(
+                "build with the feature `vision` (`cargo build -p longstep-cli --features vision`), or use a model that \
+                 sees on a server"
+                    .into(),
+            ),
+            Self::NoProjector { .. } => Some(
+                "name its projector (mmproj) file with `--vision FILE`, or use a model that sees on a server; see \
+                 docs/seeing.md"
+                    .into(),
+            ),
+            Self::BadProjector { .. } => {
+                Some("use the projector (mmproj) file that was published with the model; see docs/seeing.md".into())
+            }
+            Self::BadPicture { .. } => Some("save it again as PNG or JPEG, and not larger than a screen".into()),
+            Self::TooLong { .. } => Some(
+                "shorten the environment, give fewer or smaller pictures, or open the model with a larger context".into(),
+            ),
             Self::NoKey { variable, .. } => Some(format!("set `{variable}`")),
             Self::NoAddress { variable, .. } => Some(format!(
                 "set `{variable}`, for example to `https://NAME.openai.azure.com`"
@@ -264,6 +310,19 @@ impl ModelError {
             | Self::Grammar(_)
             | Self::Stopped
             | Self::Engine { .. } => None,
+        }
+    }
+
+    /// An error for pictures that an embedded model cannot see.
+    #[must_use]
+    pub fn no_vision(model: &str) -> Self {
+        match cfg!(feature = "vision") {
+            true => Self::NoProjector {
+                model: model.to_owned(),
+            },
+            false => Self::NoVisionEngine {
+                place: model.to_owned(),
+            },
         }
     }
 

@@ -128,6 +128,9 @@ pub struct OpenOptions {
     /// Tokens of prompt and answer together. `None` means 8192 for the embedded engine, whose memory grows with it
     /// (about 28 KB a token with the default model). If a server reports its own value, that one counts.
     pub context_tokens: Option<u32>,
+    /// The projector (mmproj) file of an embedded model, with which it sees pictures (feature `vision`). Other models take
+    /// none.
+    pub vision: Option<PathBuf>,
     /// Sampling of the next token.
     pub sampling: Sampling,
     /// Longest time in which a server may send nothing, before its answer and within it; 60 s.
@@ -151,6 +154,7 @@ impl OpenOptions {
             threads: None,
             cache,
             context_tokens: None,
+            vision: None,
             sampling: Sampling::default(),
             silence: Duration::from_secs(60),
             timeout: Duration::from_secs(600),

@@ -20,7 +20,8 @@ use crate::{ModelError, ModelReference};
 /// [`ModelError::NotPulled`] for a model of the catalogue that is not in the cache, [`ModelError::WrongHash`] for one
 /// that has changed there, [`ModelError::NotLoaded`] for a file that is not a model, [`ModelError::NoKey`] and
 /// [`ModelError::NoAddress`] for a server whose key or address is not set, [`ModelError::NoEngine`] for an embedded
-/// model without the feature `embedded`, [`ModelError::File`] and [`ModelError::BadRecording`] for a recording that
+/// model without the feature `embedded`, [`ModelError::NoVisionEngine`] and [`ModelError::BadProjector`] for a projector
+/// that cannot be used, [`ModelError::File`] and [`ModelError::BadRecording`] for a recording that
 /// cannot be read or written.
 pub fn open(
     reference: &ModelReference,
@@ -39,6 +40,21 @@ fn open_itself(
     options: &OpenOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Box<dyn ChatModel>, ModelError> {
+    match &options.vision {
+        None => {}
+        Some(_) if !reference.is_embedded() => {
+            return Err(ModelError::Unsupported {
+                model: reference.to_string(),
+                reason: "a projector is for an embedded model; leave out `--vision`".into(),
+            });
+        }
+        Some(projector) if !cfg!(feature = "vision") => {
+            return Err(ModelError::NoVisionEngine {
+                place: projector.display().to_string(),
+            });
+        }
+        Some(_) => {}
+    }
     if let Some(model) = ServerModel::open(reference, options) {
         return Ok(Box::new(model?));
     }

@@ -61,6 +61,14 @@ pub enum ModelReference {
     },
 }
 
+impl ModelReference {
+    /// Returns true for a model that runs in this process.
+    #[must_use]
+    pub fn is_embedded(&self) -> bool {
+        matches!(self, Self::Catalogue(_) | Self::File(_))
+    }
+}
+
 impl FromStr for ModelReference {
     type Err = ModelError;
 

@@ -15,6 +15,10 @@ pub(crate) struct SeeArguments {
     /// A description in words, or further words about the pictures
     #[arg(long, value_name = "TEXT")]
     pub(crate) words: Option<String>,
+    /// Projector (mmproj, a .gguf file) of an embedded `--model`, with which it sees pictures; needs a build with the feature
+    /// `vision`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) vision: Option<PathBuf>,
     /// Domain (the robot's actions): the name of a shipped domain, or a folder [default: household, or the session's]
     #[arg(long, value_name = "DOMAIN", conflicts_with = "update")]
     pub(crate) domain: Option<String>,

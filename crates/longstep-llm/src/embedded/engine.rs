@@ -21,6 +21,9 @@ pub(super) fn backend() -> Result<&'static LlamaBackend, String> {
     BACKEND
         .get_or_init(|| {
             let mut backend = LlamaBackend::init().map_err(|error| error.to_string())?;
+            // The log of the library for pictures goes nowhere, unless the program has a subscriber for it.
+            #[cfg(feature = "vision")]
+            llama_cpp_2::send_logs_to_tracing(llama_cpp_2::LogOptions::default());
             backend.void_logs();
             Ok(backend)
         })
@@ -31,8 +34,12 @@ pub(super) fn backend() -> Result<&'static LlamaBackend, String> {
 /// A context of a model, and the tokens whose computation it holds.
 pub(super) struct Engine<'model> {
     context: LlamaContext<'model>,
-    /// The tokens in the cache, from position 0 on.
+    /// Maximum number of tokens that are computed together.
+    batch: usize,
+    /// The tokens in the cache, from position 0 on, up to the first picture.
     tokens: Vec<LlamaToken>,
+    /// Number of positions of the first picture and everything behind it, which are never reused.
+    beyond: usize,
     /// The ends of the blocks in which the prompt's tokens were computed. The tokens behind them were generated.
     ends: Vec<usize>,
     /// Index of the newest token in the last batch; its logits are those of the next token.
@@ -40,13 +47,15 @@ pub(super) struct Engine<'model> {
 }
 
 impl<'model> Engine<'model> {
-    /// A context for `size` tokens.
-    pub(super) fn new(model: &'model LlamaModel, size: u32, threads: usize) -> Result<Self, String> {
+    /// A context for `size` tokens, of which at least `together` can be computed together.
+    pub(super) fn new(model: &'model LlamaModel, size: u32, threads: usize, together: usize) -> Result<Self, String> {
         let threads = i32::try_from(threads).unwrap_or(i32::MAX);
+        let batch = together.next_multiple_of(blocks::LARGE).max(blocks::LARGE);
+        let tokens = u32::try_from(batch).map_err(|error| error.to_string())?;
         let parameters = LlamaContextParams::default()
             .with_n_ctx(NonZeroU32::new(size))
-            .with_n_batch(blocks::LARGE as u32)
-            .with_n_ubatch(blocks::LARGE as u32)
+            .with_n_batch(tokens)
+            .with_n_ubatch(tokens)
             .with_n_seq_max(1)
             .with_n_threads(threads)
             .with_n_threads_batch(threads)
@@ -61,7 +70,9 @@ impl<'model> Engine<'model> {
             .map_err(|error| format!("cannot create a context of {size} tokens: {error}"))?;
         Ok(Self {
             context,
+            batch,
             tokens: Vec::new(),
+            beyond: 0,
             ends: Vec::new(),
             newest: 0,
         })
@@ -76,10 +87,11 @@ impl<'model> Engine<'model> {
     /// Removes all but the first `keep` tokens from the cache. Returns how many remain: none for models whose memory
     /// cannot be cut.
     pub(super) fn keep(&mut self, keep: usize) -> usize {
-        if keep < self.tokens.len() {
+        if keep < self.tokens.len() || self.beyond > 0 {
             let from = u32::try_from(keep).ok();
             let cut = self.context.clear_kv_cache_seq(Some(SEQUENCE as u32), from, None);
             if matches!(cut, Ok(true)) {
+                self.beyond = 0;
                 self.tokens.truncate(keep);
                 self.ends.retain(|end| *end <= keep);
             } else {
@@ -92,6 +104,7 @@ impl<'model> Engine<'model> {
     /// Empties the cache.
     pub(super) fn forget(&mut self) {
         self.context.clear_kv_cache();
+        self.beyond = 0;
         self.tokens.clear();
         self.ends.clear();
     }
@@ -134,11 +147,50 @@ impl<'model> Engine<'model> {
         Ok(())
     }
 
+    /// Computes tokens of a prompt behind a picture. They are not reused for another prompt.
+    pub(super) fn read_on(&mut self, tokens: &[LlamaToken]) -> Result<(), String> {
+        let parts = tokens.chunks(blocks::LARGE);
+        parts.into_iter().try_for_each(|part| self.compute(part, false))
+    }
+
+    /// Computes a picture behind the tokens so far. `evaluate` receives the context, the position of the picture and the
+    /// maximum number of tokens that are computed together; it returns the position behind the picture.
+    #[cfg(feature = "vision")]
+    pub(super) fn see(
+        &mut self,
+        evaluate: impl FnOnce(&mut LlamaContext<'model>, i32, i32) -> Result<i32, String>,
+    ) -> Result<(), String> {
+        let position = i32::try_from(self.position()).map_err(|error| error.to_string())?;
+        let batch = i32::try_from(self.batch).map_err(|error| error.to_string())?;
+        let end = evaluate(&mut self.context, position, batch);
+        let end = end.and_then(|end| usize::try_from(end).map_err(|error| error.to_string()));
+        match end {
+            Ok(end) if end > self.position() => {
+                self.beyond = end - self.tokens.len();
+                Ok(())
+            }
+            Ok(_) => {
+                self.forget();
+                Err("the picture has no tokens".into())
+            }
+            Err(reason) => {
+                self.forget();
+                Err(reason)
+            }
+        }
+    }
+
+    /// Returns the maximum number of tokens that are computed together.
+    pub(super) fn batch(&self) -> usize {
+        self.batch
+    }
+
     /// Computes tokens; with the logits at all their places, or at the last one.
     fn compute(&mut self, part: &[LlamaToken], all: bool) -> Result<(), String> {
         let mut batch = LlamaBatch::new(part.len(), 1);
+        let start = self.position();
         for (index, token) in part.iter().enumerate() {
-            let position = i32::try_from(self.tokens.len() + index).map_err(|error| error.to_string())?;
+            let position = i32::try_from(start + index).map_err(|error| error.to_string())?;
             let wanted = all || index + 1 == part.len();
             batch
                 .add(*token, position, &[SEQUENCE], wanted)
@@ -148,9 +200,17 @@ impl<'model> Engine<'model> {
             self.forget();
             return Err(error.to_string());
         }
-        self.tokens.extend_from_slice(part);
+        match self.beyond {
+            0 => self.tokens.extend_from_slice(part),
+            _ => self.beyond += part.len(),
+        }
         self.newest = i32::try_from(part.len()).map_or(0, |length| length - 1);
         Ok(())
+    }
+
+    /// Returns the position of the next token.
+    fn position(&self) -> usize {
+        self.tokens.len() + self.beyond
     }
 
     /// The logits of the next token, for the whole vocabulary. Valid only after a computation.

@@ -6,12 +6,25 @@
 mod blocks;
 mod engine;
 mod file;
+#[cfg(feature = "vision")]
+mod gguf;
 mod grammar;
 #[cfg(test)]
 mod grammar_tests;
+#[cfg(feature = "vision")]
+mod picture;
+#[cfg(feature = "vision")]
+mod projector;
+#[cfg(all(test, feature = "vision"))]
+mod projector_tests;
 mod prompt;
 mod sample;
 mod state;
+#[cfg(feature = "vision")]
+mod vision;
+#[cfg(not(feature = "vision"))]
+#[path = "without_vision.rs"]
+mod vision;
 mod worker;
 
 use std::collections::HashMap;
@@ -73,6 +86,7 @@ impl EmbeddedModel {
             context_tokens,
             sampling: options.sampling.clone(),
             states: options.cache.join("state"),
+            projector: options.vision.clone(),
         };
         let (jobs, inbox) = channel();
         let (ready, loaded) = channel();
@@ -106,12 +120,6 @@ impl ChatModel for EmbeddedModel {
     }
 
     fn chat(&mut self, request: &ChatRequest, watch: &mut dyn Watch) -> Result<Reply, ModelError> {
-        if request.messages.iter().any(|message| !message.pictures.is_empty()) {
-            return Err(ModelError::Unsupported {
-                model: self.name.clone(),
-                reason: "the embedded engine does not see pictures; use a server with a model that does".to_owned(),
-            });
-        }
         let (events, answers) = channel();
         if !self.send(Job::Chat(request.clone(), events)) {
             return Err(stopped(&self.name, "its thread has ended"));

@@ -11,6 +11,8 @@ pub(super) struct PromptTokens {
     pub(super) tokens: Vec<LlamaToken>,
     /// Number of leading tokens that belong to the request's fixed messages.
     pub(super) fixed: usize,
+    /// For each picture of the request the number of tokens before it.
+    pub(super) pictures: Vec<usize>,
 }
 
 /// Converts conversations to tokens for one model.
@@ -38,12 +40,15 @@ impl Template {
             tokens.push(vocabulary.bos());
         }
         let mut fixed = 0;
+        let mut pictures = Vec::new();
         let mut rest = rendered.as_str();
         for (index, message) in request.messages.iter().enumerate() {
             let (marker, after) = rest
                 .split_once(&placeholder(index))
                 .ok_or("its chat template leaves out or reorders messages")?;
             add_marker(&mut tokens, model, marker);
+            // Pictures come first: most models were trained on questions that follow their picture.
+            pictures.extend(message.pictures.iter().map(|_| tokens.len()));
             tokens.extend(plain(model, &message.text));
             if index < request.fixed {
                 fixed = tokens.len();
@@ -52,7 +57,11 @@ impl Template {
         }
         add_marker(&mut tokens, model, rest);
         tokens.extend(plain(model, &request.answer_so_far));
-        Ok(PromptTokens { tokens, fixed })
+        Ok(PromptTokens {
+            tokens,
+            fixed,
+            pictures,
+        })
     }
 
     fn render(&self, model: &LlamaModel, messages: &[Message]) -> Result<String, String> {

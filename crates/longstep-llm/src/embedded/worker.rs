@@ -1,5 +1,7 @@
 //! The thread that owns a model and answers requests.
 
+mod see;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
@@ -16,6 +18,7 @@ use super::grammar::Grammars;
 use super::prompt::{PromptTokens, Template};
 use super::sample::{Sampler, Score};
 use super::state::States;
+use super::vision::{PictureTokens, Vision};
 use super::{Count, Event, Job};
 use crate::{ModelError, Progress, Sampling};
 
@@ -31,21 +34,31 @@ pub(super) struct Setting {
     pub(super) context_tokens: u32,
     pub(super) sampling: Sampling,
     pub(super) states: PathBuf,
+    /// The file of the model's projector.
+    pub(super) projector: Option<PathBuf>,
 }
 
 /// Loads the model, sends the result to `ready`, and processes jobs until all senders are gone.
 pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, jobs: &Receiver<Job>) {
-    let refuse = |reason: &str| {
+    let refuse = |error: ModelError| {
         // The receiver may be gone already.
-        let _ = ready.send(Err(not_loaded(&setting.path, reason)));
+        let _ = ready.send(Err(error));
     };
     let model = match load(setting) {
         Ok(model) => Arc::new(model),
-        Err(reason) => return refuse(&reason),
+        Err(reason) => return refuse(not_loaded(&setting.path, &reason)),
     };
-    let mut worker = match Worker::new(setting, &model) {
+    let vision = setting.projector.as_deref();
+    let vision = match vision
+        .map(|path| Vision::load(path, &model, setting.threads))
+        .transpose()
+    {
+        Ok(vision) => vision,
+        Err(error) => return refuse(error),
+    };
+    let mut worker = match Worker::new(setting, &model, vision) {
         Ok(worker) => worker,
-        Err(reason) => return refuse(&reason),
+        Err(reason) => return refuse(not_loaded(&setting.path, &reason)),
     };
     if ready.send(Ok(())).is_err() {
         return;
@@ -84,7 +97,10 @@ struct Turn {
 
 struct Worker<'model> {
     name: &'model str,
+    threads: usize,
     model: &'model LlamaModel,
+    /// The model's eyes, if the user has named a projector.
+    vision: Option<Vision>,
     engine: Engine<'model>,
     template: Template,
     grammars: Grammars,
@@ -100,12 +116,14 @@ struct Worker<'model> {
 type Tell<'a> = dyn FnMut(Progress) -> bool + 'a;
 
 impl<'model> Worker<'model> {
-    fn new(setting: &'model Setting, model: &'model Arc<LlamaModel>) -> Result<Self, String> {
+    fn new(setting: &'model Setting, model: &'model Arc<LlamaModel>, vision: Option<Vision>) -> Result<Self, String> {
         let size = setting.context_tokens.min(model.n_ctx_train()).max(1);
         Ok(Self {
             name: &setting.name,
+            threads: setting.threads,
             model,
-            engine: Engine::new(model, size, setting.threads)?,
+            vision,
+            engine: Engine::new(model, size, setting.threads, 0)?,
             template: Template::of(model)?,
             grammars: Grammars::new(model)?,
             states: States::new(setting.states.clone(), setting.identity.clone(), size),
@@ -134,16 +152,19 @@ impl<'model> Worker<'model> {
             Role::System => tokens(vec![message.clone(), empty()])?,
             Role::User | Role::Assistant => tokens(vec![empty(), message.clone()])?,
         };
+        let pictures = self.pictures(std::slice::from_ref(message));
+        let pictures = pictures.map_err(|error| error.to_string())?;
         Ok(Count {
-            message: with.saturating_sub(one),
+            message: with.saturating_sub(one) + pictures.iter().map(|own| own.tokens() as u64).sum::<u64>(),
             frame: (2 * one).saturating_sub(two),
         })
     }
 
     fn answer(&mut self, request: &ChatRequest, tell: &mut Tell<'_>) -> Result<Reply, ModelError> {
+        let pictures = self.pictures(&request.messages)?;
         let (prompt, continued) = self.prompt(request)?;
-        let total = prompt.tokens.len();
-        if total == 0 {
+        let total = prompt.tokens.len() + pictures.iter().map(PictureTokens::tokens).sum::<usize>();
+        if prompt.tokens.is_empty() {
             return Err(self.unsupported("it contains no message".into()));
         }
         let tokens = total + request.max_tokens as usize;
@@ -152,10 +173,12 @@ impl<'model> Worker<'model> {
             return Err(ModelError::TooLong { tokens, limit });
         }
         let matcher = self.grammars.matcher(&request.constraint)?;
-        let cached = if continued {
+        let cached = if !pictures.is_empty() {
+            self.see(&prompt, &pictures, total, tell)?
+        } else if continued {
             self.go_on(&prompt.tokens)?
         } else {
-            self.read(&prompt, tell)?
+            self.read(&prompt.tokens, prompt.fixed, total, tell)?
         };
         self.sampler.begin();
         let mut written = Written::default();
@@ -168,12 +191,14 @@ impl<'model> Worker<'model> {
             cached_tokens: cached as u64,
             completion_tokens: written.tokens.len() as u64,
         };
-        self.last = Some(Turn {
+        // Behind pictures the engine holds more than tokens; such an answer is computed again to go on.
+        self.last = pictures.is_empty().then(|| Turn {
             messages: request.messages.clone(),
             answer: request.answer_so_far.clone() + &text,
             prompt: PromptTokens {
                 tokens: [prompt.tokens, written.tokens].concat(),
                 fixed: prompt.fixed,
+                pictures: Vec::new(),
             },
         });
         Ok(Reply {
@@ -212,25 +237,30 @@ impl<'model> Worker<'model> {
         Ok(known)
     }
 
-    /// Computes the part of the prompt that is not in the cache; returns how many tokens came from the cache.
-    fn read(&mut self, prompt: &PromptTokens, tell: &mut Tell<'_>) -> Result<usize, ModelError> {
-        let PromptTokens { tokens, fixed } = prompt;
+    /// Computes the part of the prompt that is not in the cache; returns how many tokens came from the cache. The whole
+    /// prompt has `total` tokens; these are its first ones.
+    fn read(
+        &mut self,
+        tokens: &[LlamaToken],
+        fixed: usize,
+        total: usize,
+        tell: &mut Tell<'_>,
+    ) -> Result<usize, ModelError> {
         let state = tokens
-            .get(..*fixed)
+            .get(..fixed)
             .filter(|fixed| !fixed.is_empty())
             .map(|fixed| self.states.file(fixed));
         if let Some(state) = &state
-            && self.engine.known(tokens) < *fixed
+            && self.engine.known(tokens) < fixed
         {
-            self.engine.restore(*fixed, |context| state.load(context));
+            self.engine.restore(fixed, |context| state.load(context));
         }
-        let total = tokens.len();
-        let outcome = self.engine.read(tokens, *fixed, &mut |done| {
-            tell(Progress::ReadingPrompt { done, total })
-        });
+        let outcome = self
+            .engine
+            .read(tokens, fixed, &mut |done| tell(Progress::ReadingPrompt { done, total }));
         let known = outcome.map_err(|reason| self.failed(reason))?;
         if let Some(state) = state
-            && total - known > WORTH_SAVING
+            && tokens.len() - known > WORTH_SAVING
         {
             let (context, tokens) = self.engine.saved();
             if let Err(reason) = state.save(context, tokens) {

@@ -157,6 +157,19 @@ pub(crate) fn list(items: Value) -> Value {
     json!({"type": "array", "items": items})
 }
 
+/// A schema for a list with at most so many items. Servers' strict modes do not know the bound.
+pub(crate) fn at_most(mut list: Value, most: usize) -> Value {
+    if let Some(list) = list.as_object_mut() {
+        list.insert("maxItems".to_owned(), most.into());
+    }
+    list
+}
+
+/// A schema for texts of a regular expression, which is anchored. Servers' strict modes do not know it.
+pub(crate) fn pattern(pattern: &str) -> Value {
+    json!({"type": "string", "pattern": pattern})
+}
+
 /// A schema for an object with exactly these keys, all required, as OpenAI's strict mode demands.
 pub(crate) fn closed(entries: &[(&str, Value)]) -> Value {
     let required: Vec<&str> = entries.iter().map(|(key, _)| *key).collect();

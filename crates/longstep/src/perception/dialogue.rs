@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 
 use super::example::sight_examples;
 use super::sentence::{self, Said};
-use super::sighting::{ARROW, COMMA, KINDS, LABEL, Sighting, written_names};
+use super::sighting::{ARROW, COMMA, KINDS, LABEL, NAMES, Sighting, written_names};
 use super::vocabulary::{List, Vocabulary};
-use crate::dialogue::answer_grammar::{Form, any_text, closed, list, one_of};
+use crate::dialogue::answer_grammar::{Form, any_text, at_most, closed, list, one_of, pattern};
 use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Picture, Reply, Role, Transcript, one_line,
 };
@@ -26,6 +26,12 @@ each fact; what no state says begins with \"Other:\". Then write a line of all n
 const TOKENS: u32 = 4096;
 /// A name in the line form.
 pub(super) const NAME: &str = "[a-z][a-z0-9]{0,19}(_[a-z0-9]{1,19}){0,3}";
+/// A remark about what cannot be seen well, in a schema with bounds.
+const NOTE: &str = "^[A-Za-z][A-Za-z0-9 ,'-]{0,59}$";
+/// Maximum number of such remarks in a schema with bounds.
+const NOTES: usize = 8;
+/// Maximum number of states in a schema with bounds.
+const SEEN_STATES: usize = 60;
 /// Maximum number of characters of a word in a name.
 const WORD: usize = 20;
 /// Maximum number of words that names can be made of.
@@ -48,11 +54,12 @@ pub struct SightInput<'a> {
 
 /// Lets a model write down what a description or pictures show.
 ///
-/// An embedded model answers in plain sentences, one for each fact, under a grammar of the domain's own sentences. If most of its
+/// An embedded model answers to words in plain sentences, one for each fact, under a grammar of the domain's own sentences. If most of its
 /// names are words of the description, and one is not, it has made that one up: what it says about it is left out, or, if that
 /// would lose a thing, it is asked again, with no names but the person's words. In a last request it says of each name if it is
 /// an asset or an object, unless the sentences decide that: what is on, in or held by something is an object, and what other
-/// things are on or in is an asset if it is in no place itself. A server answers in JSON, in one request.
+/// things are on or in is an asset if it is in no place itself. A server answers in JSON, in one request; so does an embedded
+/// model that sees pictures, with bounds on the names, because it has no sentences to begin with.
 ///
 /// ```
 /// use longstep::Planner;
@@ -74,7 +81,10 @@ pub struct SightInput<'a> {
 #[derive(Debug, Clone)]
 pub struct SightDialogue<'a> {
     vocabulary: Vocabulary<'a>,
+    /// The form of the answer.
     kind: ConstraintKind,
+    /// True if the schema has bounds: for an engine that masks tokens.
+    is_bounded: bool,
     transcript: Transcript,
     /// The sentences of the description.
     sentences: Vec<String>,
@@ -88,7 +98,11 @@ impl<'a> SightDialogue<'a> {
     /// Starts a dialogue. Only the first 4,000 characters of the words are used.
     pub fn new(input: &SightInput<'a>) -> Self {
         let vocabulary = Vocabulary::of(input.domain);
-        let form = match input.kind {
+        let kind = match input.pictures {
+            [] => input.kind,
+            [..] => ConstraintKind::JsonSchema,
+        };
+        let form = match kind {
             ConstraintKind::Grammar => LINE_FORM,
             ConstraintKind::JsonSchema => JSON_FORM,
         };
@@ -96,7 +110,7 @@ impl<'a> SightDialogue<'a> {
         let mut messages = vec![Message::new(Role::System, task)];
         for example in sight_examples(&vocabulary) {
             let names = example.names(&vocabulary);
-            let answer = match input.kind {
+            let answer = match kind {
                 ConstraintKind::Grammar => {
                     let lines = example
                         .parts
@@ -111,7 +125,7 @@ impl<'a> SightDialogue<'a> {
             messages.push(Message::new(Role::User, example.text()));
             messages.push(Message::new(Role::Assistant, answer));
         }
-        let mut transcript = Transcript::new(input.kind, messages);
+        let mut transcript = Transcript::new(kind, messages);
         let words: String = one_line(input.words).chars().take(LENGTH).collect();
         let words = match (words.is_empty(), input.pictures.is_empty()) {
             (true, false) => "Write down what the picture shows.".to_owned(),
@@ -120,7 +134,8 @@ impl<'a> SightDialogue<'a> {
         transcript.push_with_pictures(Role::User, words, input.pictures.to_vec());
         Self {
             vocabulary,
-            kind: input.kind,
+            kind,
+            is_bounded: input.kind == ConstraintKind::Grammar,
             sentences: sentence::split(input.words),
             words: None,
             transcript,
@@ -239,20 +254,39 @@ fn json_of(sighting: &Sighting) -> Value {
     json!({"assets": sighting.assets, "objects": sighting.objects, "states": states, "unsure": sighting.unsure})
 }
 
-/// The JSON schema of a server's answer.
-fn schema(vocabulary: &Vocabulary<'_>) -> Value {
+/// The JSON schema of an answer. With bounds, it admits only names in their form and short lists: a small model that repeats
+/// itself comes to an end. The strict modes of servers know no bounds.
+fn schema(vocabulary: &Vocabulary<'_>, is_bounded: bool) -> Value {
     let words: Vec<String> = vocabulary.words().map(|word| word.word.clone()).collect();
+    let arguments = vocabulary.words().map(|word| word.parameters.len()).max();
+    let bounded_list = |items: Value, most: usize| match is_bounded {
+        true => at_most(list(items), most),
+        false => list(items),
+    };
+    let name = match is_bounded {
+        true => pattern(&format!("^{NAME}$")),
+        false => any_text(),
+    };
+    let note = match is_bounded {
+        true => pattern(NOTE),
+        false => any_text(),
+    };
     let state = closed(&[
-        ("entity", any_text()),
+        ("entity", name.clone()),
         ("state", one_of(Some(&words))),
-        ("arguments", list(any_text())),
+        ("arguments", bounded_list(name.clone(), arguments.unwrap_or_default())),
     ]);
-    closed(&[
-        ("assets", list(any_text())),
-        ("objects", list(any_text())),
-        ("states", list(state)),
-        ("unsure", list(any_text())),
-    ])
+    let mut schema = closed(&[
+        ("assets", bounded_list(name.clone(), NAMES)),
+        ("objects", bounded_list(name, NAMES)),
+        ("states", bounded_list(state, SEEN_STATES)),
+        ("unsure", bounded_list(note, NOTES)),
+    ]);
+    if is_bounded && let Some(schema) = schema.as_object_mut() {
+        // Without blanks, as in the worked examples.
+        schema.insert("x-guidance".to_owned(), json!({"whitespace_flexible": false}));
+    }
+    schema
 }
 
 impl Dialogue for SightDialogue<'_> {
@@ -260,7 +294,10 @@ impl Dialogue for SightDialogue<'_> {
 
     fn request(&self) -> ChatRequest {
         match (self.kind, &self.said) {
-            (ConstraintKind::JsonSchema, _) => self.transcript.under_schema(schema(&self.vocabulary), TOKENS),
+            (ConstraintKind::JsonSchema, _) => {
+                let schema = schema(&self.vocabulary, self.is_bounded);
+                self.transcript.under_schema(schema, TOKENS)
+            }
             (ConstraintKind::Grammar, None) => self.transcript.under_grammar(self.grammar_of_sentences(), TOKENS),
             (ConstraintKind::Grammar, Some(said)) => {
                 let lists = sentence::lists(&self.vocabulary, said);

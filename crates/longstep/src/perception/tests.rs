@@ -288,3 +288,41 @@ fn names_are_words_of_the_description() {
         );
     }
 }
+
+/// A picture is described in JSON by every model. An engine that masks tokens gets the same prompt, and bounds in the schema.
+#[test]
+fn a_picture_gives_one_request_with_bounds_or_without() {
+    let planner = Planner::shipped("household").unwrap();
+    let picture = crate::dialogue::Picture::new(b"\x89PNG\r\n\x1a\n".to_vec()).unwrap();
+    let request = |kind: ConstraintKind| {
+        let input = SightInput {
+            domain: planner.domain(),
+            words: "",
+            pictures: std::slice::from_ref(&picture),
+            kind,
+        };
+        SightDialogue::new(&input).request()
+    };
+    let (engine, server) = (request(ConstraintKind::Grammar), request(ConstraintKind::JsonSchema));
+    assert_eq!(engine.messages, server.messages);
+    let [engine, server] = [engine, server].map(|request| match request.constraint {
+        Constraint::JsonSchema(schema) => schema.to_string(),
+        other => panic!("{other:?}"),
+    });
+    for bound in ["maxItems", "pattern", "x-guidance"] {
+        assert!(engine.contains(bound) && !server.contains(bound), "{bound}");
+    }
+    assert!(engine.contains("on_something"), "{engine}");
+    let input = SightInput {
+        domain: planner.domain(),
+        words: "",
+        pictures: std::slice::from_ref(&picture),
+        kind: ConstraintKind::Grammar,
+    };
+    let text = r#"{"assets":["table"],"objects":["cup"],"states":[{"entity":"cup","state":"on_something","arguments":["table"]}],"unsure":[]}"#;
+    let found = SightDialogue::new(&input).supply(&reply(text, Finish::Stop)).unwrap();
+    assert_eq!(
+        found,
+        Some(sighting(&["table"], &["cup"], &[("cup", "on_something(table)")]))
+    );
+}
