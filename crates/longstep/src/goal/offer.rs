@@ -51,8 +51,7 @@ pub(crate) fn offers_on(world: &World, said: &[GoalFact], mentions: &Mentions, f
         // "Take the milk out and close the fridge": the fridge is closed now, but not throughout the first goal. A domain whose
         // plans close it in any case is no reason to leave the wish no words.
         if further {
-            let is_named = |_, entity| named.contains(&entity);
-            let undone = settled(world, word, said, is_named).into_iter().filter(|bindings| {
+            let undone = settled(world, word, said, named).into_iter().filter(|bindings| {
                 let passed = passed.get_or_insert_with(|| states_passed(world, said));
                 let is_undone = |state: &State| {
                     let moment = Moment { world, state };
@@ -116,23 +115,16 @@ fn states_passed(world: &World, said: &[GoalFact]) -> Vec<State> {
     passed
 }
 
-/// Returns the goals that hold already and are about what the instruction names. A person may want something to stay as it
-/// is, or not know how it is.
+/// Returns the goals that hold already and are about one thing that the instruction names. A person may want something to stay
+/// as it is, or not know how it is. Of two things that are named, one is mostly the place where the other is.
 pub(crate) fn settled_offers(world: &World, mentions: &Mentions) -> Vec<Offer> {
     let named = &mentions.entities;
     let words = world.domain().goal_words.iter().enumerate();
     let mut offers: Vec<Offer> = words
-        .map(|(index, word)| {
-            let fits = |place, entity| match word.subject {
-                Some(subject) if subject != place => true,
-                _ => named.contains(&entity),
-            };
-            let mut arguments = settled(world, word, &[], fits);
-            for parameter in 0..word.parameters.len() {
-                keep(&mut arguments, |bindings| named.contains(&bindings[parameter]));
-            }
-            let word = GoalWordId::new(index);
-            Offer { word, arguments }
+        .filter(|(_, word)| word.parameters.len() == 1)
+        .map(|(index, word)| Offer {
+            word: GoalWordId::new(index),
+            arguments: settled(world, word, &[], named),
         })
         .collect();
     offers.retain(|offer| !offer.arguments.is_empty());
@@ -152,13 +144,8 @@ pub(crate) fn is_settled(world: &World, fact: &GoalFact) -> bool {
     holds(moment, condition, &mut arguments.to_vec())
 }
 
-/// Returns the argument lists for which a word is offered and holds already, of entities that fit their places.
-fn settled(
-    world: &World,
-    word: &GoalWord,
-    said: &[GoalFact],
-    fits_place: impl Fn(usize, EntityId) -> bool,
-) -> Vec<Vec<EntityId>> {
+/// Returns the argument lists of named entities for which a word is offered and holds already.
+fn settled(world: &World, word: &GoalWord, said: &[GoalFact], named: &[EntityId]) -> Vec<Vec<EntityId>> {
     let moment = Moment {
         world,
         state: &world.state,
@@ -171,9 +158,9 @@ fn settled(
         !is_disturbed && holds(moment, &word.offered, bindings) && holds(moment, &word.condition, bindings)
     };
     let mut all: Vec<Vec<EntityId>> = vec![Vec::new()];
-    for (place, parameter) in word.parameters.iter().enumerate() {
+    for parameter in &word.parameters {
         let of_kind = world.of_kind(parameter.kind).iter().copied();
-        let candidates: Vec<EntityId> = of_kind.filter(|entity| fits_place(place, *entity)).collect();
+        let candidates: Vec<EntityId> = of_kind.filter(|entity| named.contains(entity)).collect();
         effort::spend(1 + all.len() * candidates.len());
         let longer = |bindings: &Vec<EntityId>| {
             let longer = candidates.iter().map(|entity| [&bindings[..], &[*entity]].concat());
