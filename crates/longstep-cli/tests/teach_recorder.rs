@@ -220,15 +220,15 @@ fn a_recorder_that_cannot_be_used_is_an_error_and_the_step_is_asked_for_again() 
         ),
         (
             script(&format!(
-                "trap \"echo bye; exit\" INT; {FRAME}; while :; do sleep 0.1; done"
+                "trap \"echo bye; exit\" INT TERM; {FRAME}; while :; do sleep 0.1; done"
             )),
             2,
             "error: the recorder, frame 2: ",
         ),
         (
-            script(&format!("trap \"\" INT; {FRAME}; while :; do sleep 0.1; done")),
+            script(&format!("trap \"\" INT TERM; {FRAME}; while :; do sleep 0.1; done")),
             2,
-            "error: the recorder did not end within 5 s after Ctrl-C (SIGINT); it was killed with its children",
+            "error: the recorder did not end within 5 s after Ctrl-C (SIGINT) and SIGTERM; it was killed with its children",
         ),
         (
             script(&format!("{FRAME}; exec sleep 600")),

@@ -1,7 +1,7 @@
 //! Recorders: programs that write the poses of a hand to their standard output, live, while a person shows a step.
 //!
 //! A recorder has no protocol: it is started when the step begins, and receives the signal of Ctrl-C (SIGINT) when the step
-//! ends. Everything that it writes has a bound, and so has every wait for it. Whatever happens, the program and its children
+//! ends, and SIGTERM if it goes on after half of the time that it has for its end. Everything that it writes has a bound, and so has every wait for it. Whatever happens, the program and its children
 //! are ended.
 //!
 //! 1. [`Recorder::start`] starts the program.
@@ -97,8 +97,8 @@ pub enum RecorderError {
         /// [`RecorderLimits::line`].
         limit: usize,
     },
-    /// The program went on after the signal of Ctrl-C.
-    #[error("the recorder did not end within {} s after Ctrl-C (SIGINT); it was killed with its children", .limit.as_secs_f64())]
+    /// The program went on after the signal of Ctrl-C, and after SIGTERM.
+    #[error("the recorder did not end within {} s after Ctrl-C (SIGINT) and SIGTERM; it was killed with its children", .limit.as_secs_f64())]
     NotEnded {
         /// [`RecorderLimits::ending`].
         limit: Duration,
@@ -234,7 +234,7 @@ impl Recorder {
         &self.recording
     }
 
-    /// Ends the recorder with the signal of Ctrl-C, and returns all its complete lines, also those that it writes after the
+    /// Ends the recorder with the signal of Ctrl-C, then with SIGTERM, and returns all its complete lines, also those that it writes after the
     /// signal. A line without an end is left out: it may be cut.
     ///
     /// # Errors
@@ -244,12 +244,17 @@ impl Recorder {
         self.look()?;
         self.child.close_input();
         self.child.interrupt();
-        let deadline = Instant::now() + self.limits.ending;
+        let limit = self.limits.ending;
+        let interrupted = Instant::now();
+        let mut is_terminated = false;
         while self.child.exit().is_none() {
             let now = Instant::now();
-            if now >= deadline {
-                let limit = self.limits.ending;
+            let waited = now.duration_since(interrupted);
+            if waited >= limit {
                 return Err(RecorderError::NotEnded { limit });
+            }
+            if waited >= limit / 2 && !std::mem::replace(&mut is_terminated, true) {
+                self.child.terminate();
             }
             self.watched.wait(TICK);
             self.read(now)?;

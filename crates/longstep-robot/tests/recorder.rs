@@ -34,9 +34,11 @@ fn a_recording_has_the_complete_lines_until_the_end() {
         ("printf 'a\\nb\\n1.2'; exec sleep 60", "a\nb\n"),
         // A program with a buffer writes the rest when it ends.
         (
-            "trap 'echo c; exit 1' INT; printf 'a\\nb\\n'; while :; do sleep 0.05; done",
+            "trap 'echo c; exit 1' INT TERM; printf 'a\\nb\\n'; while :; do sleep 0.05; done",
             "a\nb\nc\n",
         ),
+        // A program that does not hear Ctrl-C, as none does that a shell started in the background.
+        ("trap '' INT; printf 'a\\nb\\n'; exec sleep 60", "a\nb\n"),
         // A program that ends with its input.
         ("trap '' INT; printf 'a\\nb\\n'; cat; printf 'c\\n'", "a\nb\nc\n"),
     ] {

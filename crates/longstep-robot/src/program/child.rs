@@ -172,9 +172,18 @@ impl Child {
 
     /// Sends the program and its children the signal of Ctrl-C, after which they may write the rest and end.
     pub(crate) fn interrupt(&self) {
+        self.signal(Signal::INT);
+    }
+
+    /// Asks the program and its children to end (SIGTERM). Programs that a shell started in the background do not hear Ctrl-C.
+    pub(crate) fn terminate(&self) {
+        self.signal(Signal::TERM);
+    }
+
+    fn signal(&self, signal: Signal) {
         if !self.reaped {
             // The only error is that the group is gone already.
-            let _gone = kill_process_group(self.pid(), Signal::INT);
+            let _gone = kill_process_group(self.pid(), signal);
         }
     }
 
