@@ -93,6 +93,20 @@ fn a_grammar_is_obeyed_and_the_cache_is_used() {
     assert!(other.usage.cached_tokens > 64 && other.usage.cached_tokens < first.usage.prompt_tokens);
 }
 
+/// Characters whose first bytes are alike: a grammar forces a part of a character.
+#[test]
+#[ignore = "needs LONGSTEP_TEST_MODEL"]
+fn a_grammar_that_forces_a_part_of_a_character_is_obeyed() {
+    let cache = tempfile::tempdir().unwrap();
+    let mut model = load(cache.path());
+    for words in [["靍の丘", "靏の丘"], ["鍛冶屋", "鍛治屋"], ["𓀀", "𓀁"]] {
+        let grammar = format!("start: \"{}\" | \"{}\"\n", words[0], words[1]);
+        let reply = ask(&mut *model, &request("Which word?", Constraint::Lark(grammar)));
+        assert!(words.contains(&reply.text.as_str()), "{words:?}: {reply:?}");
+        assert_eq!(reply.finish, Finish::Stop);
+    }
+}
+
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
 fn a_schema_and_no_constraint_at_all_are_served() {

@@ -24,9 +24,12 @@ impl TokenizerEnv for Vocabulary {
         &self.trie
     }
 
+    /// Forced text can begin or end inside a character, which the model's own tokenizer would replace.
     fn tokenize_bytes(&self, text: &[u8]) -> Vec<TokenId> {
-        let tokens = self.model.vocab().tokenize(text, false, false);
-        tokens.into_iter().map(|token| token.0.cast_unsigned()).collect()
+        self.trie.tokenize_with_greedy_fallback(text, |text| {
+            let tokens = self.model.vocab().tokenize(text.as_bytes(), false, false);
+            tokens.into_iter().map(|token| token.0.cast_unsigned()).collect()
+        })
     }
 }
 

@@ -376,6 +376,10 @@ fn follow(matcher: &mut Matcher, token: LlamaToken) -> Result<Vec<LlamaToken>, S
         return Ok(Vec::new());
     }
     let forced = matcher.consume_ff_tokens();
+    // A matcher that failed counts as stopped, too.
+    if let Some(error) = matcher.get_error() {
+        return Err(error);
+    }
     Ok(forced
         .into_iter()
         .map(|token| LlamaToken(token.cast_signed()))
