@@ -45,6 +45,8 @@ pub enum ReadingOf {
     Prohibition,
     /// They are retold in plain English.
     Retelling,
+    /// They may have a message to somebody.
+    Message,
     /// Answers to them are weighed, in each of their wordings.
     Weighing,
 }
@@ -106,6 +108,7 @@ impl Reading {
             ReadingOf::Wish => "the wish",
             ReadingOf::Prohibition => "what is forbidden:",
             ReadingOf::Retelling => "in plain English:",
+            ReadingOf::Message => "is somebody told something in",
             ReadingOf::Weighing => "weighed for",
         };
         let mut lines = vec![format!("{of} \"{}\"", self.words)];
@@ -124,6 +127,7 @@ impl Reading {
         let least = self.least.map_or(String::new(), |least| format!(" than {least:.1}"));
         match (doubt, self.of) {
             (Doubt::Unlikely, ReadingOf::Retelling) => format!("not used: it is less likely{least}"),
+            (Doubt::Unlikely, ReadingOf::Message) => "no message: that nobody is told anything is likelier".to_owned(),
             (Doubt::Unlikely, _) => format!("a question: it is less likely{least}"),
             (Doubt::Close, _) => "a question: another answer is nearly as likely".to_owned(),
             (Doubt::Unnamed, _) => "a question: a goal is about something that the words do not name".to_owned(),

@@ -1,9 +1,10 @@
 //! Model requests and replies.
 
 use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct};
+use crate::coverage::Mark;
 use crate::dialogue::{
-    ConstraintKind, Dialogue, DialogueError, Finish, FittedDialogue, Prepared, PromptError, Reply, RetellingDialogue,
-    ScreeningDialogue, SplittingDialogue, TokenCounter, plain_line,
+    ConstraintKind, Dialogue, DialogueError, Finish, FittedDialogue, MessageDialogue, Prepared, PromptError, Reply,
+    RetellingDialogue, ScreeningDialogue, SplittingDialogue, TokenCounter, plain_line,
 };
 use crate::feedback::{FeedbackDialogue, FeedbackInput, Wish};
 
@@ -23,6 +24,8 @@ pub(super) struct Asking {
 pub(super) enum What {
     /// The marks of the instruction, before the goal.
     Screening(Box<ScreeningDialogue>),
+    /// Whether somebody is to be told something, after a screening with these marks.
+    Message(Box<MessageDialogue>, Vec<Mark>),
     /// The instruction in plain English, after its own words led to a question.
     Retelling(Box<RetellingDialogue>),
     /// The parts of an instruction that forbids something.
@@ -113,6 +116,7 @@ impl Session {
     ) -> Result<Option<Box<Prepared>>, PromptError> {
         let prepared = match &mut asking.what {
             What::Screening(dialogue) => self.short_request(dialogue.request(), counter),
+            What::Message(dialogue, _) => self.short_request(dialogue.request(), counter),
             What::Splitting(dialogue) => self.short_request(dialogue.request(), counter),
             What::Retelling(dialogue) => self.short_request(dialogue.request(), counter),
             What::Goal(goal) => self.goal_request(&turn, goal, counter),
@@ -195,8 +199,12 @@ impl Session {
         self.events.push(Event::reply(reply, milliseconds));
         match asking.what {
             What::Screening(mut dialogue) => match dialogue.supply(reply) {
-                Ok(marks) => self.screened(turn, marks.unwrap_or_default()),
+                Ok(marks) => self.marked(turn, marks.unwrap_or_default()),
                 Err(error) => self.leave_open(turn, Open::Failure(Failure::Reply(error))),
+            },
+            What::Message(mut dialogue, marks) => match dialogue.supply(reply) {
+                Ok(None) => self.stage = Stage::Asking(turn, Asking::new(What::Message(dialogue, marks))),
+                outcome => self.confirmed(turn, &dialogue, marks, !matches!(outcome, Ok(Some(false)))),
             },
             What::Splitting(mut dialogue) => {
                 let split = dialogue.supply(reply).ok().flatten().flatten();

@@ -8,7 +8,7 @@
 use super::asking::{Asking, What};
 use super::{Session, Stage, Turn};
 use crate::coverage::{self, Gap, Mark};
-use crate::dialogue::{ConditionMark, Split, SplittingDialogue};
+use crate::dialogue::{ConditionMark, MessageDialogue, Split, SplittingDialogue};
 use crate::environment::EntityId;
 use crate::goal::{self, ALWAYS, Constraint, Goal, GoalFact, NEVER, Understanding};
 
@@ -30,6 +30,29 @@ pub(super) struct Parted {
 }
 
 impl Session {
+    /// Takes the marks of a screening. A message among them is confirmed first.
+    pub(super) fn marked(&mut self, turn: Turn, marks: Vec<Mark>) {
+        let has_message = marks.iter().any(|mark| mark.gap == Gap::Quotation);
+        if !has_message || !self.settings.confirming || !turn.is_weighed {
+            return self.screened(turn, marks);
+        }
+        let dialogue = MessageDialogue::new(turn.words());
+        self.stage = Stage::Asking(turn, Asking::new(What::Message(Box::new(dialogue), marks)));
+    }
+
+    /// Goes on after a message was confirmed, or was none.
+    pub(super) fn confirmed(
+        &mut self,
+        mut turn: Turn,
+        dialogue: &MessageDialogue,
+        mut marks: Vec<Mark>,
+        is_message: bool,
+    ) {
+        turn.readings.push(dialogue.reading().clone());
+        marks.retain(|mark| is_message || mark.gap != Gap::Quotation);
+        self.screened(turn, marks);
+    }
+
     /// Goes on after the screening: with the parts of an instruction that forbids something, or with its goals.
     ///
     /// A message needs no quotation marks: a marked one is a text that goals can have, if these are the person's own words.

@@ -184,7 +184,7 @@ impl Turn {
                 counts = self.is_sure();
                 None
             }
-            ReadingOf::Prohibition | ReadingOf::Weighing => None,
+            ReadingOf::Prohibition | ReadingOf::Message | ReadingOf::Weighing => None,
         })
     }
 

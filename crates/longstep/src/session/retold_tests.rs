@@ -66,7 +66,7 @@ fn a_question_is_asked_only_if_the_retold_instruction_leaves_one() {
     let plan = "put(<pen>, <shelf>)";
     // The replies to the instruction and its retelling, and what the person sees in the end.
     type Case<'a> = (&'a [(&'a str, i64)], &'a str);
-    let cases: [Case<'_>; 9] = [
+    let cases: [Case<'_>; 10] = [
         (
             &[
                 ("wish", -1),
@@ -116,12 +116,24 @@ fn a_question_is_asked_only_if_the_retold_instruction_leaves_one() {
         (
             &[
                 ("wish & says: al estante", -1),
+                ("nobody is told anything", -900),
+                ("tells: al estante", -1399),
                 ("put(pen, shelf)", -500),
                 (RETOLD, -2000),
                 ("wish", -1),
                 ("put(pen, shelf)", -500),
             ],
             "I cannot represent \"al estante\"; the plan ignores it. Go on?",
+        ),
+        // Asked about messages alone, the model finds none.
+        (
+            &[
+                ("wish & says: al estante", -1),
+                ("nobody is told anything", -900),
+                ("tells: al estante", -1400),
+                ("put(pen, shelf)", -500),
+            ],
+            plan,
         ),
         // An order that nothing keeps is told, and no reason to ask.
         (&[("wish & order: al estante", -1), ("put(pen, shelf)", -500)], plan),

@@ -51,6 +51,10 @@ pub struct Settings {
     /// ([`ScreeningDialogue`](crate::dialogue::ScreeningDialogue)). Logs of older programs have no such requests.
     #[serde(default)]
     pub screening: bool,
+    /// True if a message that the screening marks is confirmed by requests about it alone
+    /// ([`MessageDialogue`](crate::dialogue::MessageDialogue)). Logs of older programs have no such requests.
+    #[serde(default)]
+    pub confirming: bool,
     /// True if what an instruction forbids beside its wish is understood, too: as a constraint of the goal.
     #[serde(default)]
     pub forbidding: bool,
@@ -81,6 +85,7 @@ impl Default for Settings {
             history: 2,
             effort: None,
             screening: true,
+            confirming: true,
             forbidding: true,
             retelling: true,
             weighing: true,
