@@ -1,0 +1,131 @@
+//! Prints what a model is trained on: one JSON object for each instruction of the given suites, or of texts for the screening.
+//!
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/understanding/training/*
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/screening/*.txt
+//!
+//! An object has the suite, the fixed messages of the request (`fixed`, pairs of role and text), the last message up to the
+//! instruction (`lead`), the instruction, and the expected answer, which is null where a question is expected. Chains, orders
+//! and prohibitions of suites are left out: a goal request has no words for them. A text has paragraphs of two lines: an
+//! instruction, and what the screening has to answer.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::Path;
+
+use longstep::dialogue::{
+    ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Reply, Role, ScreeningDialogue, Usage,
+};
+use longstep_eval::suite::{self, Case, Expected, Files, Suite};
+use serde_json::{Value, json};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folders: Vec<String> = std::env::args().skip(1).collect();
+    if folders.is_empty() {
+        return Err("usage: training_data SUITE|TEXT.txt...".into());
+    }
+    for folder in folders {
+        let folder = Path::new(&folder);
+        if folder.extension().is_some_and(|own| own == "txt") {
+            screened(&folder.display().to_string(), &std::fs::read_to_string(folder)?)?;
+            continue;
+        }
+        let mut cases = texts(folder, ".toml")?;
+        let files = Files {
+            folder: format!("{}/", folder.display()),
+            suite: cases.remove("suite").ok_or("there is no suite.toml")?,
+            cases: cases.into_iter().map(|(name, text)| (format!("{name}.toml"), text)).collect(),
+            scenes: texts(&folder.join("scenes"), ".json")?,
+        };
+        let domain = suite::domain_name(&files)?;
+        let beside = folder.join(&domain);
+        let domain = if beside.is_dir() { beside.display().to_string() } else { domain };
+        let domain = longstep_llm::load_domain(&domain)?;
+        let suite = suite::load(&files, &domain)?;
+        let mut written = 0;
+        for case in &suite.cases {
+            if let Some(object) = training_case(&suite, &domain, case) {
+                println!("{object}");
+                written += 1;
+            }
+        }
+        eprintln!("{}: {written} of {} cases", suite.name, suite.cases.len());
+    }
+    Ok(())
+}
+
+/// Prints the objects of a text for the screening.
+fn screened(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
+    for paragraph in text.trim().split("\n\n") {
+        let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{paragraph}`");
+        let (instruction, answer) = paragraph.trim().split_once('\n').ok_or_else(|| wrong(&"there is no answer"))?;
+        let mut dialogue = ScreeningDialogue::new(instruction);
+        let request = dialogue.request();
+        let reply = Reply {
+            text: answer.to_owned(),
+            finish: Finish::Stop,
+            usage: Usage::default(),
+            likelihood: None,
+        };
+        dialogue.supply(&reply).map_err(|error| wrong(&error))?;
+        let fixed = fixed(&request);
+        println!("{}", json!({"suite": "screening", "fixed": fixed, "lead": "", "instruction": instruction, "answer": answer}));
+    }
+    Ok(())
+}
+
+/// The fixed messages of a request, as pairs of role and text.
+fn fixed(request: &ChatRequest) -> Vec<Value> {
+    let fixed = request.messages.iter().take(request.fixed);
+    fixed.map(|own| json!([role(own.role), own.text])).collect()
+}
+
+/// Returns the object of a case, or none if a goal request cannot be answered with what is expected.
+fn training_case(suite: &Suite, domain: &longstep::domain::Domain, case: &Case) -> Option<Value> {
+    let [step] = &case.steps[..] else { return None };
+    let world = suite.judged_world(case);
+    let answer = match &step.expected {
+        Expected::Question => None,
+        Expected::Plan(goals) => {
+            let goal = goals.first()?;
+            if !goal.constraints.is_empty() || !goal.stages.is_empty() || !goal.groups.is_empty() {
+                return None;
+            }
+            let facts: Vec<String> = goal.facts.iter().map(|fact| fact.everyday(&world)).collect();
+            Some(facts.join(" & "))
+        }
+        Expected::Refusal | Expected::Either => return None,
+    };
+    let mut world = suite.world(case);
+    // A session adds them, too.
+    world.add_values(&step.says);
+    let input = GoalInput::new(domain, &world, &step.says, ConstraintKind::Grammar);
+    let request = GoalDialogue::new(input).request();
+    let query = &request.messages.get(request.fixed)?.text;
+    let (scene, instruction) = query.rsplit_once("Instruction: ")?;
+    Some(json!({
+        "suite": suite.name, "id": case.id, "fixed": fixed(&request),
+        "lead": format!("{scene}Instruction:"), "instruction": format!(" {instruction}"), "answer": answer,
+    }))
+}
+
+fn role(role: Role) -> &'static str {
+    match role {
+        Role::System => "system",
+        Role::User => "user",
+        Role::Assistant => "assistant",
+    }
+}
+
+/// The texts of the files of a folder with this ending, by name without the ending.
+fn texts(folder: &Path, ending: &str) -> Result<BTreeMap<String, String>, Box<dyn Error>> {
+    let mut texts = BTreeMap::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        if let Some(name) = name.and_then(|name| name.strip_suffix(ending)) {
+            texts.insert(name.to_owned(), std::fs::read_to_string(&path)?);
+        }
+    }
+    Ok(texts)
+}

@@ -1,0 +1,282 @@
+#!/usr/bin/env python3
+"""Trains the adapter of the default model: small additions to its weights that make it better at writing goals.
+
+    train.py DATA.jsonl MODEL.gguf ADAPTER.gguf [--task goals|screening] [--minutes M] [--seed S]
+
+DATA.jsonl is the output of the example `training_data` of longstep-eval. The weights of the model stay as they are (the
+dequantized ones of the file, in bfloat16); two thin matrices are trained beside each of its linear maps (LoRA). Many
+instructions of one scene share the tokens before them: one sequence holds the scene once and each instruction as a branch
+that sees the scene and itself. So a processor of two cores trains on about a thousand instructions an hour.
+
+Needs torch, numpy, gguf and tokenizers (requirements.txt).
+"""
+
+import argparse
+import json
+import math
+import random
+import time
+
+import gguf
+import numpy
+import torch
+import torch.nn.functional as F
+from tokenizers import Regex, Tokenizer, decoders, models, pre_tokenizers
+
+# Names of the linear maps of a block in a GGUF file.
+MAPS = ["attn_q", "attn_k", "attn_v", "attn_output", "ffn_gate", "ffn_up", "ffn_down"]
+SPLIT = (
+    r"(?i:'s|'t|'re|'ve|'m|'ll|'d)|[^\r\n\p{L}\p{N}]?\p{L}+|\p{N}| ?[^\s\p{L}\p{N}]+[\r\n]*|\s*[\r\n]+|\s+(?!\S)|\s+"
+)
+
+
+class Vocabulary:
+    """The tokenizer of a GGUF file with byte-level BPE."""
+
+    def __init__(self, fields):
+        tokens = [bytes(fields["tokenizer.ggml.tokens"].parts[place]).decode()
+                  for place in fields["tokenizer.ggml.tokens"].data]
+        merges = [tuple(bytes(fields["tokenizer.ggml.merges"].parts[place]).decode().split(" "))
+                  for place in fields["tokenizer.ggml.merges"].data]
+        self.index = {token: number for number, token in enumerate(tokens)}
+        self.coder = Tokenizer(models.BPE(vocab=self.index, merges=merges, fuse_unk=False, byte_fallback=False))
+        self.coder.pre_tokenizer = pre_tokenizers.Sequence([
+            pre_tokenizers.Split(Regex(SPLIT), behavior="isolated", invert=False),
+            pre_tokenizers.ByteLevel(add_prefix_space=False, use_regex=False),
+        ])
+        self.coder.decoder = decoders.ByteLevel()
+
+    def text(self, text):
+        return self.coder.encode(text).ids
+
+    def special(self, name):
+        return [self.index[name]]
+
+    def message(self, role, text, is_open=False):
+        """The tokens of a message of the chat template; an open one has no end."""
+        tokens = self.special("<|im_start|>") + self.text(f"{role}\n{text}")
+        return tokens if is_open else tokens + self.special("<|im_end|>") + self.text("\n")
+
+
+class Lora(torch.nn.Module):
+    """A frozen linear map with a trained addition of low rank."""
+
+    def __init__(self, weight, bias, rank, alpha):
+        super().__init__()
+        self.weight, self.bias, self.scale = weight, bias, alpha / rank
+        out, into = weight.shape
+        self.a = torch.nn.Parameter(torch.randn(rank, into) / math.sqrt(into))
+        self.b = torch.nn.Parameter(torch.zeros(out, rank))
+
+    def forward(self, x):
+        low = F.linear(x, self.a.to(x.dtype))
+        return F.linear(x, self.weight, self.bias) + F.linear(low, self.b.to(x.dtype)) * self.scale
+
+
+def norm(x, weight, epsilon):
+    wide = x.float()
+    return (wide * torch.rsqrt(wide.pow(2).mean(-1, keepdim=True) + epsilon)).to(x.dtype) * weight
+
+
+class Model(torch.nn.Module):
+    """A Qwen2 model whose linear maps have additions."""
+
+    def __init__(self, reader, rank, alpha):
+        super().__init__()
+        tensors = {tensor.name: tensor for tensor in reader.tensors}
+        number = lambda name: int(reader.fields[f"qwen2.{name}"].parts[-1][0])
+
+        def get(name):
+            if name not in tensors:
+                return None
+            tensor = tensors[name]
+            plain = gguf.quants.dequantize(tensor.data, tensor.tensor_type)
+            return torch.from_numpy(numpy.ascontiguousarray(plain)).to(torch.bfloat16)
+
+        self.heads, self.pairs = number("attention.head_count"), number("attention.head_count_kv")
+        self.epsilon = float(reader.fields["qwen2.attention.layer_norm_rms_epsilon"].parts[-1][0])
+        self.base = float(reader.fields["qwen2.rope.freq_base"].parts[-1][0])
+        self.embedding = get("token_embd.weight")
+        self.output = get("output.weight")
+        self.output = self.embedding if self.output is None else self.output
+        self.last = get("output_norm.weight")
+        self.norms, self.maps = [], torch.nn.ModuleList()
+        for block in range(number("block_count")):
+            prefix = f"blk.{block}."
+            self.norms.append((get(prefix + "attn_norm.weight"), get(prefix + "ffn_norm.weight")))
+            self.maps.append(torch.nn.ModuleDict({
+                name: Lora(get(f"{prefix}{name}.weight"), get(f"{prefix}{name}.bias"), rank, alpha) for name in MAPS
+            }))
+
+    def turned(self, x, cos, sin):
+        one, two = x.chunk(2, dim=-1)
+        return x * cos + torch.cat((-two, one), dim=-1) * sin
+
+    def forward(self, tokens, positions, mask, wanted):
+        """The logits behind the wanted places of one sequence."""
+        x = self.embedding[tokens]
+        length = x.shape[0]
+        size = x.shape[1] // self.heads
+        speeds = self.base ** (-torch.arange(0, size, 2).float() / size)
+        angles = positions.float()[:, None] * speeds[None]
+        angles = torch.cat((angles, angles), dim=-1)
+        cos, sin = angles.cos().to(x.dtype), angles.sin().to(x.dtype)
+        for (before, middle), maps in zip(self.norms, self.maps):
+            h = norm(x, before, self.epsilon)
+            heads = lambda name, count: maps[name](h).view(length, count, size).transpose(0, 1)
+            q = self.turned(heads("attn_q", self.heads), cos, sin)
+            k = self.turned(heads("attn_k", self.pairs), cos, sin)
+            v = heads("attn_v", self.pairs)
+            times = self.heads // self.pairs
+            k, v = k.repeat_interleave(times, 0), v.repeat_interleave(times, 0)
+            seen = F.scaled_dot_product_attention(q[None], k[None], v[None], attn_mask=mask[None, None])[0]
+            x = x + maps["attn_output"](seen.transpose(0, 1).reshape(length, -1))
+            h = norm(x, middle, self.epsilon)
+            x = x + maps["ffn_down"](F.silu(maps["ffn_gate"](h)) * maps["ffn_up"](h))
+        return F.linear(norm(x[wanted], self.last, self.epsilon), self.output).float()
+
+
+def sequence(vocabulary, cases, chance, most):
+    """One sequence: what the cases share, then each case as a branch. Returns tokens, positions, mask, and the places whose
+    next token is learned with these tokens and the share of each in its answer."""
+    fixed = cases[0]["fixed"]
+    turns = list(zip(fixed[1::2], fixed[2::2]))
+    shown = chance.sample(turns, min(len(turns), chance.randint(0, most)))
+    tokens = vocabulary.message(*fixed[0])
+    for question, answer in shown:
+        tokens += vocabulary.message(*question) + vocabulary.message(*answer)
+    tokens += vocabulary.message("user", cases[0]["lead"], is_open=True)
+    shared = len(tokens)
+    positions, branch = list(range(shared)), [0] * shared
+    places, targets, weights = [], [], []
+    for number, case in enumerate(cases, start=1):
+        before = vocabulary.text(case["instruction"]) + vocabulary.special("<|im_end|>") + vocabulary.text("\n")
+        before += vocabulary.message("assistant", "", is_open=True)
+        if case["answer"] is None:
+            answer = vocabulary.text("question:")
+        else:
+            answer = vocabulary.text(case["answer"]) + vocabulary.special("<|im_end|>")
+        own = before + answer
+        start = len(tokens) + len(before)
+        places += range(start - 1, start - 1 + len(answer))
+        targets += answer
+        weights += [1.0] * len(answer)
+        positions += range(shared, shared + len(own))
+        branch += [number] * len(own)
+        tokens += own
+    order, branch = torch.arange(len(tokens)), torch.tensor(branch)
+    mask = (order[:, None] >= order[None]) & ((branch[None] == 0) | (branch[:, None] == branch[None]))
+    return (torch.tensor(tokens), torch.tensor(positions), mask, torch.tensor(places), torch.tensor(targets),
+            torch.tensor(weights))
+
+
+def packs(cases, size, chance):
+    """The cases in groups of one scene, in random order."""
+    scenes = {}
+    for case in cases:
+        scenes.setdefault((case["suite"], case["lead"]), []).append(case)
+    groups = []
+    for own in scenes.values():
+        chance.shuffle(own)
+        count = max(1, round(len(own) / size))
+        groups += [own[start::count] for start in range(count)]
+    chance.shuffle(groups)
+    return groups
+
+
+def save(path, model, rank, alpha, task):
+    """Writes the additions as llama.cpp reads them."""
+    writer = gguf.GGUFWriter(path, "qwen2")
+    writer.add_string("general.type", "adapter")
+    writer.add_string("longstep.task", task)
+    writer.add_string("adapter.type", "lora")
+    writer.add_float32("adapter.lora.alpha", float(alpha))
+    for block, maps in enumerate(model.maps):
+        for name in MAPS:
+            lora = maps[name]
+            for part, value in (("a", lora.a), ("b", lora.b)):
+                plain = value.detach().to(torch.float16).numpy()
+                writer.add_tensor(f"blk.{block}.{name}.weight.lora_{part}", plain)
+    writer.write_header_to_file()
+    writer.write_kv_data_to_file()
+    writer.write_tensors_to_file()
+    writer.close()
+
+
+def main():
+    reads = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    reads.add_argument("data")
+    reads.add_argument("model")
+    reads.add_argument("adapter")
+    reads.add_argument("--task", choices=["goals", "screening"], default="goals")
+    reads.add_argument("--minutes", type=float, default=60)
+    reads.add_argument("--epochs", type=float, default=1)
+    reads.add_argument("--rank", type=int, default=4)
+    reads.add_argument("--rate", type=float, default=3e-4)
+    reads.add_argument("--pack", type=int, default=12)
+    reads.add_argument("--examples", type=int, default=3)
+    reads.add_argument("--seed", type=int, default=1)
+    reads.add_argument("--held", type=int, default=0, help="packs that are only measured, at the end")
+    read = reads.parse_args()
+    torch.manual_seed(read.seed)
+    chance = random.Random(read.seed)
+    alpha = 2 * read.rank
+    reader = gguf.GGUFReader(read.model)
+    vocabulary = Vocabulary(reader.fields)
+    model = Model(reader, read.rank, alpha)
+    with open(read.data) as lines:
+        cases = [json.loads(line) for line in lines]
+    groups = packs(cases, read.pack, chance)
+    held, groups = groups[:read.held], groups[read.held:]
+    whole, part = int(read.epochs), read.epochs % 1
+    groups = groups * whole + groups[:round(part * len(groups))]
+    parameters = [p for p in model.parameters() if p.requires_grad]
+    optimizer = torch.optim.AdamW(parameters, lr=read.rate, betas=(0.9, 0.99), weight_decay=0.0)
+    start, done, tokens_done = time.monotonic(), 0, 0
+    waiting, total = 0, 0.0
+    print(f"{len(cases)} cases, {len(groups)} packs", flush=True)
+
+    def loss_of(group, most):
+        tokens, positions, mask, places, targets, weights = sequence(vocabulary, group, chance, most)
+        logits = model(tokens, positions, mask, places)
+        losses = F.cross_entropy(logits, targets, reduction="none")
+        right = (logits.argmax(-1) == targets).float().mean().item()
+        return (losses * weights).sum(), weights.sum().item(), len(tokens), right
+
+    for step, group in enumerate(groups):
+        elapsed = time.monotonic() - start
+        # The rate falls by the packs or by the time, whichever is further.
+        progress = max(step / len(groups), elapsed / (60 * read.minutes))
+        if progress >= 1:
+            break
+        rate = read.rate * min(1.0, (step + 1) / 8) * (0.05 + 0.95 * 0.5 * (1 + math.cos(math.pi * progress)))
+        for part in optimizer.param_groups:
+            part["lr"] = rate
+        loss, weight, length, right = loss_of(group, read.examples)
+        loss.backward()
+        waiting, total = waiting + len(group), total + weight
+        # Scenes of few instructions share a step.
+        if waiting >= 0.7 * read.pack or step + 1 == len(groups):
+            for parameter in parameters:
+                parameter.grad /= total
+            torch.nn.utils.clip_grad_norm_(parameters, 1.0)
+            optimizer.step()
+            optimizer.zero_grad()
+            waiting, total = 0, 0.0
+        done += len(group)
+        tokens_done += length
+        elapsed = time.monotonic() - start
+        print(f"{elapsed:6.0f} s  step {step}  cases {done}  tokens {tokens_done} ({tokens_done / elapsed:.1f}/s)  "
+              f"loss {loss.item() / weight:.3f}  right tokens {right:.3f}", flush=True)
+        if step % 20 == 19:
+            save(read.adapter + ".part", model, read.rank, alpha, read.task)
+    if held:
+        with torch.no_grad():
+            measured = [loss_of(group, 0) for group in held]
+        print(f"held: loss {sum(m[0].item() for m in measured) / sum(m[1] for m in measured):.3f}, "
+              f"right tokens {sum(m[3] for m in measured) / len(held):.3f}", flush=True)
+    save(read.adapter, model, read.rank, alpha, read.task)
+
+
+if __name__ == "__main__":
+    main()
