@@ -5,7 +5,8 @@
   scripts/faithfulness/measure.py judge answers.jsonl
   scripts/faithfulness/measure.py table answers.jsonl
 
-`run` gives every instruction of instructions.toml to `longstep plan` and keeps its answers, one a line; an interrupted
+`run` gives every instruction of instructions.toml (or of `--instructions FILE`, for all three commands) to `longstep plan`
+and keeps its answers, one a line; an interrupted
 run goes on where it stopped. The model is loaded once for each domain: `longstep eval` records its replies, and
 `longstep plan` replays them. `table` counts. What the checks of instructions.toml do not decide is in judgements.json, by a
 hash of instruction and plan; `judge` lists the plans without a judgement, and fails if there are any. Only new plans need
@@ -30,8 +31,8 @@ KEPT = ("goal", "steps", "notes", "violations", "not_represented", "coverage", "
 STATUSES = {0: "verified", 11: "refused", 12: "gave up", 13: "question"}
 
 
-def instructions():
-    with open(os.path.join(HERE, "instructions.toml"), "rb") as file:
+def instructions(options):
+    with open(options.instructions, "rb") as file:
         return tomllib.load(file)["instruction"]
 
 
@@ -64,7 +65,7 @@ def run(options):
     model = ["--model", options.model] if options.model else []
     model += ["--threads", str(options.threads)] if options.threads else []
     by_domain = collections.defaultdict(list)
-    for entry in instructions():
+    for entry in instructions(options):
         by_domain[entry["domain"]].append(entry)
     done = {answer["id"] for answer in read(options.out)} if os.path.exists(options.out) else set()
     with open(options.out, "a", encoding="utf-8") as out:
@@ -180,7 +181,7 @@ def judged(options):
     with open(JUDGEMENTS, encoding="utf-8") as file:
         judgements = json.load(file)
     answers = {answer["id"]: answer for answer in read(options.answers)}
-    for entry in instructions():
+    for entry in instructions(options):
         answer = answers.get(entry["id"])
         if answer is None:
             continue
@@ -264,6 +265,8 @@ def main():
         command.add_argument("answers")
         command.add_argument("--all", action="store_true")
         command.set_defaults(do=do)
+    for command in commands.choices.values():
+        command.add_argument("--instructions", default=os.path.join(HERE, "instructions.toml"))
     options = parser.parse_args()
     return options.do(options)
 

@@ -10,6 +10,7 @@ use std::time::Duration;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use longstep::Effort;
 use longstep::session::{RepairPolicy, Settings, Strategy};
+use longstep_llm::AdapterChoice;
 
 pub(crate) use robot::{RobotCheckArguments, RobotCommand, RobotEnvironmentArguments};
 pub(crate) use see::SeeArguments;
@@ -87,6 +88,10 @@ pub(crate) struct ModelArguments {
     /// ollama:NAME, anthropic:NAME, gemini:NAME, URL#NAME or replay:FILE
     #[arg(long, value_name = "MODEL", env = "LONGSTEP_MODEL", hide_env_values = true, default_value = longstep_llm::catalogue::DEFAULT)]
     pub(crate) model: String,
+    /// Adapter of an embedded model, a .gguf file, for one of its tasks (repeatable); `off` for none [default: those of the
+    /// catalogue]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) adapter: Vec<PathBuf>,
     /// Threads of an embedded model [default: the number of physical cores]
     #[arg(long, value_name = "N", env = "LONGSTEP_THREADS", hide_env_values = true, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
@@ -111,6 +116,17 @@ pub(crate) struct ModelArguments {
     /// Also record all requests and replies in a file; --model replay:FILE replays it
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
+}
+
+impl ModelArguments {
+    /// The adapters of an embedded model.
+    pub(crate) fn adapters(&self) -> AdapterChoice {
+        match &self.adapter[..] {
+            [] => AdapterChoice::Catalogue,
+            [one] if one.as_os_str() == "off" => AdapterChoice::Off,
+            files => AdapterChoice::Files(files.to_vec()),
+        }
+    }
 }
 
 fn temperature(text: &str) -> Result<f64, String> {

@@ -55,6 +55,7 @@ fn opened(
     let mut options = OpenOptions::new(cache_directory()?);
     options.threads = arguments.threads.map(usize::from);
     options.context_tokens = arguments.context;
+    options.adapters = arguments.adapters();
     options.vision = vision.map(Path::to_path_buf);
     options.record.clone_from(&arguments.record);
     options.timeout = arguments.timeout;

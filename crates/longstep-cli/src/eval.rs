@@ -93,13 +93,18 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
     tell(&results, &task.out)
 }
 
-/// Refuses a suite with an expected goal that no plan reaches, and warns about goals for which the search gave up.
+/// Refuses a suite with an expected goal that no plan reaches, and warns about goals for which the search gave up or that hold
+/// already.
 fn check_goals(suite: &Suite) -> Result<()> {
-    let unreached = suite.unreached(&longstep::Limits::default());
-    for open in unreached.iter().filter(|one| !one.proven) {
+    let found = suite.goal_findings(&longstep::Limits::default());
+    for open in found.unreached.iter().filter(|one| !one.proven) {
         remark!("warning: {open}");
     }
-    let proven: Vec<String> = unreached
+    for settled in &found.settled {
+        remark!("warning: {settled}");
+    }
+    let proven: Vec<String> = found
+        .unreached
         .iter()
         .filter(|one| one.proven)
         .map(ToString::to_string)
@@ -203,6 +208,7 @@ fn task(
             None => inputs::without_address(&model.model),
         },
         model_sha256,
+        adapters: inputs::adapters(&model.adapters())?,
         server: None,
         settings,
         temperature: model.temperature,

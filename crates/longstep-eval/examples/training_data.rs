@@ -34,12 +34,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         let files = Files {
             folder: format!("{}/", folder.display()),
             suite: cases.remove("suite").ok_or("there is no suite.toml")?,
-            cases: cases.into_iter().map(|(name, text)| (format!("{name}.toml"), text)).collect(),
+            cases: cases
+                .into_iter()
+                .map(|(name, text)| (format!("{name}.toml"), text))
+                .collect(),
             scenes: texts(&folder.join("scenes"), ".json")?,
         };
         let domain = suite::domain_name(&files)?;
         let beside = folder.join(&domain);
-        let domain = if beside.is_dir() { beside.display().to_string() } else { domain };
+        let domain = if beside.is_dir() {
+            beside.display().to_string()
+        } else {
+            domain
+        };
         let domain = longstep_llm::load_domain(&domain)?;
         let suite = suite::load(&files, &domain)?;
         let mut written = 0;
@@ -58,7 +65,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn screened(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
     for paragraph in text.trim().split("\n\n") {
         let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{paragraph}`");
-        let (instruction, answer) = paragraph.trim().split_once('\n').ok_or_else(|| wrong(&"there is no answer"))?;
+        let (instruction, answer) = paragraph
+            .trim()
+            .split_once('\n')
+            .ok_or_else(|| wrong(&"there is no answer"))?;
         let mut dialogue = ScreeningDialogue::new(instruction);
         let request = dialogue.request();
         let reply = Reply {
@@ -69,7 +79,10 @@ fn screened(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
         };
         dialogue.supply(&reply).map_err(|error| wrong(&error))?;
         let fixed = fixed(&request);
-        println!("{}", json!({"suite": "screening", "fixed": fixed, "lead": "", "instruction": instruction, "answer": answer}));
+        println!(
+            "{}",
+            json!({"suite": "screening", "fixed": fixed, "lead": "", "instruction": instruction, "answer": answer})
+        );
     }
     Ok(())
 }

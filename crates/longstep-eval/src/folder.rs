@@ -39,6 +39,9 @@ pub struct Plan {
     pub model: String,
     /// SHA-256 of the model file, the recording or the recorded replies, if the model is one of these.
     pub model_sha256: Option<String>,
+    /// The adapters of an embedded model: `catalogue`, `off`, or SHA-256 of the files.
+    #[serde(default = "of_the_catalogue")]
+    pub adapters: String,
     /// Mark of the model's server, if it has one; set by [`RunFolder::open`].
     #[serde(default)]
     pub server: Option<ServerMark>,
@@ -60,6 +63,11 @@ pub struct Plan {
     pub wordings: Vec<String>,
     /// Descriptions of the changes of the domain or its prompts for this run.
     pub changes: Vec<String>,
+}
+
+/// The adapters of a run that was kept before there were any others.
+fn of_the_catalogue() -> String {
+    "catalogue".to_owned()
 }
 
 /// A mark of a server's address: SHA-256 of a random salt and the address. Within a folder, equal marks mean equal

@@ -17,7 +17,7 @@ use longstep_core::environment::World;
 use longstep_core::model::Prohibition;
 
 pub use load::{Files, domain_name, load};
-pub use reachable::Unreached;
+pub use reachable::{GoalFindings, Settled, Unreached};
 pub use shipped::{shipped, shipped_names};
 
 /// A suite of test cases for one domain.

@@ -73,6 +73,7 @@ fn plan(trials: u32) -> Plan {
             strategy: Strategy::Goal,
             ..Settings::default()
         },
+        adapters: "catalogue".to_owned(),
         temperature: 0.0,
         top_p: None,
         seed: 0,

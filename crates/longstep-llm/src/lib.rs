@@ -6,7 +6,7 @@
 //! a server rejects is omitted with a warning, and a busy server gets the request again.
 //!
 //! ```no_run
-//! use longstep::dialogue::{ChatRequest, Constraint, Message, Role};
+//! use longstep::dialogue::{ChatRequest, Constraint, Message, Role, Task};
 //! use longstep_llm::{ChatModel, ModelReference, OpenOptions, cache_directory, open};
 //!
 //! # fn main() -> Result<(), longstep_llm::ModelError> {
@@ -14,6 +14,7 @@
 //! let options = OpenOptions::new(cache_directory()?);
 //! let mut model = open(&reference, &options, &mut |_| {})?;
 //! let request = ChatRequest {
+//!     task: Task::Other,
 //!     messages: vec![Message::new(Role::User, "Is the door open? Answer yes or no.")],
 //!     fixed: 0,
 //!     answer_so_far: String::new(),
@@ -56,7 +57,7 @@ pub use cache::{cache_directory, session_directory};
 pub use converse::{ConverseError, converse};
 pub use error::{AnswerLimit, ModelError};
 pub use load_domain::{DomainError, domain_files, load_domain, load_domain_with_prompt, overlay_prompt};
-pub use model::{ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch};
+pub use model::{AdapterChoice, ChatModel, OpenOptions, Progress, Sampling, StopFlag, Watch};
 pub use open::open;
 pub use pace::{Pace, Speed};
 pub use private::{create_private_folder, tighten_folder};

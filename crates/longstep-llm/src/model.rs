@@ -131,6 +131,8 @@ pub struct OpenOptions {
     /// The projector (mmproj) file of an embedded model, with which it sees pictures (feature `vision`). Other models take
     /// none.
     pub vision: Option<PathBuf>,
+    /// The adapters of an embedded model. Other models take none.
+    pub adapters: AdapterChoice,
     /// Sampling of the next token.
     pub sampling: Sampling,
     /// Longest time in which a server may send nothing, before its answer and within it; 60 s.
@@ -155,6 +157,7 @@ impl OpenOptions {
             cache,
             context_tokens: None,
             vision: None,
+            adapters: AdapterChoice::default(),
             sampling: Sampling::default(),
             silence: Duration::from_secs(60),
             timeout: Duration::from_secs(600),
@@ -162,6 +165,19 @@ impl OpenOptions {
             record: None,
         }
     }
+}
+
+/// The adapters of an embedded model: small additions to its weights (LoRA), each for one [task](longstep::dialogue::Task). All
+/// other answers are those of the model alone.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum AdapterChoice {
+    /// Those of the catalogue, if it has any for the model.
+    #[default]
+    Catalogue,
+    /// None.
+    Off,
+    /// GGUF files with adapters for this model. Each names its task in `longstep.task`: `goals` or `screening`.
+    Files(Vec<PathBuf>),
 }
 
 /// Sampling of the next token among the allowed ones. A parameter that a server rejects is omitted, with a

@@ -7,7 +7,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role, Task};
 use longstep_llm::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, open};
 
 const COLOURS: &str = r#"start: ("red" | "green" | "blue") (" and " ("red" | "green" | "blue"))?"#;
@@ -55,6 +55,7 @@ fn request(question: &str, constraint: Constraint) -> ChatRequest {
     let count = fixed.len();
     fixed.push(Message::new(Role::User, question));
     ChatRequest {
+        task: Task::Other,
         messages: fixed,
         fixed: count,
         answer_so_far: String::new(),

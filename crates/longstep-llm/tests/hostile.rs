@@ -6,12 +6,13 @@ mod server;
 
 use std::time::Duration;
 
-use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role, Task};
 use longstep_llm::{ChatModel, ModelError, OpenOptions, Progress, StopFlag, Watch, open};
 use server::{Hostile, Mode, Outcome, Place, Short, modes};
 
 fn request() -> ChatRequest {
     ChatRequest {
+        task: Task::Other,
         messages: vec![Message::new(Role::User, "Put the cereal on the counter.")],
         fixed: 0,
         answer_so_far: String::new(),

@@ -6,7 +6,7 @@
 
 use std::time::{Duration, Instant};
 
-use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role, Task};
 use longstep_llm::{ChatModel, ModelError, OpenOptions, Progress, Sampling, Watch, open};
 use serde_json::{Value, json};
 
@@ -22,6 +22,7 @@ fn model() -> Box<dyn ChatModel> {
 fn request(instruction: &str) -> ChatRequest {
     let user = |text: &str| Message::new(Role::User, text);
     ChatRequest {
+        task: Task::Other,
         messages: vec![
             Message::new(
                 Role::System,

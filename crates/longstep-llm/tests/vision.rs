@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Picture, Reply, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Picture, Reply, Role, Task};
 use longstep_llm::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Watch, open};
 
 /// A language model, and a projector for it.
@@ -52,6 +52,7 @@ fn picture(name: &str) -> Picture {
 fn request(pictures: &[&str], constraint: Constraint) -> ChatRequest {
     let pictures = pictures.iter().map(|name| picture(name)).collect();
     ChatRequest {
+        task: Task::Other,
         messages: vec![
             Message::new(Role::System, "You name the colour of a picture.".repeat(8)),
             Message::new(Role::User, "Which colour?").with_pictures(pictures),

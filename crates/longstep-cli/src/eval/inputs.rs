@@ -8,12 +8,15 @@ use longstep_core::diagnostic::nearest;
 use longstep_eval::suite::{self, Files, Suite, paper};
 use longstep_eval::{Recorded, sha256};
 use longstep_llm::{
-    LOG_LIMIT, ModelReference, domain_files, plain_reason, read_bounded, read_text, read_texts, server_address,
-    write_whole,
+    AdapterChoice, LOG_LIMIT, ModelReference, domain_files, plain_reason, read_bounded, read_text, read_texts,
+    server_address, write_whole,
 };
 
 use crate::arguments::EvalArguments;
 use crate::failure::Failure;
+
+/// Largest adapter, in bytes.
+const ADAPTER_LIMIT: u64 = 1 << 30;
 
 /// The default folder of a run.
 pub(super) fn default_folder(suite: &str) -> PathBuf {
@@ -128,6 +131,24 @@ pub(super) fn origin(reference: &ModelReference) -> Result<(Option<String>, Opti
         _ => None,
     };
     Ok((hash, server_address(reference)?))
+}
+
+/// Returns what tells the adapters of a run from others.
+pub(super) fn adapters(choice: &AdapterChoice) -> Result<String> {
+    let files = match choice {
+        AdapterChoice::Catalogue => return Ok("catalogue".to_owned()),
+        AdapterChoice::Off => return Ok("off".to_owned()),
+        AdapterChoice::Files(files) => files,
+    };
+    let mut hashes = Vec::new();
+    for path in files {
+        let bytes = read_bounded(path, ADAPTER_LIMIT).map_err(|error| {
+            Failure::unreadable(format!("cannot read {}: {}", path.display(), plain_reason(&error)))
+                .hint("check the path")
+        })?;
+        hashes.push(sha256(bytes.as_slice()));
+    }
+    Ok(hashes.join(", "))
 }
 
 /// A model's reference without the address of a server, which may contain a password.

@@ -376,7 +376,10 @@ impl Goal {
             for (number, rule) in domain.rules.iter().enumerate() {
                 match fact {
                     GoalFact::Word { word, arguments } if rule.unless.contains(&domain.goal_word(*word).word) => {
-                        waivers.extend(arguments.iter().map(|entity| Waiver {
+                        // Not for the other arguments: a blanket in the cabinet says nothing about the pills there.
+                        let subject = domain.goal_word(*word).subject.and_then(|place| arguments.get(place));
+                        let about = subject.map_or(&arguments[..], std::slice::from_ref);
+                        waivers.extend(about.iter().map(|entity| Waiver {
                             rule: number,
                             entity: *entity,
                         }));

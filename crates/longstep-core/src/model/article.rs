@@ -32,10 +32,11 @@ impl DomainData {
 
 impl World {
     /// Returns the everyday name of an entity with its article. A name with a capital letter that the environment gave is
-    /// a proper name, which takes none: "Maria", "Bay 3".
+    /// a proper name, which takes none: "Maria", "Bay 3". Nor does the speaker: "me".
     pub fn with_article(&self, entity: EntityId) -> String {
         let entity = self.entity(entity);
-        if entity.is_value {
+        let is_speaker = self.environment().speaker.as_ref() == Some(&entity.identifier);
+        if entity.is_value || is_speaker {
             return entity.name.clone();
         }
         let given = self.environment().names.as_ref();

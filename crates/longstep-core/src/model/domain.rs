@@ -344,7 +344,7 @@ pub struct Rule {
     pub condition: Condition,
     /// The template for the sentence that reports a violation.
     pub says: Template,
-    /// Goal words that waive the rule for their arguments.
+    /// Goal words that waive the rule for their subject, or for all their arguments if they have none.
     pub unless: Vec<String>,
 }
 

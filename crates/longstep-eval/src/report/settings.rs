@@ -27,6 +27,7 @@ pub(crate) fn settings(plan: &Plan) -> Vec<(&'static str, String)> {
             "model, SHA-256",
             plan.model_sha256.clone().unwrap_or_else(|| "none".to_owned()),
         ),
+        ("adapters", plan.adapters.clone()),
         (
             "strategy",
             word(serde_json::to_value(settings.strategy).unwrap_or_default()),

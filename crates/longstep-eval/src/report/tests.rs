@@ -32,6 +32,7 @@ pub(crate) fn results(suite: &str, model: &str, attempts: Vec<Attempt>) -> Resul
             model_sha256: None,
             server: None,
             settings: Settings::default(),
+            adapters: "catalogue".to_owned(),
             temperature: 0.0,
             top_p: None,
             seed: 1,

@@ -1,4 +1,4 @@
-//! The check that the expected goals of a suite can be reached.
+//! The check that the expected goals of a suite can be reached, and do not hold already.
 
 use longstep::Limits;
 use longstep::report::{self, Status};
@@ -36,22 +36,60 @@ impl std::fmt::Display for Unreached {
     }
 }
 
+/// An expected goal that holds before anything is done, so an answer that does nothing is correct.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Settled {
+    /// The id of the case.
+    pub case: String,
+    /// The number of the instruction in the case, from 1.
+    pub number: usize,
+    /// The instruction.
+    pub says: String,
+    /// The goal, with everyday names.
+    pub goal: String,
+}
+
+impl std::fmt::Display for Settled {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            case,
+            number,
+            says,
+            goal,
+        } = self;
+        write!(
+            f,
+            "case `{case}`, instruction {number} ({says}): its goal `{goal}` holds already"
+        )
+    }
+}
+
+/// The findings about the expected goals of a suite.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct GoalFindings {
+    /// The instructions without a plan for any of their goals.
+    pub unreached: Vec<Unreached>,
+    /// The goals that need no step.
+    pub settled: Vec<Settled>,
+}
+
 impl Suite {
-    /// Finds the instructions whose expected goals cannot all be reached. Each instruction of a chain begins in the world
-    /// after the first goal of the one before; a chain is followed up to the first instruction without a plan.
+    /// Finds the instructions whose expected goals cannot all be reached, and the goals that hold already. Each instruction
+    /// of a chain begins in the world after the first goal of the one before; a chain is followed up to the first instruction
+    /// without a plan.
     ///
     /// The work is one search for each goal, and a second one where there is no plan.
-    pub fn unreached(&self, limits: &Limits) -> Vec<Unreached> {
-        self.cases
-            .iter()
-            .flat_map(|case| self.unreached_in(case, limits))
-            .collect()
+    pub fn goal_findings(&self, limits: &Limits) -> GoalFindings {
+        let mut found = GoalFindings::default();
+        for case in &self.cases {
+            self.examine(case, limits, &mut found);
+        }
+        found
     }
 
-    fn unreached_in(&self, case: &Case, limits: &Limits) -> Vec<Unreached> {
-        let mut found = Vec::new();
+    fn examine(&self, case: &Case, limits: &Limits, found: &mut GoalFindings) {
         let Some(mut world) = self.judged.get(&case.scene).cloned() else {
-            return found;
+            return;
         };
         for (index, Step { says, expected, .. }) in case.steps.iter().enumerate() {
             let mut next = None;
@@ -60,6 +98,14 @@ impl Suite {
             for goal in expected.goals() {
                 let solution = report::of_goal(&world, goal, says, limits, || 0.0);
                 if let Some(plan) = &solution.plan {
+                    if plan.steps().is_empty() {
+                        found.settled.push(Settled {
+                            case: case.id.clone(),
+                            number: index + 1,
+                            says: says.clone(),
+                            goal: goal.everyday(&world).join(" & "),
+                        });
+                    }
                     next.get_or_insert_with(|| world.after(plan.ending()));
                     continue;
                 }
@@ -68,7 +114,7 @@ impl Suite {
                 why.push(format!("`{}`: {reasons}", goal.everyday(&world).join(" & ")));
             }
             if !why.is_empty() {
-                found.push(Unreached {
+                found.unreached.push(Unreached {
                     case: case.id.clone(),
                     number: index + 1,
                     says: says.clone(),
@@ -82,6 +128,5 @@ impl Suite {
                 None => break,
             }
         }
-        found
     }
 }

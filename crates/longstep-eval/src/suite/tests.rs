@@ -116,7 +116,10 @@ fn load_shipped(name: &str) -> (Domain, Suite) {
 fn every_expected_goal_can_be_reached() {
     for name in shipped_names() {
         let (_, suite) = load_shipped(name);
-        assert_eq!(suite.unreached(&longstep::Limits::default()), []);
+        assert_eq!(
+            suite.goal_findings(&longstep::Limits::default()),
+            GoalFindings::default()
+        );
         for case in &suite.cases {
             let mut world = suite.judged_world(case);
             for step in &case.steps {
@@ -143,21 +146,37 @@ fn an_unreachable_goal_is_found_with_its_instruction_and_the_reason() {
          { says = 'Put it into the desk.', goal = 'put(pen, desk) & on_something(pen, shelf)' },\n\
          { says = 'Shelve it.', goal = 'put(pen, shelf)' }]";
     let suite = load(&files(suite, cases, &[("desk", DESK)]), &household()).unwrap();
-    let found = suite.unreached(&longstep::Limits::default());
+    let found = suite.goal_findings(&longstep::Limits::default()).unreached;
     let shown: Vec<String> = found.iter().map(ToString::to_string).collect();
     let expected = "case `b`, instruction 2 (Put it into the desk.): its goal cannot be reached; \
          `put(pen, desk) & on_something(pen, shelf)`: each goal can be reached, but not all of them together";
     assert_eq!(shown, [expected]);
-    let given_up = suite.unreached(&longstep::Limits {
+    let limits = longstep::Limits {
         direct: 1,
         proof: 1,
         shortest: 1,
         any: 1,
         ..longstep::Limits::default()
-    });
+    };
+    let given_up = suite.goal_findings(&limits).unreached;
     assert!(
         !given_up.is_empty() && given_up.iter().all(|one| !one.proven),
         "{given_up:?}"
+    );
+}
+
+#[test]
+fn a_goal_that_holds_already_is_found() {
+    let suite = "name = 'mine'\nabout = 'A pen.'\ndomain = 'household'";
+    let cases = "[[case]]\nid = 'a'\nscene = 'desk'\nsteps = [{ says = 'Shelve the pen.', goal = 'put(pen, shelf)' },\n\
+         { says = 'Shelve it.', goal = ['put(pen, shelf)', 'put(pen, desk)'] }]";
+    let suite = load(&files(suite, cases, &[("desk", DESK)]), &household()).unwrap();
+    let found = suite.goal_findings(&longstep::Limits::default());
+    assert_eq!(found.unreached, []);
+    let shown: Vec<String> = found.settled.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        shown,
+        ["case `a`, instruction 2 (Shelve it.): its goal `put(pen, shelf)` holds already"]
     );
 }
 

@@ -7,7 +7,7 @@ use llama_cpp_2::context::LlamaContext;
 use llama_cpp_2::context::params::LlamaContextParams;
 use llama_cpp_2::llama_backend::LlamaBackend;
 use llama_cpp_2::llama_batch::LlamaBatch;
-use llama_cpp_2::model::LlamaModel;
+use llama_cpp_2::model::{LlamaLoraAdapter, LlamaModel};
 use llama_cpp_2::token::LlamaToken;
 
 use super::blocks;
@@ -76,6 +76,18 @@ impl<'model> Engine<'model> {
             ends: Vec::new(),
             newest: 0,
         })
+    }
+
+    /// Makes an adapter part of the computation, or no longer, and empties the cache.
+    pub(super) fn adapt(&mut self, adapter: &mut LlamaLoraAdapter, is_on: bool) -> Result<(), String> {
+        self.forget();
+        if is_on {
+            let set = self.context.lora_adapter_set(adapter, 1.0);
+            set.map_err(|error| error.to_string())
+        } else {
+            let removed = self.context.lora_adapter_remove(adapter);
+            removed.map_err(|error| error.to_string())
+        }
     }
 
     /// The length of the common prefix of these tokens and the cache.

@@ -3,6 +3,7 @@
 //! A worker thread owns the model and its context, because the context borrows the model. Callers hold an
 //! [`EmbeddedModel`], which is a channel to the worker. Dropping it ends the thread and frees the model.
 
+mod adapter;
 mod blocks;
 mod engine;
 mod file;
@@ -77,6 +78,7 @@ impl EmbeddedModel {
     /// Loads the file. `identity` changes with the file's content and is part of the key of saved states.
     pub(crate) fn open(name: &str, path: &Path, identity: String, options: &OpenOptions) -> Result<Self, ModelError> {
         file::check(path)?;
+        let adapters = adapter::chosen(name, &options.adapters)?;
         let context_tokens = options.context_tokens.unwrap_or(CONTEXT_TOKENS);
         let setting = Setting {
             name: name.to_owned(),
@@ -87,6 +89,7 @@ impl EmbeddedModel {
             sampling: options.sampling.clone(),
             states: options.cache.join("state"),
             projector: options.vision.clone(),
+            adapters,
         };
         let (jobs, inbox) = channel();
         let (ready, loaded) = channel();

@@ -177,6 +177,7 @@ impl Score {
             text: rounded(self.text),
             forced: rounded(self.ended.map_or(self.forced, |(_, forced)| forced)),
             ended: self.ended.map(|(ended, _)| rounded(ended)),
+            is_trained: false,
         }
     }
 }

@@ -6,12 +6,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 
-use llama_cpp_2::model::LlamaModel;
 use llama_cpp_2::model::params::LlamaModelParams;
+use llama_cpp_2::model::{LlamaLoraAdapter, LlamaModel};
 use llama_cpp_2::token::LlamaToken;
 use llguidance::Matcher;
-use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Reply, Role, Usage};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Likelihood, Message, Reply, Role, Task, Usage};
 
+use super::adapter::Adapter;
 use super::engine::{Engine, backend};
 use super::file::not_loaded;
 use super::grammar::Grammars;
@@ -36,6 +37,8 @@ pub(super) struct Setting {
     pub(super) states: PathBuf,
     /// The file of the model's projector.
     pub(super) projector: Option<PathBuf>,
+    /// The adapters, at most one for a task.
+    pub(super) adapters: Vec<Adapter>,
 }
 
 /// Loads the model, sends the result to `ready`, and processes jobs until all senders are gone.
@@ -44,10 +47,16 @@ pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, job
         // The receiver may be gone already.
         let _ = ready.send(Err(error));
     };
-    let model = match load(setting) {
-        Ok(model) => Arc::new(model),
+    let mut model = match load(setting) {
+        Ok(model) => model,
         Err(reason) => return refuse(not_loaded(&setting.path, &reason)),
     };
+    let loaded = setting.adapters.iter().map(|adapter| adapter.load(&mut model));
+    let adapters: Vec<LlamaLoraAdapter> = match loaded.collect() {
+        Ok(adapters) => adapters,
+        Err(error) => return refuse(error),
+    };
+    let model = Arc::new(model);
     let vision = setting.projector.as_deref();
     let vision = match vision
         .map(|path| Vision::load(path, &model, setting.threads))
@@ -56,7 +65,7 @@ pub(super) fn run(setting: &Setting, ready: &Sender<Result<(), ModelError>>, job
         Ok(vision) => vision,
         Err(error) => return refuse(error),
     };
-    let mut worker = match Worker::new(setting, &model, vision) {
+    let mut worker = match Worker::new(setting, &model, vision, adapters) {
         Ok(worker) => worker,
         Err(reason) => return refuse(not_loaded(&setting.path, &reason)),
     };
@@ -95,12 +104,24 @@ struct Turn {
     prompt: PromptTokens,
 }
 
+/// A loaded adapter.
+struct Adapted {
+    task: Task,
+    adapter: LlamaLoraAdapter,
+    /// The states of the model with this adapter.
+    states: States,
+}
+
 struct Worker<'model> {
     name: &'model str,
     threads: usize,
     model: &'model LlamaModel,
     /// The model's eyes, if the user has named a projector.
     vision: Option<Vision>,
+    /// The adapters, in the order of the setting.
+    adapters: Vec<Adapted>,
+    /// The adapter that is part of the computation, by its place in the list.
+    active: Option<usize>,
     engine: Engine<'model>,
     template: Template,
     grammars: Grammars,
@@ -116,17 +137,30 @@ struct Worker<'model> {
 type Tell<'a> = dyn FnMut(Progress) -> bool + 'a;
 
 impl<'model> Worker<'model> {
-    fn new(setting: &'model Setting, model: &'model Arc<LlamaModel>, vision: Option<Vision>) -> Result<Self, String> {
+    fn new(
+        setting: &'model Setting,
+        model: &'model Arc<LlamaModel>,
+        vision: Option<Vision>,
+        adapters: Vec<LlamaLoraAdapter>,
+    ) -> Result<Self, String> {
         let size = setting.context_tokens.min(model.n_ctx_train()).max(1);
+        let states = |identity: String| States::new(setting.states.clone(), identity, size);
+        let adapted = setting.adapters.iter().zip(adapters).map(|(own, adapter)| Adapted {
+            task: own.task,
+            adapter,
+            states: states(format!("{} {}", setting.identity, own.identity)),
+        });
         Ok(Self {
             name: &setting.name,
             threads: setting.threads,
             model,
             vision,
+            adapters: adapted.collect(),
+            active: None,
             engine: Engine::new(model, size, setting.threads, 0)?,
             template: Template::of(model)?,
             grammars: Grammars::new(model)?,
-            states: States::new(setting.states.clone(), setting.identity.clone(), size),
+            states: states(setting.identity.clone()),
             sampler: Sampler::new(&setting.sampling),
             ends: ends(model),
             limit: size as usize,
@@ -138,6 +172,7 @@ impl<'model> Worker<'model> {
     fn count(&self, message: &Message) -> Result<Count, String> {
         let tokens = |messages: Vec<Message>| -> Result<u64, String> {
             let request = ChatRequest {
+                task: Task::Other,
                 messages,
                 fixed: 0,
                 answer_so_far: String::new(),
@@ -161,6 +196,7 @@ impl<'model> Worker<'model> {
     }
 
     fn answer(&mut self, request: &ChatRequest, tell: &mut Tell<'_>) -> Result<Reply, ModelError> {
+        self.adapt(request.task)?;
         let pictures = self.pictures(&request.messages)?;
         let (prompt, continued) = self.prompt(request)?;
         let total = prompt.tokens.len() + pictures.iter().map(PictureTokens::tokens).sum::<usize>();
@@ -205,8 +241,28 @@ impl<'model> Worker<'model> {
             text,
             finish,
             usage,
-            likelihood: is_scored.then(|| written.score.likelihood()),
+            likelihood: is_scored.then(|| Likelihood {
+                is_trained: self.active.is_some(),
+                ..written.score.likelihood()
+            }),
         })
+    }
+
+    /// Makes the adapter of a task part of the computation, and no other one. What was computed otherwise is forgotten.
+    fn adapt(&mut self, task: Task) -> Result<(), ModelError> {
+        let wanted = self.adapters.iter().position(|own| own.task == task);
+        if wanted == self.active {
+            return Ok(());
+        }
+        self.last = None;
+        for (place, is_on) in [(self.active.take(), false), (wanted, true)] {
+            if let Some(adapted) = place.and_then(|place| self.adapters.get_mut(place)) {
+                let changed = self.engine.adapt(&mut adapted.adapter, is_on);
+                changed.map_err(|reason| self.failed(reason))?;
+            }
+        }
+        self.active = wanted;
+        Ok(())
     }
 
     /// Returns the tokens of a request and whether it continues the last answer. Such a request keeps the tokens of
@@ -246,10 +302,12 @@ impl<'model> Worker<'model> {
         total: usize,
         tell: &mut Tell<'_>,
     ) -> Result<usize, ModelError> {
-        let state = tokens
-            .get(..fixed)
-            .filter(|fixed| !fixed.is_empty())
-            .map(|fixed| self.states.file(fixed));
+        let state = tokens.get(..fixed).filter(|fixed| !fixed.is_empty()).map(|fixed| {
+            match self.active.and_then(|place| self.adapters.get(place)) {
+                Some(adapted) => adapted.states.file(fixed),
+                None => self.states.file(fixed),
+            }
+        });
         if let Some(state) = &state
             && self.engine.known(tokens) < fixed
         {

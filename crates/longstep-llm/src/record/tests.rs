@@ -1,4 +1,4 @@
-use longstep::dialogue::{Constraint, EstimatedTokens, Finish, Likelihood, Picture, Role, Usage};
+use longstep::dialogue::{Constraint, EstimatedTokens, Finish, Likelihood, Picture, Role, Task, Usage};
 use serde_json::json;
 
 use super::*;
@@ -32,6 +32,7 @@ impl ChatModel for Numbering {
                 text: -700,
                 forced: -40,
                 ended: Some(-900),
+                is_trained: true,
             }),
         })
     }
@@ -57,6 +58,7 @@ impl TokenCounter for Numbering {
 
 fn request(text: &str) -> ChatRequest {
     ChatRequest {
+        task: Task::Other,
         messages: vec![Message::new(Role::System, "Be brief."), Message::new(Role::User, text)],
         fixed: 1,
         answer_so_far: String::new(),

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Finish, Message, Role, Task};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -69,6 +69,7 @@ struct Outcome {
 
 fn request() -> ChatRequest {
     ChatRequest {
+        task: Task::Other,
         messages: vec![
             Message::new(Role::System, "Write what the person wants as JSON."),
             Message::new(Role::User, "Put the cup on the shelf."),

@@ -2,7 +2,7 @@ use std::io::{Read, Write};
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
-use longstep::dialogue::{Finish, Message, Role};
+use longstep::dialogue::{Finish, Message, Role, Task};
 use serde_json::{Value, json};
 
 use super::endpoint::Kind;
@@ -14,6 +14,7 @@ const KEY: &str = "sk-very-secret-0123456789";
 
 fn request() -> ChatRequest {
     ChatRequest {
+        task: Task::Other,
         messages: vec![
             Message::new(Role::System, "Be brief."),
             Message::new(Role::User, "Put the cup \"down\"."),

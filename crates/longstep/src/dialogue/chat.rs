@@ -59,9 +59,23 @@ pub enum Constraint {
     JsonSchema(Value),
 }
 
+/// The task of a request. A model may have an adapter for one task; its other answers are those of the model alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Task {
+    /// Writes the goals of an instruction.
+    Goals,
+    /// Marks the parts of an instruction that goals do not say.
+    Screening,
+    /// Every other task.
+    #[default]
+    Other,
+}
+
 /// One request to a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChatRequest {
+    /// The task.
+    pub task: Task,
     /// The conversation, from the system message to the newest user message.
     pub messages: Vec<Message>,
     /// Number of leading messages that are equal in all requests of a domain: the prefix to cache. An engine may keep
@@ -111,6 +125,15 @@ pub struct Likelihood {
     /// The text up to the last place before its end where it could have ended, with that end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ended: Option<i64>,
+    /// True if the model was trained for the [`Task`]: it is sure of most of its answers then, and an answer of which it is
+    /// not is more often wrong.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub is_trained: bool,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// The kind of [`Constraint`] that a model supports. It decides the form of requests.

@@ -4,7 +4,7 @@ use super::query::{contained_json, query_text};
 use super::reply::StateLists;
 use super::{
     ChatRequest, Constraint, Conversation, Exchange, Fitted, Forecast, Message, PartCost, PromptError, Role, Round,
-    TokenCounter, direct_schema, fit, fixed_parts, focus,
+    Task, TokenCounter, direct_schema, fit, fixed_parts, focus,
 };
 use crate::diagnostic::Diagnostics;
 use crate::environment::World;
@@ -105,6 +105,7 @@ fn prepared(
     Prepared {
         forecast: Some(Forecast::new(&fitted.costs, answer - STEP_TOKENS, STEP_TOKENS, context)),
         request: ChatRequest {
+            task: Task::Other,
             messages: fitted.messages,
             fixed: fitted.fixed,
             answer_so_far: String::new(),

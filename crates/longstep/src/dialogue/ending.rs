@@ -7,11 +7,25 @@
 use super::Likelihood;
 use crate::goal::{AND, ELSE, JOINT};
 
-/// Likelihood below which an answer is a guess, in thousandths of a nat (docs/evaluation.md has the measurement).
-const GUESS: i64 = -4000;
+/// Likelihoods below which an answer is a guess, in thousandths of a nat (docs/evaluation.md has the measurement).
+struct Limits {
+    /// For an instruction that names an entity of the environment.
+    named: i64,
+    /// For any other instruction, where nothing else speaks for the answer.
+    unnamed: i64,
+}
 
-/// This limit for an instruction without any name of the environment, where nothing else speaks for the answer.
-const UNNAMED_GUESS: i64 = -1500;
+/// The limits for a model that was not trained for the task.
+const UNTRAINED: Limits = Limits {
+    named: -4000,
+    unnamed: -1500,
+};
+
+/// The limits for a model that was.
+const TRAINED: Limits = Limits {
+    named: -1500,
+    unnamed: -800,
+};
 
 /// A token that the grammar forces counts this many times less than one that the model chose.
 ///
@@ -28,14 +42,17 @@ pub(super) struct Endings {
     best: Option<(i64, usize)>,
     /// True if the model gave a likelihood.
     is_weighed: bool,
-}
-
-/// Returns the likelihood below which an answer is a guess.
-pub(super) fn least(names_entities: bool) -> i64 {
-    if names_entities { GUESS } else { UNNAMED_GUESS }
+    /// True if the model was trained for the task.
+    is_trained: bool,
 }
 
 impl Endings {
+    /// Returns the likelihood below which the answer is a guess.
+    pub(super) fn least(&self, names_entities: bool) -> i64 {
+        let limits = if self.is_trained { TRAINED } else { UNTRAINED };
+        if names_entities { limits.named } else { limits.unnamed }
+    }
+
     /// Returns the likelihood of the answer where it ends best.
     pub(super) fn likelihood(&self) -> i64 {
         self.best.map_or(self.sum, |(best, _)| best.max(self.sum))
@@ -59,6 +76,7 @@ impl Endings {
         }
         self.sum += likelihood.text + forced;
         self.is_weighed = true;
+        self.is_trained |= likelihood.is_trained;
         self.best.filter(|(best, _)| *best > self.sum).map(|(_, length)| length)
     }
 }
@@ -99,8 +117,8 @@ mod tests {
             for (text, likelihood, ended) in replies {
                 let likelihood = Likelihood {
                     text: *likelihood,
-                    forced: 0,
                     ended: *ended,
+                    ..Likelihood::default()
                 };
                 found = endings.count(answer.len(), text, likelihood);
                 answer.push_str(text);

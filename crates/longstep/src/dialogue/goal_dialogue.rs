@@ -3,14 +3,14 @@
 use serde::Deserialize;
 
 use super::answer_grammar::{Form, question_in};
-use super::ending::{Endings, least};
+use super::ending::Endings;
 use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
 use super::query::plain_line;
 use super::tries::Tries;
 use super::{
     Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, Doubt, PartCost, Reading, ReadingOf, Reply, Role,
-    Round, TokenCounter, Transcript, nats, object, scene,
+    Round, Task, TokenCounter, Transcript, nats, object, scene,
 };
 use crate::coverage::{Gap, Mark};
 use crate::effort;
@@ -133,7 +133,7 @@ impl GoalDialogue {
             condition,
             kind,
         } = input;
-        let mut transcript = Transcript::new(kind, fixed_turns(domain, kind));
+        let mut transcript = Transcript::new(kind, fixed_turns(domain, kind)).for_task(Task::Goals);
         let mut correction = Correction::of(world, instruction);
         for round in rounds {
             correction.hear(world, &round.reply, &round.message);
@@ -465,7 +465,7 @@ impl GoalDialogue {
     /// Returns the likelihood below which an answer is a guess; none if no answer is.
     fn least(&self) -> Option<i64> {
         let names_entities = !self.correction.mentions.entities.is_empty();
-        (self.is_first || self.is_further()).then(|| least(names_entities))
+        (self.is_first || self.is_further()).then(|| self.endings.least(names_entities))
     }
 
     fn understood(&mut self, goal: Goal) -> Understanding {

@@ -131,7 +131,7 @@ mod tests {
             likelihood: likelihood.map(|text| Likelihood {
                 text: text / 2,
                 forced: text - text / 2,
-                ended: None,
+                ..Likelihood::default()
             }),
         }
     }

@@ -43,7 +43,7 @@ pub(crate) use crate::reading::nats;
 pub use crate::reading::{Candidate, Doubt, Reading, ReadingOf};
 pub use crate::usage::Usage;
 pub use budget::{Conversation, Exchange, Fitted, OverBudget, PartCost, fit};
-pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Likelihood, Message, Reply, Role, Round};
+pub use chat::{ChatRequest, Constraint, ConstraintKind, Finish, Likelihood, Message, Reply, Role, Round, Task};
 pub use count::{Counting, EstimatedTokens, TokenCounter};
 pub use direct::{Prepared, direct_request};
 pub(crate) use example::{check_example, render_goal_prompt};

@@ -5,7 +5,7 @@
 //! examples are in several languages, about objects that no domain of this library has.
 
 use super::answer_grammar::quoted;
-use super::{ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Transcript};
+use super::{ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Task, Transcript};
 use crate::coverage::{Gap, Mark};
 
 /// The task in the first paragraph; then examples, each with its answer in the last line.
@@ -48,7 +48,8 @@ pub struct ScreeningDialogue {
 impl ScreeningDialogue {
     /// Starts a dialogue about an instruction of one line.
     pub fn new(instruction: &str) -> Self {
-        let mut transcript = Transcript::new(ConstraintKind::Grammar, fixed_turns(PROMPT));
+        let turns = fixed_turns(PROMPT);
+        let mut transcript = Transcript::new(ConstraintKind::Grammar, turns).for_task(Task::Screening);
         transcript.push(Role::User, instruction);
         Self {
             instruction: instruction.to_owned(),

@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Picture, Reply, Role, Usage};
+use super::{ChatRequest, Constraint, ConstraintKind, Finish, Message, Picture, Reply, Role, Task, Usage};
 use crate::goal::GoalError;
 
 /// A dialogue with a model about one matter: requests, and the replies to them.
@@ -32,6 +32,7 @@ pub trait Dialogue {
 #[derive(Debug, Clone)]
 pub struct Transcript {
     pub(crate) kind: ConstraintKind,
+    task: Task,
     pub(crate) messages: Vec<Message>,
     pub(crate) fixed: usize,
     pub(crate) answer: String,
@@ -43,11 +44,17 @@ impl Transcript {
     pub(crate) fn new(kind: ConstraintKind, messages: Vec<Message>) -> Self {
         Self {
             kind,
+            task: Task::Other,
             fixed: messages.len(),
             messages,
             answer: String::new(),
             usage: Usage::default(),
         }
+    }
+
+    /// Sets the task of all requests.
+    pub(crate) fn for_task(self, task: Task) -> Self {
+        Self { task, ..self }
     }
 
     pub(crate) fn push(&mut self, role: Role, text: impl Into<String>) {
@@ -75,6 +82,7 @@ impl Transcript {
 
     fn request(&self, constraint: Constraint, max_tokens: u32) -> ChatRequest {
         ChatRequest {
+            task: self.task,
             messages: self.messages.clone(),
             fixed: self.fixed,
             answer_so_far: self.answer.clone(),

@@ -104,6 +104,7 @@ fn not_proven(steps: u32, at_least: u32, states: usize) -> String {
     let known = match at_least {
         0 => String::new(),
         // The bound of a search among all plans: the plan itself has more steps.
+        at_least if at_least + 1 >= steps => format!(" of {at_least} steps"),
         at_least => format!(" of {at_least} to {} steps", steps.saturating_sub(1)),
     };
     format!("a shorter plan{known} may exist: none was found in {states} states")

@@ -12,6 +12,12 @@ type Replies<'a> = &'a [(&'a str, i64, Option<i64>)];
 /// Checks what is understood from replies under a grammar: the goals, or the question.
 #[track_caller]
 fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &str) {
+    check_with(false, instruction, rounds, replies, expected);
+}
+
+/// Checks this for a model that was trained for the task, or was not.
+#[track_caller]
+fn check_with(is_trained: bool, instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &str) {
     let domain = shipped("household").unwrap().unwrap();
     let text = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>", "<ruler>", "<cupboard_handle>"],
         "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "on_something(<desk>)",
@@ -31,8 +37,9 @@ fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &s
             usage: Usage::default(),
             likelihood: Some(Likelihood {
                 text: *likelihood,
-                forced: 0,
                 ended: *ended,
+                is_trained,
+                ..Likelihood::default()
             }),
         };
         understood = dialogue.supply(&reply).unwrap();
@@ -73,6 +80,21 @@ fn an_unlikely_answer_is_a_question() {
         message: "yes".to_owned(),
     };
     check("Put the pen on the shelf", &[round], &[(put, -9000, None)], put);
+}
+
+#[test]
+fn a_trained_model_is_asked_back_sooner() {
+    let (put, instruction) = ("put(pen, shelf)", "Put the pen on the shelf");
+    let unsure: Replies<'_> = &[
+        (put, -2000, None),
+        ("opened(cupboard)", -9000, None),
+        ("closed(cupboard)", -9500, None),
+        ("put(ruler, shelf)", -8000, None),
+    ];
+    check_with(false, instruction, &[], &unsure[..1], put);
+    check_with(true, instruction, &[], &[(put, -1400, None)], put);
+    let question = "I am not sure what you want. Do you mean: the pen is at the shelf?";
+    check_with(true, instruction, &[], unsure, question);
 }
 
 #[test]
