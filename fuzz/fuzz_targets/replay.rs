@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
-use longstep::dialogue::{ChatRequest, Constraint, Message, Role};
+use longstep::dialogue::{ChatRequest, Constraint, Message, Role, Task};
 use longstep_llm::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, open};
 use serde_json::Value;
 
@@ -67,6 +67,7 @@ fn same(one: &ChatRequest, other: &ChatRequest) -> bool {
 
 fn request(messages: Vec<Message>) -> ChatRequest {
     ChatRequest {
+        task: Task::Other,
         messages,
         fixed: 0,
         answer_so_far: String::new(),
