@@ -138,7 +138,7 @@ class Model(torch.nn.Module):
 
 def sequence(vocabulary, cases, chance, most):
     """One sequence: what the cases share, then each case as a branch. Returns tokens, positions, mask, and the places whose
-    next token is learned with these tokens and the share of each in its answer."""
+    next token is learned with these tokens."""
     fixed = cases[0]["fixed"]
     turns = list(zip(fixed[1::2], fixed[2::2]))
     shown = chance.sample(turns, min(len(turns), chance.randint(0, most)))
@@ -148,7 +148,7 @@ def sequence(vocabulary, cases, chance, most):
     tokens += vocabulary.message("user", cases[0]["lead"], is_open=True)
     shared = len(tokens)
     positions, branch = list(range(shared)), [0] * shared
-    places, targets, weights = [], [], []
+    places, targets = [], []
     for number, case in enumerate(cases, start=1):
         before = vocabulary.text(case["instruction"]) + vocabulary.special("<|im_end|>") + vocabulary.text("\n")
         before += vocabulary.message("assistant", "", is_open=True)
@@ -160,14 +160,12 @@ def sequence(vocabulary, cases, chance, most):
         start = len(tokens) + len(before)
         places += range(start - 1, start - 1 + len(answer))
         targets += answer
-        weights += [1.0] * len(answer)
         positions += range(shared, shared + len(own))
         branch += [number] * len(own)
         tokens += own
     order, branch = torch.arange(len(tokens)), torch.tensor(branch)
     mask = (order[:, None] >= order[None]) & ((branch[None] == 0) | (branch[:, None] == branch[None]))
-    return (torch.tensor(tokens), torch.tensor(positions), mask, torch.tensor(places), torch.tensor(targets),
-            torch.tensor(weights))
+    return torch.tensor(tokens), torch.tensor(positions), mask, torch.tensor(places), torch.tensor(targets)
 
 
 def packs(cases, size, chance):
@@ -233,15 +231,15 @@ def main():
     parameters = [p for p in model.parameters() if p.requires_grad]
     optimizer = torch.optim.AdamW(parameters, lr=read.rate, betas=(0.9, 0.99), weight_decay=0.0)
     start, done, tokens_done = time.monotonic(), 0, 0
-    waiting, total = 0, 0.0
+    waiting, total = 0, 0
     print(f"{len(cases)} cases, {len(groups)} packs", flush=True)
 
     def loss_of(group, most):
-        tokens, positions, mask, places, targets, weights = sequence(vocabulary, group, chance, most)
+        tokens, positions, mask, places, targets = sequence(vocabulary, group, chance, most)
         logits = model(tokens, positions, mask, places)
-        losses = F.cross_entropy(logits, targets, reduction="none")
+        loss = F.cross_entropy(logits, targets, reduction="sum")
         right = (logits.argmax(-1) == targets).float().mean().item()
-        return (losses * weights).sum(), weights.sum().item(), len(tokens), right
+        return loss, len(targets), len(tokens), right
 
     for step, group in enumerate(groups):
         elapsed = time.monotonic() - start
@@ -262,7 +260,7 @@ def main():
             torch.nn.utils.clip_grad_norm_(parameters, 1.0)
             optimizer.step()
             optimizer.zero_grad()
-            waiting, total = 0, 0.0
+            waiting, total = 0, 0
         done += len(group)
         tokens_done += length
         elapsed = time.monotonic() - start

@@ -9,7 +9,6 @@
 //! instruction, and what the screening has to answer.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
@@ -17,6 +16,7 @@ use longstep::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Reply, Role, ScreeningDialogue, Usage,
 };
 use longstep_eval::suite::{self, Case, Expected, Files, Suite};
+use longstep_llm::read_texts;
 use serde_json::{Value, json};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -30,15 +30,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             screened(&folder.display().to_string(), &std::fs::read_to_string(folder)?)?;
             continue;
         }
-        let mut cases = texts(folder, ".toml")?;
+        let mut cases = read_texts(folder, |name| name.ends_with(".toml"))?;
+        let scenes = read_texts(&folder.join("scenes"), |name| name.ends_with(".json"))?;
         let files = Files {
             folder: format!("{}/", folder.display()),
-            suite: cases.remove("suite").ok_or("there is no suite.toml")?,
-            cases: cases
+            suite: cases.remove("suite.toml").ok_or("there is no suite.toml")?,
+            cases,
+            scenes: scenes
                 .into_iter()
-                .map(|(name, text)| (format!("{name}.toml"), text))
+                .map(|(name, text)| (name.trim_end_matches(".json").to_owned(), text))
                 .collect(),
-            scenes: texts(&folder.join("scenes"), ".json")?,
         };
         let domain = suite::domain_name(&files)?;
         let beside = folder.join(&domain);
@@ -128,17 +129,4 @@ fn role(role: Role) -> &'static str {
         Role::User => "user",
         Role::Assistant => "assistant",
     }
-}
-
-/// The texts of the files of a folder with this ending, by name without the ending.
-fn texts(folder: &Path, ending: &str) -> Result<BTreeMap<String, String>, Box<dyn Error>> {
-    let mut texts = BTreeMap::new();
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        let name = path.file_name().and_then(|name| name.to_str());
-        if let Some(name) = name.and_then(|name| name.strip_suffix(ending)) {
-            texts.insert(name.to_owned(), std::fs::read_to_string(&path)?);
-        }
-    }
-    Ok(texts)
 }
