@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::ModelArguments;
+use super::model::ModelArguments;
 
 /// A source of an environment, and where the environment goes.
 #[derive(Debug, Args)]

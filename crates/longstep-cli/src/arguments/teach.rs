@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use longstep_teach::Hand;
 
-use super::seconds;
+use super::model::seconds;
 
 #[derive(Debug, Args)]
 pub(crate) struct TeachArguments {

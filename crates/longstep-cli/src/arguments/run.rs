@@ -1,0 +1,90 @@
+//! The arguments of `longstep run`, and those for execution.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args, ValueEnum};
+
+use super::model::ModelArguments;
+use super::strategy::StrategyArguments;
+
+/// A plan or an instruction, and the robot that carries it out.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("run").required(true).args(["what", "resume"])))]
+pub(crate) struct RunArguments {
+    /// Plan file, or an instruction in plain English (needs --env)
+    #[arg(value_name = "PLAN.json|INSTRUCTION")]
+    pub(crate) what: Option<String>,
+    /// Log of an interrupted run to resume: a step that was under way is observed, or you are asked
+    #[arg(long, value_name = "RUN.jsonl", conflicts_with_all = ["env", "goal", "rules", "skills", "log"])]
+    pub(crate) resume: Option<PathBuf>,
+    /// Robot: sim, sim:OPTION=VALUE,..., process:COMMAND, ros2:robot.toml or virtualhome:URL [default with --resume: the robot of the run]
+    #[arg(long, value_name = "ROBOT")]
+    pub(crate) robot: Option<String>,
+    /// Environment file (the world before the plan) [default: the plan's own `environment_before`]
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) env: Option<PathBuf>,
+    /// Domain (the robot's actions): the name of a shipped domain, or a folder
+    #[arg(long, value_name = "DOMAIN", default_value = "household")]
+    pub(crate) domain: String,
+    /// File of rules that bind every plan, one a line: never opened(fridge)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) rules: Option<PathBuf>,
+    /// Goal of the plan file, which changes of the plan pursue [default: what the plan itself brings about]
+    #[arg(long, value_name = "GOAL")]
+    pub(crate) goal: Option<String>,
+    #[command(flatten)]
+    pub(crate) execution: ExecutionArguments,
+    /// New file for the log of the run [default: a file beside the sessions]
+    #[arg(long, value_name = "RUN.jsonl")]
+    pub(crate) log: Option<PathBuf>,
+    /// Also save the environment after the run to a file
+    #[arg(long, value_name = "ENV.json")]
+    pub(crate) save_after: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    #[command(flatten)]
+    pub(crate) strategy: StrategyArguments,
+    /// Print the events as JSON, one a line
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The monitoring and the approval of a plan that a robot carries out.
+#[derive(Debug, Args)]
+pub(crate) struct ExecutionArguments {
+    /// Move a robot that is not a simulation; without this, a dry run shows what it would be sent
+    #[arg(long)]
+    pub(crate) live: bool,
+    /// When to ask you: never, before the plan and each change of it, or also before each step
+    #[arg(long, value_enum, default_value_t = ApprovalArgument::Changes)]
+    pub(crate) approve: ApprovalArgument,
+    /// When to observe the world; in any case before the end
+    #[arg(long, value_enum, default_value_t = ObserveArgument::EachStep)]
+    pub(crate) observe: ObserveArgument,
+    /// Number of changes of the plan after which the run stops
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub(crate) changes: u32,
+    /// Values of skill parameters, by action and arguments
+    #[arg(long, value_name = "SKILLS.json")]
+    pub(crate) skills: Option<PathBuf>,
+}
+
+/// When a person is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ApprovalArgument {
+    /// Never
+    Never,
+    /// Before the first step, and before each change of the plan
+    Changes,
+    /// Also before each step
+    EachStep,
+}
+
+/// When the world is observed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ObserveArgument {
+    /// Before the first step and after each step
+    EachStep,
+    /// After a failed step
+    OnFailure,
+}

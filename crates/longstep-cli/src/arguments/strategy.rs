@@ -1,0 +1,67 @@
+//! The arguments for the way from an instruction to a plan.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use longstep::Effort;
+use longstep::session::{RepairPolicy, Settings, Strategy};
+
+/// The strategy for turning an instruction into a plan.
+#[derive(Debug, Args)]
+pub(crate) struct StrategyArguments {
+    /// Output of the model: only a goal, or the whole plan as in the paper
+    #[arg(long, value_enum, default_value_t = StrategyArgument::Goal)]
+    pub(crate) strategy: StrategyArgument,
+    /// Rounds of feedback to the model about its plan
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub(crate) rounds: u32,
+    /// Give feedback to the model first, and repair its plan only after the last round
+    #[arg(long, conflicts_with = "no_repair")]
+    pub(crate) feedback_first: bool,
+    /// Never repair the model's plan
+    #[arg(long)]
+    pub(crate) no_repair: bool,
+    /// Do not ask about the parts of an instruction that the plan leaves out
+    #[arg(long)]
+    pub(crate) accept_partial: bool,
+    /// Do not ask an embedded model what an instruction forbids, measures or orders before it writes the goal
+    #[arg(long)]
+    pub(crate) no_screening: bool,
+    /// Do not let an embedded model retell in plain English what it could only ask about
+    #[arg(long)]
+    pub(crate) no_retelling: bool,
+    /// Folder with your own prompt parts (role.md, actions.md, ...), which replace the domain's
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) prompt: Option<PathBuf>,
+    /// Work of the search for a goal's plan: small, normal, large, or millions of units [default: normal]
+    #[arg(long, value_name = "EFFORT")]
+    pub(crate) effort: Option<Effort>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StrategyArgument {
+    Goal,
+    Direct,
+}
+
+impl StrategyArguments {
+    pub(crate) fn settings(&self) -> Settings {
+        Settings {
+            strategy: match self.strategy {
+                StrategyArgument::Goal => Strategy::Goal,
+                StrategyArgument::Direct => Strategy::Direct,
+            },
+            repair: match (self.no_repair, self.feedback_first) {
+                (true, _) => RepairPolicy::Never,
+                (false, true) => RepairPolicy::AfterFeedback,
+                (false, false) => RepairPolicy::First,
+            },
+            rounds: self.rounds,
+            effort: self.effort,
+            partial: self.accept_partial,
+            screening: !self.no_screening,
+            retelling: !self.no_retelling,
+            ..Settings::default()
+        }
+    }
+}
