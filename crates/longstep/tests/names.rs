@@ -43,6 +43,22 @@ fn check_goals(environment: &str, rows: &[(&str, &str)]) {
 }
 
 #[test]
+fn a_part_of_longer_names_offers_them() {
+    let benches = r#"{"assets": ["<rear_bay>", "<side_bay>", "<dock>"], "objects": ["<crate>", "<blue_crate>"],
+        "object_states": {"<crate>": "at(<dock>)", "<blue_crate>": "at(<dock>)"}}"#;
+    check_goals(
+        benches,
+        &[
+            (
+                "bring(crate, bay)",
+                "`bay` in `bring(crate, bay)` is nothing in the environment; did you mean `rear bay` or `side bay`?",
+            ),
+            ("bring(crate, dock)", "bring(<crate>, <dock>)"),
+        ],
+    );
+}
+
+#[test]
 fn a_goal_with_a_shared_name_is_an_error_that_describes_each_candidate() {
     check_goals(
         BUSY,

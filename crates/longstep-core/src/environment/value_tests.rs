@@ -129,6 +129,24 @@ fn a_value_that_was_not_added_is_an_error_and_no_panic() {
 }
 
 #[test]
+fn a_name_in_place_of_a_value_is_an_error_with_its_notation() {
+    for (text, expected) in [
+        (
+            "announced(dinner is ready)",
+            "`dinner is ready` in `announced(dinner is ready)` is no message; write a text in double quotes: `\"dinner is ready\"`",
+        ),
+        (
+            "set(thermostat, warm)",
+            "`warm` in `set(thermostat, warm)` is no temperature; write a number with its unit, `degC`",
+        ),
+        ("announced(oven)", "is no message"),
+    ] {
+        let error = goal::parse(&flat(text), text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
 fn added_values_leave_other_ids_as_they_are() {
     let before = flat("");
     let mut world = before.clone();

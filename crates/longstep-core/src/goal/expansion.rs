@@ -91,7 +91,10 @@ fn first(
             Err(error) => errors.push(error),
         }
     }
-    let is_unknown = |error: &GoalError| matches!(error, GoalError::UnknownName { .. } | GoalError::UnknownWord { .. });
+    let is_unknown = |error: &GoalError| {
+        use GoalError::{NotAValue, UnknownName, UnknownWord};
+        matches!(error, UnknownName { .. } | NotAValue { .. } | UnknownWord { .. })
+    };
     let known = errors.iter().position(|error| !is_unknown(error));
     Err(errors.swap_remove(known.unwrap_or(0)))
 }

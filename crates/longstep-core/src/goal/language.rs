@@ -7,7 +7,7 @@ use crate::call::{Call, find_unquoted, unquoted};
 use crate::diagnostic::nearest;
 use crate::model::{
     Distinctions, EntityId, Fact, FormPiece, GoalWord, GoalWordId, OutOfRange, Predicate, PredicateId, Prohibition,
-    TypeId, World, ground, state_word,
+    TypeId, ValueForm, World, ground, state_word,
 };
 
 /// The prefix of a question in a model's answer.
@@ -18,6 +18,9 @@ pub const STAGE: &str = "then ";
 
 /// Maximum number of stages.
 const STAGES: usize = 30;
+
+/// The largest number of entities that an error offers for a part of their names.
+const LONGER_NAMES: usize = 4;
 
 /// The separator after a goal, without the blank before the next one. Models write a blank and the following word as
 /// one token, so the grammar must not split them.
@@ -54,14 +57,26 @@ pub enum GoalError {
         part: String,
     },
     /// A name that no entity has.
-    #[error("`{name}` in `{part}` is nothing in the environment{}", near.as_ref().map_or(String::new(), |n| format!("; did you mean `{n}`?")))]
+    #[error("`{name}` in `{part}` is nothing in the environment{}", did_you_mean(near))]
     UnknownName {
         /// The part of the goal.
         part: String,
         /// The name.
         name: String,
-        /// An entity name that resembles it.
-        near: Option<String>,
+        /// Entity names that resemble it: a few of which it is a part, or else the nearest one.
+        near: Vec<String>,
+    },
+    /// A name in place of a value.
+    #[error("`{name}` in `{part}` is no {kind}; write {form}")]
+    NotAValue {
+        /// The part of the goal.
+        part: String,
+        /// The name.
+        name: String,
+        /// The type of the values.
+        kind: String,
+        /// Their notation.
+        form: String,
     },
     /// A quantity that is out of range for its type.
     #[error(transparent)]
@@ -428,13 +443,16 @@ pub(super) fn plain(world: &World, part: &str) -> Result<GoalFact, GoalError> {
                     arguments,
                 });
             }
-            // Several forms of one word may match; the first error is the clearest, and best one in a form with known names.
-            Err(found) => match &error {
-                Some(GoalError::UnknownName { .. }) if matches!(found, GoalError::WrongType { .. }) => {
+            // Several forms of one word may match; the first error is the clearest, and best one in a form with known names
+            // or with a shorter unknown one: `bench` and not `under bench`.
+            Err(found) => match (&error, &found) {
+                (Some(GoalError::UnknownName { .. }), GoalError::WrongType { .. }) | (None, _) => error = Some(found),
+                (Some(GoalError::UnknownName { name: earlier, .. }), GoalError::UnknownName { name, .. })
+                    if name.len() < earlier.len() =>
+                {
                     error = Some(found)
                 }
-                Some(_) => {}
-                None => error = Some(found),
+                _ => {}
             },
         }
     }
@@ -491,7 +509,7 @@ pub(super) fn entities(
         let (part, name) = (part.to_owned(), (*name).to_owned());
         match (&fitting[..], &named[..]) {
             ([entity], _) => entities.push(*entity),
-            ([], []) => return Err(unknown_name(world, part, name)),
+            ([], []) => return Err(unknown_name(world, part, name, *kind)),
             ([], _) => {
                 let expected = domain.types.name(*kind).to_owned();
                 return Err(GoalError::WrongType { part, name, expected });
@@ -508,7 +526,14 @@ pub(super) fn entities(
     Ok(entities)
 }
 
-fn unknown_name(world: &World, part: String, name: String) -> GoalError {
+fn did_you_mean(near: &[String]) -> String {
+    match near {
+        [] => String::new(),
+        near => format!("; did you mean `{}`?", near.join("` or `")),
+    }
+}
+
+fn unknown_name(world: &World, part: String, name: String, kind: TypeId) -> GoalError {
     let domain = world.domain();
     match domain.value(&name) {
         Some(Err(beyond)) => return GoalError::OutOfRange(beyond),
@@ -520,7 +545,27 @@ fn unknown_name(world: &World, part: String, name: String) -> GoalError {
     if let Some((key, _)) = keys.into_iter().find(|(_, names)| names.contains(&folded)) {
         return GoalError::NobodyNamed { part, name, key };
     }
-    let known = world.entities().map(|(_, entity)| entity.name.as_str());
-    let near = nearest(&name, known).map(str::to_owned);
+    if let Some(values) = domain.values.iter().find(|values| values.kind == kind) {
+        return GoalError::NotAValue {
+            kind: domain.types.name(kind).to_owned(),
+            form: match &values.form {
+                ValueForm::Text => format!("a text in double quotes: `{name:?}`"),
+                ValueForm::Quantity(form) if form.unit.is_empty() => "a number".to_owned(),
+                ValueForm::Quantity(form) => format!("a number with its unit, `{}`", form.unit),
+            },
+            part,
+            name,
+        };
+    }
+    let known = || world.entities().map(|(_, entity)| entity.name.as_str());
+    let is_part_of = |known: &&str| {
+        let known = known.to_lowercase();
+        known.strip_suffix(&folded).is_some_and(|rest| rest.ends_with(' '))
+    };
+    let longer = known().filter(is_part_of).take(LONGER_NAMES);
+    let mut near: Vec<String> = longer.map(str::to_owned).collect();
+    if near.is_empty() {
+        near.extend(nearest(&name, known()).map(str::to_owned));
+    }
     GoalError::UnknownName { part, name, near }
 }

@@ -148,6 +148,10 @@ fn goals_are_read_and_written() {
             "`aple` in `put(aple, sofa)` is nothing in the environment; did you mean `apple`?",
         ),
         ("put(sofa, desk)", "`sofa` in `put(sofa, desk)` is no item"),
+        (
+            "put(apple, top of ofen)",
+            "`ofen` in `put(apple, top of ofen)` is nothing in the environment; did you mean `oven`?",
+        ),
     ] {
         assert_eq!(parse(&world, text).unwrap_err().to_string(), error);
     }
