@@ -353,6 +353,24 @@ fn a_file_that_is_no_model_is_refused() {
     }
 }
 
+#[test]
+fn an_adapter_is_refused_with_a_server() {
+    for model in ["http://127.0.0.1:9/v1#none", "ollama:none"] {
+        let (code, stdout, stderr) = longstep(&[
+            "plan",
+            "Put the juice on the counter",
+            "--env",
+            PANTRY,
+            "--model",
+            model,
+            "--adapter",
+            "own.gguf",
+        ]);
+        assert_eq!((code, stdout.as_str()), (40, ""), "{stderr}");
+        assert!(stderr.contains("leave out `--adapter`"), "{stderr}");
+    }
+}
+
 /// The fields of an answer, in their order.
 const FIELDS: [&str; 13] = [
     "status",

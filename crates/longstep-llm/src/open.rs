@@ -2,7 +2,7 @@
 
 #[cfg(feature = "embedded")]
 use crate::embedded::EmbeddedModel;
-use crate::model::{ChatModel, OpenOptions, Progress};
+use crate::model::{AdapterChoice, ChatModel, OpenOptions, Progress};
 use crate::record::{Recording, Replay};
 use crate::server::ServerModel;
 #[cfg(feature = "embedded")]
@@ -40,6 +40,12 @@ fn open_itself(
     options: &OpenOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Box<dyn ChatModel>, ModelError> {
+    if matches!(options.adapters, AdapterChoice::Files(_)) && !reference.is_embedded() {
+        return Err(ModelError::Unsupported {
+            model: reference.to_string(),
+            reason: "adapters are for an embedded model; leave out `--adapter`".into(),
+        });
+    }
     match &options.vision {
         None => {}
         Some(_) if !reference.is_embedded() => {
