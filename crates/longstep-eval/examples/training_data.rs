@@ -1,20 +1,25 @@
-//! Prints what a model is trained on: one JSON object for each instruction of the given suites, or of texts for the screening.
+//! Prints what a model is trained on: one JSON object for each instruction of the given suites, or for each paragraph of
+//! texts for the screening and for descriptions.
 //!
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/understanding/training/*
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/screening/*.txt
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/descriptions/*.txt
 //!
 //! An object has the suite, the fixed messages of the request (`fixed`, pairs of role and text), the last message up to the
 //! instruction (`lead`), the instruction, and the expected answer, which is null where a question is expected. Chains, orders
-//! and prohibitions of suites are left out: a goal request has no words for them. A text has paragraphs of two lines: an
-//! instruction, and what the screening has to answer.
+//! and prohibitions of suites are left out: a goal request has no words for them. A text for the screening has paragraphs of two
+//! lines: an instruction, and the answer. A text of descriptions begins with its domain (`domain: household`); its paragraphs are
+//! answers, which have the sentences of the description in them.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::error::Error;
 use std::path::Path;
 
 use longstep::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Reply, Role, ScreeningDialogue, Usage,
+    ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Likelihood, Reply, Role, ScreeningDialogue,
+    Usage,
 };
+use longstep::perception::{SightDialogue, SightInput};
 use longstep_eval::suite::{self, Case, Expected, Files, Suite};
 use longstep_llm::read_texts;
 use serde_json::{Value, json};
@@ -27,7 +32,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     for folder in folders {
         let folder = Path::new(&folder);
         if folder.extension().is_some_and(|own| own == "txt") {
-            screened(&folder.display().to_string(), &std::fs::read_to_string(folder)?)?;
+            let (name, text) = (folder.display().to_string(), std::fs::read_to_string(folder)?);
+            match text.strip_prefix("domain: ") {
+                Some(text) => described(&name, text)?,
+                None => screened(&name, &text)?,
+            }
             continue;
         }
         let mut cases = read_texts(folder, |name| name.ends_with(".toml"))?;
@@ -72,13 +81,7 @@ fn screened(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
             .ok_or_else(|| wrong(&"there is no answer"))?;
         let mut dialogue = ScreeningDialogue::new(instruction);
         let request = dialogue.request();
-        let reply = Reply {
-            text: answer.to_owned(),
-            finish: Finish::Stop,
-            usage: Usage::default(),
-            likelihood: None,
-        };
-        dialogue.supply(&reply).map_err(|error| wrong(&error))?;
+        dialogue.supply(&reply(answer)).map_err(|error| wrong(&error))?;
         let fixed = fixed(&request);
         println!(
             "{}",
@@ -86,6 +89,73 @@ fn screened(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
         );
     }
     Ok(())
+}
+
+/// Prints the objects of a text of descriptions.
+fn described(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
+    let (domain, text) = text.split_once('\n').ok_or("there is nothing behind the domain")?;
+    let domain = longstep_llm::load_domain(domain.trim())?;
+    for paragraph in text.trim().split("\n\n") {
+        let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{paragraph}`");
+        let (lines, names) = paragraph
+            .trim()
+            .rsplit_once('\n')
+            .ok_or_else(|| wrong(&"there are no names"))?;
+        let mut words = String::new();
+        let mut facts = 0;
+        for line in lines.lines() {
+            let (text, plain) = line.split_once(" => ").ok_or_else(|| wrong(&"there is no arrow"))?;
+            if words.ends_with(|own: char| own.is_ascii()) {
+                words.push(' ');
+            }
+            words.push_str(text);
+            let plain = plain.trim_end_matches('.');
+            facts += plain.split(". ").filter(|own| !own.starts_with("There is")).count();
+        }
+        let input = SightInput {
+            domain: &domain,
+            words: &words,
+            pictures: &[],
+            kind: ConstraintKind::Grammar,
+        };
+        let mut dialogue = SightDialogue::new(&input);
+        let request = dialogue.request();
+        let sighting = match dialogue.supply(&reply(&format!("{lines}\n")))? {
+            Some(sighting) => sighting,
+            None => dialogue
+                .supply(&reply(names))
+                .map_err(|error| wrong(&error))?
+                .ok_or_else(|| wrong(&"a name is not in the description"))?,
+        };
+        let read = sighting.statements.len() + sighting.left_out.len();
+        if read != facts {
+            return Err(wrong(&format!("{read} of {facts} plain sentences can be read")).into());
+        }
+        let listed = names.matches(',').count() + 1;
+        let known = sighting.assets.len() + sighting.objects.len();
+        if listed != known {
+            return Err(wrong(&format!("{listed} of {known} names are listed")).into());
+        }
+        println!(
+            "{}",
+            json!({"suite": name, "fixed": fixed(&request), "lead": "", "instruction": words,
+                "answer": format!("{lines}\n{names}")})
+        );
+    }
+    Ok(())
+}
+
+fn reply(text: &str) -> Reply {
+    Reply {
+        text: text.to_owned(),
+        finish: Finish::Stop,
+        usage: Usage::default(),
+        // A model that is trained for the request.
+        likelihood: Some(Likelihood {
+            is_trained: true,
+            ..Likelihood::default()
+        }),
+    }
 }
 
 /// The fixed messages of a request, as pairs of role and text.

@@ -1,13 +1,18 @@
 //! The model of tests that need a real one.
 
-use longstep_llm::{ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open};
+use longstep_llm::{AdapterChoice, ChatModel, ModelReference, OpenOptions, Progress, cache_directory, catalogue, open};
 
-/// Opens the model that `LONGSTEP_MODEL` names, by default the catalogue's default model, with `LONGSTEP_THREADS` threads (1).
+/// Opens the model that `LONGSTEP_MODEL` names, by default the catalogue's default model, with `LONGSTEP_THREADS` threads (1)
+/// and the adapter files of `LONGSTEP_ADAPTERS` (as in a `PATH`; without it, those of the catalogue).
 pub(crate) fn model() -> Box<dyn ChatModel> {
     let name = std::env::var("LONGSTEP_MODEL").unwrap_or_else(|_| catalogue::DEFAULT.to_owned());
     let reference: ModelReference = name.parse().unwrap_or_else(|error| panic!("{error}"));
     let threads = std::env::var("LONGSTEP_THREADS").map_or(1, |threads| threads.parse().unwrap());
+    let adapters = std::env::var_os("LONGSTEP_ADAPTERS").map_or(AdapterChoice::Catalogue, |files| {
+        AdapterChoice::Files(std::env::split_paths(&files).collect())
+    });
     let options = OpenOptions {
+        adapters,
         threads: Some(threads),
         ..OpenOptions::new(cache_directory().unwrap())
     };

@@ -66,6 +66,8 @@ pub enum Task {
     Goals,
     /// Marks the parts of an instruction that goals do not say.
     Screening,
+    /// Writes down what a description of a scene says.
+    Description,
     /// Every other task.
     #[default]
     Other,

@@ -10,7 +10,7 @@ use super::sighting::{ARROW, COMMA, KINDS, LABEL, NAMES, Sighting, written_names
 use super::vocabulary::{List, Vocabulary};
 use crate::dialogue::answer_grammar::{Form, any_text, at_most, closed, list, one_of, pattern};
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Picture, Reply, Role, Transcript, one_line,
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Picture, Reply, Role, Task, Transcript, one_line,
 };
 use crate::model::{Domain, plain_words, singular};
 
@@ -54,9 +54,9 @@ pub struct SightInput<'a> {
 
 /// Lets a model write down what a description or pictures show.
 ///
-/// An embedded model answers to words in plain sentences, one for each fact, under a grammar of the domain's own sentences. If most of its
-/// names are words of the description, and one is not, it has made that one up: what it says about it is left out, or, if that
-/// would lose a thing, it is asked again, with no names but the person's words. In a last request it says of each name if it is
+/// An embedded model answers to words in plain sentences, one for each fact, under a grammar of the domain's own sentences. If it was
+/// not trained for this, most of its names are words of the description, and one is not, it has made that one up: what it says
+/// about it is left out, or, if that would lose a thing, it is asked again, with no names but the person's words. In a last request it says of each name if it is
 /// an asset or an object, unless the sentences decide that: what is on, in or held by something is an object, and what other
 /// things are on or in is an asset if it is in no place itself. A server answers in JSON, in one request; so does an embedded
 /// model that sees pictures, with bounds on the names, because it has no sentences to begin with.
@@ -126,6 +126,9 @@ impl<'a> SightDialogue<'a> {
             messages.push(Message::new(Role::Assistant, answer));
         }
         let mut transcript = Transcript::new(kind, messages);
+        if kind == ConstraintKind::Grammar {
+            transcript = transcript.for_task(Task::Description);
+        }
         let words: String = one_line(input.words).chars().take(LENGTH).collect();
         let words = match (words.is_empty(), input.pictures.is_empty()) {
             (true, false) => "Write down what the picture shows.".to_owned(),
@@ -326,9 +329,10 @@ impl Dialogue for SightDialogue<'_> {
             if said.is_empty() {
                 return Err(DialogueError::Unreadable("it has no sentences".to_owned()));
             }
+            let is_trained = reply.likelihood.is_some_and(|likelihood| likelihood.is_trained);
             let said = match self.words {
-                None => self.without_made_up(said),
-                Some(_) => Some(said),
+                None if !is_trained => self.without_made_up(said),
+                _ => Some(said),
             };
             let Some(said) = said else { return Ok(None) };
             let lists = sentence::lists(&self.vocabulary, &said);
