@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Trains the adapter of the default model: small additions to its weights that make it better at writing goals.
 
-    train.py DATA.jsonl MODEL.gguf ADAPTER.gguf [--task goals|screening] [--minutes M] [--seed S]
+    train.py DATA.jsonl MODEL.gguf ADAPTER.gguf [--start ADAPTER.gguf] [--task TASK] [--minutes M] [--seed S]
 
 DATA.jsonl is the output of the example `training_data` of longstep-eval. The weights of the model stay as they are (the
 dequantized ones of the file, in bfloat16); two thin matrices are trained beside each of its linear maps (LoRA). Many
@@ -201,12 +201,23 @@ def save(path, model, rank, alpha, task):
     writer.close()
 
 
+def load(path, model):
+    """Begins with the additions of an adapter."""
+    tensors = {tensor.name: tensor.data for tensor in gguf.GGUFReader(path).tensors}
+    for block, maps in enumerate(model.maps):
+        for name in MAPS:
+            for part, value in (("a", maps[name].a), ("b", maps[name].b)):
+                plain = tensors[f"blk.{block}.{name}.weight.lora_{part}"].astype(numpy.float32)
+                value.data.copy_(torch.from_numpy(plain))
+
+
 def main():
     reads = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     reads.add_argument("data")
     reads.add_argument("model")
     reads.add_argument("adapter")
-    reads.add_argument("--task", choices=["goals", "screening"], default="goals")
+    reads.add_argument("--task", choices=["goals", "screening", "description"], default="goals")
+    reads.add_argument("--start", help="an adapter to go on from")
     reads.add_argument("--minutes", type=float, default=60)
     reads.add_argument("--epochs", type=float, default=1)
     reads.add_argument("--rank", type=int, default=4)
@@ -222,6 +233,8 @@ def main():
     reader = gguf.GGUFReader(read.model)
     vocabulary = Vocabulary(reader.fields)
     model = Model(reader, read.rank, alpha)
+    if read.start:
+        load(read.start, model)
     with open(read.data) as lines:
         cases = [json.loads(line) for line in lines]
     groups = packs(cases, read.pack, chance)

@@ -14,11 +14,18 @@ use crate::{AdapterChoice, ModelError, catalogue, store};
 type Shipped = (&'static str, Task, &'static [u8]);
 
 /// The adapters of the catalogue. `scripts/adapter` trains them.
-static SHIPPED: &[Shipped] = &[(
-    catalogue::DEFAULT,
-    Task::Goals,
-    include_bytes!("../../adapters/qwen2.5-coder-1.5b.gguf"),
-)];
+static SHIPPED: &[Shipped] = &[
+    (
+        catalogue::DEFAULT,
+        Task::Goals,
+        include_bytes!("../../adapters/qwen2.5-coder-1.5b/goals.gguf"),
+    ),
+    (
+        catalogue::DEFAULT,
+        Task::Screening,
+        include_bytes!("../../adapters/qwen2.5-coder-1.5b/screening.gguf"),
+    ),
+];
 
 /// The key of a file that names the task of its adapter.
 const TASK: &str = "longstep.task";
@@ -71,6 +78,7 @@ fn in_file(path: &Path) -> Result<Adapter, ModelError> {
     let task = match task_of(path).as_deref() {
         Some("goals") => Task::Goals,
         Some("screening") => Task::Screening,
+        Some("description") => Task::Description,
         _ => return Err(not_loaded(path, "it is no adapter with a task (`longstep.task`)")),
     };
     Ok(Adapter {

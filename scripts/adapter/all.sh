@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Trains the adapters of the default model, one after the other: scripts/adapter/all.sh PYTHON FOLDER
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+python=$1
+out=$2
+mkdir -p "$out"
+cargo build --release --locked --quiet -p longstep-cli
+cargo build --release --locked --quiet -p longstep-eval --no-default-features --example training_data
+target=${CARGO_TARGET_DIR:-target}/release
+model=$("$target/longstep" model path qwen2.5-coder-1.5b)
+
+# data NAME FOLDER|TEXT...: what the texts ask of the model.
+data() {
+    local name=$1
+    shift
+    "$target/examples/training_data" "$@" >"$out/$name.jsonl"
+}
+
+# train NAME DATA ARGUMENTS...
+train() {
+    local name=$1 data=$2
+    shift 2
+    "$python" scripts/adapter/train.py "$out/$data.jsonl" "$model" "$out/$name.gguf" "$@"
+}
+
+# mixed NAME NEW OLD COUNT: new data, and as many lines of what was learned before, so that it is not forgotten.
+mixed() {
+    { cat "$out/$2.jsonl" && shuf -n "$4" --random-source=<(yes) "$out/$3.jsonl"; } >"$out/$1.jsonl"
+}
+
+robots=scripts/understanding/training
+texts=scripts/adapter
+data goals-1 "$robots"/{bakery,laundry,library,museum,office,recycling,school,ship,supermarket,theatre}
+data goals-2 "$robots"/{airport,bathroom,caravan,garage,nursery,station}
+mixed goals-3 goals-2 goals-1 430
+train goals-begun goals-1 --minutes 44
+train goals goals-3 --start "$out/goals-begun.gguf" --minutes 42 --rate 2.5e-4
+
+data screening-1 "$texts"/screening/{one,two,three,four}.txt
+data screening-2 "$texts"/screening/{five,six}.txt
+mixed screening-3 screening-2 screening-1 200
+train screening-begun screening-1 --task screening --pack 20 --examples 8 --epochs 1.7 --minutes 22
+train screening screening-3 --start "$out/screening-begun.gguf" --task screening --pack 16 --examples 8 --minutes 12 --rate 2.5e-4
+
+data description "$texts"/descriptions/*.txt
+train description description --task description --pack 6 --examples 3 --minutes 18
