@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Trains the adapter of the default model: small additions to its weights that make it better at writing goals.
+"""Trains an adapter of the default model: small additions to its weights that make it better at one of its requests.
 
     train.py DATA.jsonl MODEL.gguf ADAPTER.gguf [--start ADAPTER.gguf] [--task TASK] [--minutes M] [--seed S]
 

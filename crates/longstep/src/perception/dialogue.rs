@@ -54,12 +54,13 @@ pub struct SightInput<'a> {
 
 /// Lets a model write down what a description or pictures show.
 ///
-/// An embedded model answers to words in plain sentences, one for each fact, under a grammar of the domain's own sentences. If it was
-/// not trained for this, most of its names are words of the description, and one is not, it has made that one up: what it says
-/// about it is left out, or, if that would lose a thing, it is asked again, with no names but the person's words. In a last request it says of each name if it is
-/// an asset or an object, unless the sentences decide that: what is on, in or held by something is an object, and what other
-/// things are on or in is an asset if it is in no place itself. A server answers in JSON, in one request; so does an embedded
-/// model that sees pictures, with bounds on the names, because it has no sentences to begin with.
+/// An embedded model answers to words in plain sentences, one for each fact, under a grammar of the domain's own sentences. A
+/// model that was not trained for this makes names up: one that is no word of the description, where most names are. What it
+/// says about such a name is left out, or, if that would lose a thing, it is asked again, with no names but the person's words. In
+/// a last request it says of each name if it is an asset or an object, unless the sentences decide that: what is on, in or held by
+/// something is an object, and what other things are on or in is an asset if it is in no place itself. A server answers in
+/// JSON, in one request; so does an embedded model that sees pictures, with bounds on the names, because it has no sentences to
+/// begin with.
 ///
 /// ```
 /// use longstep::Planner;
