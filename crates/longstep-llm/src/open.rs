@@ -40,26 +40,28 @@ fn open_itself(
     options: &OpenOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Box<dyn ChatModel>, ModelError> {
-    if matches!(options.adapters, AdapterChoice::Files(_)) && !reference.is_embedded() {
-        return Err(ModelError::Unsupported {
-            model: reference.to_string(),
-            reason: "adapters are for an embedded model; leave out `--adapter`".into(),
-        });
-    }
-    match &options.vision {
-        None => {}
-        Some(_) if !reference.is_embedded() => {
+    let has_adapters = matches!(options.adapters, AdapterChoice::Files(_));
+    for (is_given, reason) in [
+        (
+            has_adapters,
+            "adapters are for an embedded model; leave out `--adapter`",
+        ),
+        (
+            options.vision.is_some(),
+            "a projector is for an embedded model; leave out `--vision`",
+        ),
+    ] {
+        if is_given && !reference.is_embedded() {
             return Err(ModelError::Unsupported {
                 model: reference.to_string(),
-                reason: "a projector is for an embedded model; leave out `--vision`".into(),
+                reason: reason.into(),
             });
         }
-        Some(projector) if !cfg!(feature = "vision") => {
-            return Err(ModelError::NoVisionEngine {
-                place: projector.display().to_string(),
-            });
-        }
-        Some(_) => {}
+    }
+    if let Some(projector) = options.vision.as_ref().filter(|_| !cfg!(feature = "vision")) {
+        return Err(ModelError::NoVisionEngine {
+            place: projector.display().to_string(),
+        });
     }
     if let Some(model) = ServerModel::open(reference, options) {
         return Ok(Box::new(model?));
