@@ -21,6 +21,9 @@ const FINDINGS: usize = 100;
 /// Characters of names beside letters, digits and combining marks.
 const NAME_SIGNS: [char; 6] = [' ', '-', '\'', '\u{2019}', '.', '_'];
 
+/// Signs of the notation of steps and goals, which no identifier can have: what is written could not be read again.
+const NOTATION: [char; 5] = ['(', ')', ',', '&', '"'];
+
 /// Reads an environment as a world of the domain.
 ///
 /// `file` and `text` are the source of the environment and give diagnostics their position; `text` may be empty.
@@ -157,6 +160,9 @@ impl EnvironmentReader<'_> {
                 let path = Path::key(list).index(index);
                 if identifier.trim().is_empty() {
                     self.report(&path, "an entity needs a name".to_owned(), None);
+                } else if let Some(sign) = identifier.chars().find(|c| c.is_control() || NOTATION.contains(c)) {
+                    let message = format!("`{identifier}` has {sign:?} in it, which separates the parts of steps and goals");
+                    self.report(&path, message, Some("leave it out, or write `_`".to_owned()));
                 } else if by_identifier.contains_key(identifier) {
                     let message = format!("`{identifier}` is listed twice");
                     self.report(&path, message, Some("keep one of the two".to_owned()));

@@ -36,6 +36,12 @@ fn mistakes_are_told_with_their_place() {
         &["env.json:1:23: objects[1]: `<cup>` is listed twice\n  hint: keep one of the two"],
     );
     check_findings(
+        "{\"objects\": [\"<cup (blue)>\"]}",
+        &[
+            "env.json:1:14: objects[0]: `<cup (blue)>` has '(' in it, which separates the parts of steps and goals\n  hint: leave it out, or write `_`",
+        ],
+    );
+    check_findings(
         "{\"assets\": [\"<a>\", \"<b>\"], \"objects\": [\"<cup>\"],\n \"object_states\": {\"<cup>\": [\"on_something(<a>)\", \"on_something(<b>)\"]}}",
         &["env.json:2:29: object_states.<cup>: contradictory facts: <cup> cannot be on <a> and on <b>"],
     );
