@@ -235,7 +235,8 @@ impl World {
     }
 
     /// Returns the entities that a name can mean: the one with this identifier, else the one with this everyday name or
-    /// this value in any of its units, else all that have it among their names, in any case.
+    /// this value in any of its units, else all that have it among their names, in any case. Names that nothing has are
+    /// looked up without the domain's article: "the juice" is what is shown for `juice`.
     ///
     /// ```
     /// use longstep_core::{domain, environment};
@@ -243,8 +244,22 @@ impl World {
     /// let world = environment::parse(&household, "env.json", r#"{"objects": ["<pallet_2>", "<pallet_3>"]}"#).unwrap();
     /// assert_eq!(world.named("pallet 3"), [world.find("<pallet_3>").unwrap()]);
     /// assert_eq!(world.named("Pallet").len(), 2);
+    /// assert_eq!(world.named("the pallet 3"), world.named("pallet 3"));
     /// ```
     pub fn named(&self, name: &str) -> Vec<EntityId> {
+        let named = self.with_name(name);
+        let article = &self.domain.article;
+        match name.get(..article.len()) {
+            Some(first) if named.is_empty() && first.eq_ignore_ascii_case(article) => {
+                let rest = name[article.len()..].strip_prefix(' ');
+                rest.map_or(named, |rest| self.with_name(rest))
+            }
+            _ => named,
+        }
+    }
+
+    /// Returns the entities that exactly this name can mean, as [`Self::named`] says.
+    fn with_name(&self, name: &str) -> Vec<EntityId> {
         if let Some(exact) = self.find(name).or_else(|| self.find_name(name)) {
             return vec![exact];
         }
