@@ -160,7 +160,7 @@ impl EnvironmentReader<'_> {
                 let path = Path::key(list).index(index);
                 if identifier.trim().is_empty() {
                     self.report(&path, "an entity needs a name".to_owned(), None);
-                } else if let Some(sign) = identifier.chars().find(|c| c.is_control() || NOTATION.contains(c)) {
+                } else if let Some(sign) = identifier.chars().find(|c| NOTATION.contains(c)) {
                     let message = format!("`{identifier}` has {sign:?} in it, which separates the parts of steps and goals");
                     self.report(&path, message, Some("leave it out, or write `_`".to_owned()));
                 } else if by_identifier.contains_key(identifier) {

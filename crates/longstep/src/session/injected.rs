@@ -286,6 +286,8 @@ fn a_name_changes_nothing_but_its_place() {
         plain.instruct("The pen goes on the shelf").unwrap();
         let usual = frame(&mut plain);
         for text in injected() {
+            // No identifier has a sign of the notation of steps.
+            let text = text.replace(['(', ')', ',', '&', '"'], "_");
             let mut session = session(settings, &text);
             session.instruct("The pen goes on the shelf").unwrap();
             assert_eq!(frame(&mut session), usual, "{text:?}");
