@@ -84,7 +84,7 @@ def at_end(world: World, goals: list[tuple[str, tuple[str, ...]]]) -> list:
     """The rules for the last state that goals do not set aside."""
     spoken: dict[str, set[str]] = {}
     for form, arguments in goals:
-        spoken.setdefault(form.split("(")[0], set()).update(arguments)
+        spoken.setdefault(form.split("(")[0], set()).update(world.words.goals[form].about(arguments))
     parts = []
     for sort in ("end", "tidy"):
         for rule in world.words.rules:

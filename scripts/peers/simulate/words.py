@@ -66,6 +66,11 @@ class Goal:
     parameters: list[tuple[str, str]]
     condition: tuple
     offered: tuple | None
+    subject: int | None
+
+    def about(self, arguments: tuple[str, ...]) -> tuple[str, ...]:
+        """The arguments for which the goal sets rules aside: its subject, or all of them."""
+        return arguments if self.subject is None else (arguments[self.subject],)
 
 
 @dataclass
@@ -155,7 +160,9 @@ def read(domain_text: str, words_text: str) -> Words:
     for entry in toml.get("goal", []):
         parameters = pddl.typed_list(entry["parameters"].split())
         offered = condition(entry["offered"]) if "offered" in entry else None
-        goals[entry["form"]] = Goal(entry["form"], parameters, condition(entry["condition"]), offered)
+        names = [name for name, _ in parameters]
+        subject = names.index(entry["subject"]) if entry.get("subject") in names else None
+        goals[entry["form"]] = Goal(entry["form"], parameters, condition(entry["condition"]), offered, subject)
     predicates = toml.get("predicate", [])
     defaults = [(literal(entry["fact"]), condition(entry.get("when", "(and)"))) for entry in toml.get("default", [])]
     words = Words(

@@ -161,7 +161,8 @@ impl EnvironmentReader<'_> {
                 if identifier.trim().is_empty() {
                     self.report(&path, "an entity needs a name".to_owned(), None);
                 } else if let Some(sign) = identifier.chars().find(|c| NOTATION.contains(c)) {
-                    let message = format!("`{identifier}` has {sign:?} in it, which separates the parts of steps and goals");
+                    let message =
+                        format!("`{identifier}` has {sign:?} in it, which separates the parts of steps and goals");
                     self.report(&path, message, Some("leave it out, or write `_`".to_owned()));
                 } else if by_identifier.contains_key(identifier) {
                     let message = format!("`{identifier}` is listed twice");

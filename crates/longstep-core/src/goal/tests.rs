@@ -82,6 +82,12 @@ fn stages_are_achieved_in_order() {
             "on(box, dock) then clean(dock)",
             "(take box hall) (go hall dock) (drop box dock) (sweep dock)",
         ),
+        // A stage that holds from the beginning is complete at once, and the next one begins, unless a plan delays it.
+        (
+            "shut(hall) then shut(store) then shut(hall)",
+            "(go hall store) (unlock store) (go store hall) (lock hall) (unlock hall) (go hall store) (lock store) \
+             (go store hall) (lock hall)",
+        ),
         // A goal of the same stage may come first or last.
         ("clean(hall) & clean(dock)", "(sweep hall) (go hall dock) (sweep dock)"),
         (
@@ -406,6 +412,8 @@ fn goals_with_any_identifier_are_read_again() {
         "the <a",
         "<a>b>",
         "question: a",
+        "<a\nb>",
+        "a\tb\u{202e}",
         "< >",
         "-",
         "me",

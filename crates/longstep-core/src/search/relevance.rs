@@ -7,7 +7,8 @@
 //! Completeness: take any plan and remove the operators that are not kept. By induction over its steps, every required
 //! literal that held in the plan still holds. The removed operators achieve no required literal (except those that held
 //! throughout). An effect that deletes a required literal fires no more often than before, since the negation of its
-//! condition is required too.
+//! condition is required too. An operator that records progress applies as soon as it can, and so does what follows it: a
+//! plan may have to delay it, so the negation of what its condition finds in the initial state is required, too.
 
 use std::collections::VecDeque;
 
@@ -241,6 +242,9 @@ fn keep_relevant(task: &mut Task, focused: bool) {
     let mut search = Relevance::new(task, focused);
     search.require_all(&task.goal);
     task.always.iter().for_each(|rule| search.require_all(rule));
+    if !focused {
+        search.require_delays();
+    }
     while let Some(literal) = search.queue.pop_front() {
         search.expand(literal);
         if effort::is_exhausted() {
@@ -340,6 +344,24 @@ impl<'a> Relevance<'a> {
     fn is_safe(&self, literal: Literal) -> bool {
         let (takers, _) = &self.brought_about[index(opposite(literal))];
         self.task.initial[literal.fact as usize] == literal.holds && takers.is_empty()
+    }
+
+    /// Requires what delays the stages, if a later one depends on the state in which it begins.
+    fn require_delays(&mut self) {
+        let task = self.task;
+        let marks = || task.operators.iter().filter(|operator| operator.is_mark);
+        if !marks().any(|mark| mark.effects.iter().any(|effect| !effect.condition.is_true())) {
+            return;
+        }
+        let mut delays = Vec::new();
+        for mark in marks() {
+            mark.precondition.for_each(&mut |literal| {
+                if task.initial[literal.fact as usize] == literal.holds {
+                    delays.push(opposite(literal));
+                }
+            });
+        }
+        delays.into_iter().for_each(|literal| self.require(literal));
     }
 
     fn require(&mut self, literal: Literal) {
