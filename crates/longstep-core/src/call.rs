@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+/// Signs that separate the parts of steps, states and goals. No identifier has one: what is written with it could not be read
+/// again.
+pub const NOTATION: [char; 5] = ['(', ')', ',', '&', '"'];
+
 /// A word with arguments in parentheses.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Call {

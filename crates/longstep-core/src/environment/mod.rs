@@ -1,6 +1,7 @@
 //! Environments: states of the world in the paper's JSON, converted to and from facts.
 
 mod claim;
+mod implied;
 mod observation;
 mod origin;
 mod read;

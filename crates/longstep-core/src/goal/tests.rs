@@ -204,6 +204,48 @@ fn a_fact_that_nothing_brings_about_is_named() {
     }
 }
 
+/// A goal is kept and read again with identifiers, which environments choose.
+#[test]
+fn goals_with_any_identifier_are_read_again() {
+    let household = crate::domain::shipped("household").unwrap().unwrap();
+    for identifier in [
+        "<all cups>",
+        "all cups",
+        "<any cup where dirty>",
+        "two of cups except the red one",
+        "<then cup>",
+        "then cup",
+        "never cup",
+        "<if x then y>",
+        "if x then y",
+        "<a >= b>",
+        "a = b",
+        "x <= 3",
+        "<3 min>",
+        "3 min",
+        "<a | b; c>",
+        "not <a>",
+        "the <a",
+        "<a>b>",
+        "question: a",
+        "<a\nb>",
+        "a\tb\u{202e}",
+        "< >",
+        "-",
+        "me",
+    ] {
+        let text = serde_json::json!({"assets": ["<table>"], "objects": [identifier]}).to_string();
+        let world = crate::environment::parse(&household, "env.json", &text).unwrap();
+        let object = world.find(identifier).unwrap();
+        let name = world.entity(object).name.clone();
+        let goal = parse(&world, &format!("put({name}, table)"))
+            .unwrap_or_else(|error| panic!("{identifier} as {name}: {error}"));
+        let written = goal.exact(&world).join(" & ");
+        let again = parse(&world, &written).unwrap_or_else(|error| panic!("{identifier}, {written}: {error}"));
+        assert_eq!(again.facts, goal.facts, "{written}");
+    }
+}
+
 /// Random goals against every sequence of steps up to a length.
 mod enumerated {
     use proptest::prelude::*;
@@ -385,47 +427,5 @@ mod enumerated {
                 Outcome::GaveUp { why, .. } => prop_assert!(false, "{}: {}", text, why),
             }
         }
-    }
-}
-
-/// A goal is kept and read again with identifiers, which environments choose.
-#[test]
-fn goals_with_any_identifier_are_read_again() {
-    let household = crate::domain::shipped("household").unwrap().unwrap();
-    for identifier in [
-        "<all cups>",
-        "all cups",
-        "<any cup where dirty>",
-        "two of cups except the red one",
-        "<then cup>",
-        "then cup",
-        "never cup",
-        "<if x then y>",
-        "if x then y",
-        "<a >= b>",
-        "a = b",
-        "x <= 3",
-        "<3 min>",
-        "3 min",
-        "<a | b; c>",
-        "not <a>",
-        "the <a",
-        "<a>b>",
-        "question: a",
-        "<a\nb>",
-        "a\tb\u{202e}",
-        "< >",
-        "-",
-        "me",
-    ] {
-        let text = serde_json::json!({"assets": ["<table>"], "objects": [identifier]}).to_string();
-        let world = crate::environment::parse(&household, "env.json", &text).unwrap();
-        let object = world.find(identifier).unwrap();
-        let name = world.entity(object).name.clone();
-        let goal = parse(&world, &format!("put({name}, table)"))
-            .unwrap_or_else(|error| panic!("{identifier} as {name}: {error}"));
-        let written = goal.exact(&world).join(" & ");
-        let again = parse(&world, &written).unwrap_or_else(|error| panic!("{identifier}, {written}: {error}"));
-        assert_eq!(again.facts, goal.facts, "{written}");
     }
 }

@@ -248,11 +248,9 @@ impl World {
     /// ```
     pub fn named(&self, name: &str) -> Vec<EntityId> {
         let named = self.with_name(name);
-        let article = &self.domain.article;
-        match name.get(..article.len()) {
-            Some(first) if named.is_empty() && first.eq_ignore_ascii_case(article) => {
-                let rest = name[article.len()..].strip_prefix(' ');
-                rest.map_or(named, |rest| self.with_name(rest))
+        match name.split_once(' ') {
+            Some((first, rest)) if named.is_empty() && first.eq_ignore_ascii_case(&self.domain.article) => {
+                self.with_name(rest)
             }
             _ => named,
         }

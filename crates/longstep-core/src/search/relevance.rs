@@ -353,15 +353,13 @@ impl<'a> Relevance<'a> {
         if !marks().any(|mark| mark.effects.iter().any(|effect| !effect.condition.is_true())) {
             return;
         }
-        let mut delays = Vec::new();
         for mark in marks() {
             mark.precondition.for_each(&mut |literal| {
                 if task.initial[literal.fact as usize] == literal.holds {
-                    delays.push(opposite(literal));
+                    self.require(opposite(literal));
                 }
             });
         }
-        delays.into_iter().for_each(|literal| self.require(literal));
     }
 
     fn require(&mut self, literal: Literal) {

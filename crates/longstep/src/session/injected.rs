@@ -1,6 +1,7 @@
 //! Prompt injection: instructions, names and replies remain data. They change no other part of a request, and no plan
 //! is accepted because of them.
 
+use longstep_core::call::NOTATION;
 use serde_json::json;
 
 use super::tests::{MOVE_PEN, direct, edits, goals, household, pen_plan, reply, text_of};
@@ -287,7 +288,7 @@ fn a_name_changes_nothing_but_its_place() {
         let usual = frame(&mut plain);
         for text in injected() {
             // No identifier has a sign of the notation of steps.
-            let text = text.replace(['(', ')', ',', '&', '"'], "_");
+            let text = text.replace(NOTATION, "_");
             let mut session = session(settings, &text);
             session.instruct("The pen goes on the shelf").unwrap();
             assert_eq!(frame(&mut session), usual, "{text:?}");

@@ -1,5 +1,6 @@
 //! Prompt injection: instructions and names remain data.
 
+use longstep_core::call::NOTATION;
 use serde_json::Value;
 
 use crate::dialogue::{ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, Message, direct_request};
@@ -60,7 +61,7 @@ fn household() -> Domain {
 
 /// The text as an identifier, which has no sign of the notation of steps.
 fn as_identifier(text: &str) -> String {
-    text.replace(['(', ')', ',', '&', '"'], "_")
+    text.replace(NOTATION, "_")
 }
 
 /// A scene of four entities, one of them with this name.
