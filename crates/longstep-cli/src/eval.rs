@@ -19,7 +19,7 @@ use longstep_llm::{AdvanceError, ModelError, ModelReference, overlay_prompt};
 use crate::arguments::{EvalArguments, EvalCommand, ModelArguments};
 use crate::ask;
 use crate::failure::{Failure, MODEL};
-use crate::output::{self, print_line, remark};
+use crate::output::{self, counted, print_line, remark};
 use progress::Bar;
 
 pub(crate) fn run(arguments: &EvalArguments) -> Result<u8> {
@@ -65,9 +65,9 @@ fn evaluate(arguments: &EvalArguments) -> Result<u8> {
         let (suite, ..) = inputs::suite(arguments, name, &mut load)?;
         check_goals(&suite)?;
         print_line!(
-            "{}: the expected goals of all {} cases can be reached",
+            "{}: the expected goals of {} can be reached",
             suite.name,
-            suite.cases.len()
+            counted(suite.cases.len(), "case")
         );
         return Ok(Status::Verified.exit_code());
     }
@@ -103,16 +103,15 @@ fn check_goals(suite: &Suite) -> Result<()> {
     for settled in &found.settled {
         remark!("warning: {settled}");
     }
-    let proven: Vec<String> = found
-        .unreached
-        .iter()
-        .filter(|one| one.proven)
-        .map(ToString::to_string)
-        .collect();
+    let proven: Vec<_> = found.unreached.iter().filter(|one| one.proven).collect();
+    for unreachable in &proven {
+        remark!("{unreachable}");
+    }
     if proven.is_empty() {
         return Ok(());
     }
-    Err(Failure::unreadable(proven.join("\n"))
+    let goals = counted(proven.len(), "expected goal");
+    Err(Failure::unreadable(format!("{goals} of {} cannot be reached", suite.name))
         .hint("correct the goal or the scene, or expect a refusal; `longstep solve` shows more")
         .into())
 }

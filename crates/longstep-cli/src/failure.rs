@@ -140,11 +140,12 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
                     and `longstep session show` still lists it";
         return (Some(hint.to_owned()), UNREADABLE);
     }
-    if error.downcast_ref::<GoalError>().is_some() {
-        return (
-            Some("`longstep domain show DOMAIN` lists the goals".to_owned()),
-            UNREADABLE,
-        );
+    if let Some(error) = error.downcast_ref::<GoalError>() {
+        let hint = match error {
+            GoalError::UnknownName { .. } => "`longstep domain show DOMAIN --env ENV` lists the names of an environment",
+            _ => "`longstep domain show DOMAIN` lists the goals",
+        };
+        return (Some(hint.to_owned()), UNREADABLE);
     }
     (None, UNREADABLE)
 }

@@ -52,6 +52,14 @@ pub(crate) fn line_to_stderr(text: fmt::Arguments<'_>) {
     to_stderr(&(Line::new(text).shown() + "\n"));
 }
 
+/// A number of things with a regular plural: "1 plan", "2 plans".
+pub(crate) fn counted(number: usize, what: &str) -> String {
+    match number {
+        1 => format!("1 {what}"),
+        many => format!("{many} {what}s"),
+    }
+}
+
 /// Prints an empty line to stdout.
 pub(crate) fn blank() {
     to_stdout("\n");

@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::arguments::SessionCommand;
 use crate::clock::stopwatch;
 use crate::output;
-use crate::output::{Style, print_line};
+use crate::output::{Style, counted, print_line};
 
 /// Limit for an instruction in a table, in characters.
 const SHOWN: usize = 60;
@@ -64,7 +64,7 @@ fn list() -> Result<u8> {
                 let begun = log.entries.first().map_or("", |entry| &entry.at);
                 let day = begun.get(..16).unwrap_or(begun).replace('T', " ");
                 let plans = standing(&log);
-                print_line!("{:width$}  {day}  {}", name.bold(), plural(plans, "plan"));
+                print_line!("{:width$}  {day}  {}", name.bold(), counted(plans, "plan"));
             }
             Err(error) => print_line!("{:width$}  {}", name.bold(), error.red()),
         }
@@ -81,13 +81,6 @@ fn standing(log: &Log) -> usize {
         Event::Undo { number } => *number,
         _ => plans,
     })
-}
-
-pub(crate) fn plural(number: usize, what: &str) -> String {
-    match number {
-        1 => format!("1 {what}"),
-        many => format!("{many} {what}s"),
-    }
 }
 
 /// A row of the table: one instruction.
@@ -160,7 +153,7 @@ fn show(log: &Log) {
         );
     }
     output::blank();
-    print_line!("{} accepted", plural(standing(log), "plan"));
+    print_line!("{} accepted", counted(standing(log), "plan"));
 }
 
 impl Row {
@@ -208,14 +201,14 @@ fn replayed(folder: &Path) -> Result<u8> {
     }
     let summary = format!(
         "{}, {} accepted",
-        plural(outcome.instructions, "instruction"),
-        plural(outcome.accepted, "plan")
+        counted(outcome.instructions, "instruction"),
+        counted(outcome.accepted, "plan")
     );
     if outcome.differing.is_empty() {
         print_line!("{} {summary}", "Identical:".green().bold());
         Ok(0)
     } else {
-        let many = plural(outcome.differing.len(), "event");
+        let many = counted(outcome.differing.len(), "event");
         print_line!("{} {many} ({summary})", "Different:".red().bold());
         Ok(10)
     }

@@ -11,7 +11,7 @@ use longstep_llm::{ModelError, create_private_folder, plain_reason};
 use super::input::Lines;
 use super::{Chat, Next, screen};
 use crate::failure::Failure;
-use crate::output::print_line;
+use crate::output::{counted, print_line};
 use crate::{ask, explain, inputs, output, show};
 
 const COMMANDS: [(&str, &str); 13] = [
@@ -180,7 +180,7 @@ impl Chat<'_> {
                 inputs::save(&folder.join(format!("{number}.json")), &plan)?;
             }
         }
-        screen::notice(&format!("{} saved in {rest}", crate::session::plural(count, "plan")));
+        screen::notice(&format!("{} saved in {rest}", counted(count, "plan")));
         Ok(())
     }
 

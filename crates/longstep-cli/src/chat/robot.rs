@@ -14,7 +14,7 @@ use super::input::Lines;
 use super::{Chat, screen};
 use crate::arguments::ExecutionArguments;
 use crate::failure::Failure;
-use crate::output::{self, Style, print_line, remark};
+use crate::output::{self, Style, counted, print_line, remark};
 use crate::run::{self, Decide, Opened, View};
 use crate::show;
 use crate::signals::{self, Armed};
@@ -235,7 +235,7 @@ impl Chat<'_> {
         screen::observed(observed);
         let left = self.session.pending().len();
         if left > 0 && self.robot.is_some() {
-            let plans = crate::session::plural(left, "accepted plan");
+            let plans = counted(left, "accepted plan");
             screen::notice(&format!(
                 "The robot has not carried out {plans}; `/run` does it from here"
             ));

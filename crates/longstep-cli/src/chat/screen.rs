@@ -10,7 +10,7 @@ use longstep_core::verify::{Purpose, VerifiedPlan};
 use longstep_core::visible;
 use longstep_llm::session_directory;
 
-use crate::output::{Style, print_line, remark};
+use crate::output::{Style, counted, print_line, remark};
 use crate::{output, show, solve};
 
 /// Terminals in which rustyline does not edit lines, so a prompt cannot begin with one.
@@ -244,7 +244,7 @@ fn states(environment: &Environment, identifier: &str) -> String {
 /// Prints the state of a resumed session.
 pub(super) fn where_we_are(session: &Session, interactive: bool) {
     let count = session.accepted().len();
-    notice(&format!("{} so far", crate::session::plural(count, "accepted plan")));
+    notice(&format!("{} so far", counted(count, "accepted plan")));
     if let Some(instruction) = session.instruction() {
         notice(&format!("Current instruction: {instruction}"));
     }

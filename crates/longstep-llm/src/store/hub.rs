@@ -7,7 +7,7 @@ use reqwest::header::{CONTENT_RANGE, RANGE};
 use reqwest::{Client, Response, StatusCode};
 
 use super::verified::Incoming;
-use super::{Failure, PACE_BYTES, PullOptions, PullProgress, Tell};
+use super::{Failure, PACE_BYTES, PullOptions, PullProgress, Tell, part_path};
 use crate::ModelError;
 use crate::call::{self, Call, GivenUp, root};
 use crate::catalogue::Entry;
@@ -31,7 +31,7 @@ pub(super) fn fetch(entry: &Entry, path: &Path, options: &PullOptions, tell: &mu
     };
     let url = format!("{}/{repository}/resolve/main/{file}", options.hub.trim_end_matches('/'));
     let client = call::client(REDIRECTS).map_err(Failure::Source)?;
-    let mut incoming = Incoming::resume(path.with_extension("gguf.part"))?;
+    let mut incoming = Incoming::resume(part_path(path))?;
     let stopped = || options.stop.is_set();
     let call = Call::new(Duration::MAX, &stopped);
     let (mut fruitless, mut tries) = (0, 0);

