@@ -35,15 +35,23 @@ robots=scripts/understanding/training
 texts=scripts/adapter
 data goals-1 "$robots"/{bakery,laundry,library,museum,office,recycling,school,ship,supermarket,theatre}
 data goals-2 "$robots"/{airport,bathroom,caravan,garage,nursery,station}
+data goals-4 "$robots"/{brewery,campsite,postoffice,florist,gym,printshop,salon,skirental,parlour}
 mixed goals-3 goals-2 goals-1 430
+cat "$out"/goals-{1,2}.jsonl >"$out/goals-12.jsonl"
+mixed goals-5 goals-4 goals-12 250
 train goals-begun goals-1 --minutes 44
-train goals goals-3 --start "$out/goals-begun.gguf" --minutes 42 --rate 2.5e-4
+train goals-further goals-3 --start "$out/goals-begun.gguf" --minutes 42 --rate 2.5e-4
+train goals goals-5 --start "$out/goals-further.gguf" --minutes 23 --rate 2.5e-4
 
 data screening-1 "$texts"/screening/{one,two,three,four}.txt
 data screening-2 "$texts"/screening/{five,six}.txt
+data screening-4 "$texts"/screening/{seven,eight,nine}.txt
 mixed screening-3 screening-2 screening-1 200
+cat "$out"/screening-{1,2}.jsonl >"$out/screening-12.jsonl"
+mixed screening-5 screening-4 screening-12 180
 train screening-begun screening-1 --task screening --pack 20 --examples 8 --epochs 1.7 --minutes 22
-train screening screening-3 --start "$out/screening-begun.gguf" --task screening --pack 16 --examples 8 --minutes 11.5 --rate 2.5e-4
+train screening-further screening-3 --start "$out/screening-begun.gguf" --task screening --pack 16 --examples 8 --minutes 11.5 --rate 2.5e-4
+train screening screening-5 --start "$out/screening-further.gguf" --task screening --pack 16 --examples 8 --minutes 7 --rate 2e-4
 
 data description "$texts"/descriptions/*.txt
-train description description --task description --pack 8 --examples 2 --minutes 15.5
+train description description --task description --pack 8 --examples 2 --minutes 33 --rate 4e-4

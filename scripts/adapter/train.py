@@ -58,6 +58,27 @@ class Vocabulary:
         return tokens if is_open else tokens + self.special("<|im_end|>") + self.text("\n")
 
 
+class Added(torch.autograd.Function):
+    """A frozen linear map and its addition in one pass each way: y = x W^T + bias + scale (x A^T) B^T."""
+
+    @staticmethod
+    def forward(ctx, x, weight, bias, a, b, scale):
+        a, b = a.to(x.dtype), (b * scale).to(x.dtype)
+        low = x @ a.t()
+        ctx.save_for_backward(x, weight, a, b, low)
+        ctx.scale = scale
+        return F.linear(x, weight, bias).addmm_(low, b.t())
+
+    @staticmethod
+    def backward(ctx, gradient):
+        x, weight, a, b, low = ctx.saved_tensors
+        narrow = gradient @ b
+        of_a = narrow.t() @ x
+        of_b = gradient.t() @ low
+        of_x = (gradient @ weight).addmm_(narrow, a) if ctx.needs_input_grad[0] else None
+        return of_x, None, None, of_a.float(), of_b.float() * ctx.scale, None
+
+
 class Lora(torch.nn.Module):
     """A frozen linear map with a trained addition of low rank."""
 
@@ -69,8 +90,7 @@ class Lora(torch.nn.Module):
         self.b = torch.nn.Parameter(torch.zeros(out, rank))
 
     def forward(self, x):
-        low = F.linear(x, self.a.to(x.dtype))
-        return F.linear(x, self.weight, self.bias) + F.linear(low, self.b.to(x.dtype)) * self.scale
+        return Added.apply(x, self.weight, self.bias, self.a, self.b, self.scale)
 
 
 def norm(x, weight, epsilon):
