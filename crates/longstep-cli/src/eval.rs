@@ -111,9 +111,11 @@ fn check_goals(suite: &Suite) -> Result<()> {
         return Ok(());
     }
     let goals = counted(proven.len(), "expected goal");
-    Err(Failure::unreadable(format!("{goals} of {} cannot be reached", suite.name))
-        .hint("correct the goal or the scene, or expect a refusal; `longstep solve` shows more")
-        .into())
+    Err(
+        Failure::unreadable(format!("{goals} of {} cannot be reached", suite.name))
+            .hint("correct the goal or the scene, or expect a refusal; `longstep solve` shows more")
+            .into(),
+    )
 }
 
 /// A model that is opened for each trial, with a new seed.

@@ -142,7 +142,9 @@ fn classify(error: &anyhow::Error) -> (Option<String>, u8) {
     }
     if let Some(error) = error.downcast_ref::<GoalError>() {
         let hint = match error {
-            GoalError::UnknownName { .. } => "`longstep domain show DOMAIN --env ENV` lists the names of an environment",
+            GoalError::UnknownName { .. } => {
+                "`longstep domain show DOMAIN --env ENV` lists the names of an environment"
+            }
             _ => "`longstep domain show DOMAIN` lists the goals",
         };
         return (Some(hint.to_owned()), UNREADABLE);

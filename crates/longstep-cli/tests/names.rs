@@ -64,10 +64,7 @@ fn a_suite_with_an_unreachable_goal_is_refused() {
     };
     write("cases.toml", &case("put(Bic, trash bin)"));
     let reachable = check(&["--check"]);
-    assert_eq!(
-        reachable.stdout,
-        "desk: the expected goals of 1 case can be reached\n"
-    );
+    assert_eq!(reachable.stdout, "desk: the expected goals of 1 case can be reached\n");
     let twice = case("on_something(Bic, Bic)") + &case("on_something(Bic, Bic)").replace("\"pen\"", "\"again\"");
     write("cases.toml", &twice);
     std::fs::write(home.path().join("replies.json"), "[]").unwrap();

@@ -1,0 +1,274 @@
+//! The parser of `domain.pddl`: types, constants, predicates and actions, with all names resolved.
+
+mod conditions;
+mod numbers;
+mod types;
+
+use conditions::Effects;
+
+use super::sexpr::{self, Expression};
+use super::{ActionSchema, Condition, Predicate, TypeId, Types, applicability};
+use crate::diagnostic::{Diagnostic, Position, nearest};
+use crate::model::{Arithmetic, NumberTest};
+
+/// The largest number of arguments of a fact; see [`crate::environment::Fact`].
+const ARITY_LIMIT: usize = 7;
+
+/// The supported requirements; files with others are rejected.
+const REQUIREMENTS: [&str; 11] = [
+    ":strips",
+    ":typing",
+    ":negative-preconditions",
+    ":disjunctive-preconditions",
+    ":quantified-preconditions",
+    ":conditional-effects",
+    ":equality",
+    ":adl",
+    ":fluents",
+    ":numeric-fluents",
+    ":action-costs",
+];
+
+/// The function whose increase is the cost of a step.
+const TOTAL_COST: &str = "total-cost";
+
+/// The dialect of a PDDL file, which decides how strict parsing is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// Files of this library: probable mistakes are errors.
+    Longstep,
+    /// Files for any planner: arguments may have any type, and `object` may be declared. A fact with an argument of the
+    /// wrong type holds, but no action can use it. `(initially ...)` is an extension of this library and not accepted.
+    Standard,
+}
+
+/// The contents of `domain.pddl`.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Semantics {
+    pub(crate) name: String,
+    pub(crate) types: Types,
+    pub(crate) constants: Vec<(String, TypeId)>,
+    pub(crate) predicates: Vec<Predicate>,
+    /// The numeric functions, without the cost of the plan.
+    pub(crate) functions: Vec<Predicate>,
+    /// True if `(total-cost)` is declared.
+    pub(crate) costs: bool,
+    pub(crate) actions: Vec<ActionSchema>,
+    /// The positions of the declarations of predicates and actions, for diagnostics of the wording file.
+    pub(crate) predicate_positions: Vec<Position>,
+    pub(crate) function_positions: Vec<Position>,
+    pub(crate) action_positions: Vec<Position>,
+}
+
+/// Parses a domain file; appends errors to `findings` and returns everything that could be read.
+pub(crate) fn read(file: &str, text: &str, dialect: Dialect, findings: &mut Vec<Diagnostic>) -> Semantics {
+    let mut semantics = Semantics::default();
+    let expressions = match sexpr::read(file, text) {
+        Ok(expressions) => expressions,
+        Err(finding) => {
+            findings.push(finding);
+            return semantics;
+        }
+    };
+    let Some((define, sections)) = expressions
+        .first()
+        .and_then(|first| Some((first, first.tail_of("define")?)))
+    else {
+        findings.push(
+            Diagnostic::at(file, Position { line: 1, column: 1 }, "no `(define (domain NAME) ...)`")
+                .hint("a domain file is one `(define (domain NAME) ...)` list"),
+        );
+        return semantics;
+    };
+    for extra in &expressions[1..] {
+        findings.push(Diagnostic::at(
+            file,
+            extra.position,
+            "something follows the domain's end",
+        ));
+    }
+    let mut reader = Reader {
+        file,
+        base: Position { line: 1, column: 1 },
+        dialect,
+        findings,
+    };
+    match sections.first().and_then(|s| s.tail_of("domain")) {
+        Some([name]) if name.word().is_some() => {
+            semantics.name = name.word().unwrap_or_default().to_owned();
+        }
+        _ => reader.report(define.position, "the domain has no name: expected `(domain NAME)`"),
+    }
+    // Sections may come in any order, but some use the names of others.
+    let known = [
+        ":requirements",
+        ":types",
+        ":constants",
+        ":predicates",
+        ":functions",
+        ":action",
+    ];
+    for section in sections.iter().skip(1) {
+        let head = section.list().and_then(|items| items.first()?.word());
+        if !head.is_some_and(|head| known.contains(&head)) {
+            let message = format!(
+                "`{}` is not supported here; known sections are {}",
+                head.unwrap_or("?"),
+                known.join(", ")
+            );
+            reader.report(section.position, message);
+        }
+    }
+    let of = |head: &'static str| sections.iter().filter_map(move |s| Some((s, s.tail_of(head)?)));
+    for (_, items) in of(":requirements") {
+        for item in items {
+            let word = item.word().unwrap_or("?");
+            if !REQUIREMENTS.contains(&word) {
+                let message = format!("the requirement `{word}` is not supported");
+                reader.report(item.position, message);
+            }
+        }
+    }
+    for (_, items) in of(":types") {
+        reader.types(items, &mut semantics.types);
+    }
+    for (_, items) in of(":constants") {
+        for (name, kind, position) in reader.typed_list(items, &semantics.types) {
+            if semantics.constants.iter().any(|(known, _)| *known == name) {
+                reader.report(position, format!("the constant `{name}` is declared twice"));
+            }
+            semantics.constants.push((name, kind));
+        }
+    }
+    for (_, items) in of(":predicates") {
+        for item in items {
+            reader.predicate(item, &mut semantics);
+        }
+    }
+    for (_, items) in of(":functions") {
+        reader.functions(items, &mut semantics);
+    }
+    for (section, items) in of(":action") {
+        reader.action(section, items, &mut semantics);
+    }
+    semantics
+}
+
+/// Variables in scope, outermost first.
+pub(crate) type Scope = Vec<(String, TypeId)>;
+
+/// Resolves expressions against the names read so far.
+pub(crate) struct Reader<'a> {
+    pub(crate) file: &'a str,
+    /// The position of the text in the file: a condition may be inside a TOML string.
+    pub(crate) base: Position,
+    pub(crate) dialect: Dialect,
+    pub(crate) findings: &'a mut Vec<Diagnostic>,
+}
+
+impl Reader<'_> {
+    fn place(&self, position: Position) -> Position {
+        Position {
+            line: self.base.line + position.line - 1,
+            column: if position.line == 1 {
+                self.base.column + position.column - 1
+            } else {
+                position.column
+            },
+        }
+    }
+
+    pub(crate) fn report(&mut self, position: Position, message: impl Into<String>) {
+        let position = self.place(position);
+        self.findings.push(Diagnostic::at(self.file, position, message));
+    }
+
+    fn report_unknown<'n>(
+        &mut self,
+        position: Position,
+        what: &str,
+        name: &str,
+        known: impl IntoIterator<Item = &'n str>,
+    ) {
+        let position = self.place(position);
+        let mut finding = Diagnostic::at(self.file, position, format!("unknown {what} `{name}`"));
+        if let Some(near) = nearest(name, known) {
+            finding = finding.hint(format!("did you mean `{near}`?"));
+        }
+        self.findings.push(finding);
+    }
+
+    fn action(&mut self, section: &Expression, items: &[Expression], semantics: &mut Semantics) {
+        let [name, fields @ ..] = items else {
+            return self.report(section.position, "an action needs a name");
+        };
+        let Some(word) = name.word() else {
+            return self.report(name.position, "an action needs a name");
+        };
+        if semantics.actions.iter().any(|a| a.name == word) {
+            return self.report(name.position, format!("the action `{word}` is declared twice"));
+        }
+        let mut parameters = Vec::new();
+        let mut precondition = Condition::TRUE;
+        let mut effects = Effects::default();
+        // The other fields need the parameters, which may come after them.
+        for pair in fields.chunks(2) {
+            if let [key, value] = pair
+                && key.word() == Some(":parameters")
+            {
+                match value.list() {
+                    Some(list) => parameters = self.variables(list, &semantics.types),
+                    None => self.report(value.position, "expected `(?x - type ...)`"),
+                }
+            }
+        }
+        let mut scope: Scope = parameters.iter().map(|p| (p.name.clone(), p.kind)).collect();
+        for pair in fields.chunks(2) {
+            let [key, value] = pair else {
+                self.report(pair[0].position, "this has no value");
+                continue;
+            };
+            match key.word() {
+                Some(":parameters") => {}
+                Some(":precondition") => precondition = self.condition(value, &mut scope, semantics),
+                Some(":effect") => {
+                    let mut path = Vec::new();
+                    self.effect(value, &mut scope, &mut path, &Condition::TRUE, semantics, &mut effects);
+                }
+                other => {
+                    let message = format!(
+                        "`{}` is not a part of an action; known are :parameters, :precondition, :effect",
+                        other.unwrap_or("?")
+                    );
+                    self.report(key.position, message);
+                }
+            }
+        }
+        let Effects { facts, numbers, cost } = effects;
+        let mut required = applicability(&numbers, parameters.len());
+        // A step whose cost is unknown is not applicable.
+        required.extend(
+            cost.iter()
+                .filter(|cost| !matches!(cost, Arithmetic::Constant(_)))
+                .map(|cost| Condition::Number {
+                    test: NumberTest::Known(cost.clone(), true),
+                    initially: false,
+                }),
+        );
+        if !required.is_empty() {
+            precondition = Condition::And(std::iter::once(precondition).chain(required).collect());
+        }
+        semantics.action_positions.push(name.position);
+        semantics.actions.push(ActionSchema {
+            name: word.to_owned(),
+            parameters,
+            precondition,
+            effects: facts,
+            numeric: numbers,
+            cost,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests;

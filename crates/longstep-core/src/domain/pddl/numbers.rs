@@ -1,0 +1,188 @@
+//! Numeric functions, expressions and changes.
+
+use super::conditions::Effects;
+use super::types::Union;
+use super::{ARITY_LIMIT, Reader, Scope, Semantics, TOTAL_COST};
+use crate::domain::sexpr::Expression;
+use crate::domain::{Condition, Predicate, TypeId};
+use crate::model::{
+    Application, Arithmetic, FunctionId, Number, NumberChangeKind, NumericEffect, NumericExpression, Operation,
+};
+
+impl Reader<'_> {
+    /// Parses `(:functions ...)`: numeric functions, each optionally followed by `- number`.
+    pub(super) fn functions(&mut self, items: &[Expression], semantics: &mut Semantics) {
+        let mut items = items.iter();
+        while let Some(item) = items.next() {
+            if item.word() == Some("-") {
+                match items.next() {
+                    Some(kind) if kind.word() == Some("number") => {}
+                    other => {
+                        let position = other.map_or(item.position, |kind| kind.position);
+                        self.report(
+                            position,
+                            "a function has the type `number`; other types are not supported",
+                        );
+                    }
+                }
+                continue;
+            }
+            let Some([head, parameters @ ..]) = item.list() else {
+                self.report(item.position, "expected `(function ?x - type)`");
+                continue;
+            };
+            let Some(name) = head.word() else {
+                self.report(head.position, "expected a function's name");
+                continue;
+            };
+            if name == TOTAL_COST {
+                semantics.costs = true;
+                if !parameters.is_empty() {
+                    self.report(head.position, "`total-cost` has no arguments");
+                }
+                continue;
+            }
+            let taken = |own: &Predicate| own.name == name;
+            if semantics.functions.iter().any(taken) || semantics.predicates.iter().any(taken) {
+                self.report(head.position, format!("`{name}` is declared twice"));
+                continue;
+            }
+            let parameters = self.variables_of(parameters, &semantics.types, Union::Wider);
+            if parameters.len() > ARITY_LIMIT {
+                let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
+                self.report(head.position, message);
+                continue;
+            }
+            semantics.function_positions.push(head.position);
+            semantics.functions.push(Predicate {
+                name: name.to_owned(),
+                parameters,
+            });
+        }
+    }
+
+    /// Parses a numeric expression; reports errors.
+    pub(crate) fn number(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<NumericExpression> {
+        let Some(list) = item.list() else {
+            let number = item.word().and_then(Number::parse);
+            if number.is_none() {
+                let message = format!(
+                    "`{}` is no number: expected digits with at most six places after the point, or `(function ...)`",
+                    item.word().unwrap_or("?")
+                );
+                self.report(item.position, message);
+            }
+            return number.map(Arithmetic::Constant);
+        };
+        let Some((head, rest)) = list.split_first() else {
+            self.report(item.position, "expected a number or `(function argument ...)`");
+            return None;
+        };
+        let Some(operation) = head.word().and_then(Operation::of) else {
+            return self.application(item, scope, names).map(Arithmetic::Value);
+        };
+        let mut values = Vec::with_capacity(rest.len());
+        for part in rest {
+            values.push(self.number(part, scope, names)?);
+        }
+        // Sums and products may have any number of parts; a single part of a difference is negated.
+        let negation = operation == Operation::Minus && values.len() == 1;
+        if negation {
+            values.insert(0, Arithmetic::Constant(Number::ZERO));
+        }
+        let many = matches!(operation, Operation::Plus | Operation::Times);
+        if values.len() < 2 || (values.len() > 2 && !many) {
+            let message = format!("`{}` has the wrong number of parts", operation.symbol());
+            self.report(item.position, message);
+            return None;
+        }
+        let folded = values
+            .into_iter()
+            .reduce(|left, right| Arithmetic::operation(operation, left, right));
+        // Computes operations on constants.
+        folded.map(|folded| folded.map(&mut |own: &Application| Arithmetic::Value(own.clone())))
+    }
+
+    /// Parses `(function argument ...)`; reports errors.
+    pub(crate) fn application(&mut self, item: &Expression, scope: &Scope, names: &Semantics) -> Option<Application> {
+        let Some((head, arguments)) = item.list().and_then(<[_]>::split_first) else {
+            self.report(item.position, "expected `(function argument ...)`");
+            return None;
+        };
+        let name = head.word().unwrap_or_default();
+        let Some(index) = names.functions.iter().position(|own| own.name == name) else {
+            if name == TOTAL_COST {
+                self.report(
+                    head.position,
+                    "`(total-cost)` is the cost of the plan; only effects may increase it",
+                );
+            } else {
+                let known = names.functions.iter().map(|own| own.name.as_str());
+                self.report_unknown(head.position, "function", name, known);
+            }
+            return None;
+        };
+        let parameters = &names.functions[index].parameters;
+        let terms = self.arguments(item, name, arguments, parameters, scope, names)?;
+        Some(Application {
+            function: FunctionId::new(index),
+            terms,
+        })
+    }
+
+    /// Returns true if the text is a number or begins like a numeric expression.
+    pub(super) fn is_numeric(item: &Expression, names: &Semantics) -> bool {
+        match item.list() {
+            None => item
+                .word()
+                .is_some_and(|word| Number::parse(word).is_some() && !word.starts_with('?')),
+            Some(list) => list.first().and_then(Expression::word).is_some_and(|head| {
+                Operation::of(head).is_some()
+                    || names.functions.iter().any(|own| own.name == head)
+                    || head == TOTAL_COST
+            }),
+        }
+    }
+
+    /// Parses `(increase FLUENT VALUE)` and the like.
+    pub(super) fn numeric_effect(
+        &mut self,
+        (kind, item, rest): (NumberChangeKind, &Expression, &[Expression]),
+        scope: &Scope,
+        forall: &[(usize, TypeId)],
+        when: &Condition,
+        names: &Semantics,
+        effects: &mut Effects,
+    ) {
+        let [fluent, value] = rest else {
+            let message = format!("`{}` has the wrong number of parts", kind.word());
+            return self.report(item.position, message);
+        };
+        let is_cost = fluent
+            .list()
+            .is_some_and(|list| matches!(list, [head] if head.word() == Some(TOTAL_COST)));
+        if is_cost && names.costs {
+            let value = self.number(value, scope, names);
+            if kind != NumberChangeKind::Increase || !forall.is_empty() || *when != Condition::TRUE {
+                let message = "the cost of a step is one `(increase (total-cost) ...)` outside of `when` and `forall`";
+                return self.report(item.position, message);
+            }
+            effects.cost = match (effects.cost.take(), value) {
+                (Some(one), Some(other)) => Some(Arithmetic::operation(Operation::Plus, one, other)),
+                (one, other) => one.or(other),
+            };
+            return;
+        }
+        let fluent = self.application(fluent, scope, names);
+        let value = self.number(value, scope, names);
+        if let (Some(fluent), Some(value)) = (fluent, value) {
+            effects.numbers.push(NumericEffect {
+                forall: forall.to_vec(),
+                condition: when.clone(),
+                fluent,
+                kind,
+                value,
+            });
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Types, variables and the declarations of predicates.
+
+use super::{ARITY_LIMIT, Dialect, Reader, Semantics};
+use crate::diagnostic::{Diagnostic, Position};
+use crate::domain::sexpr::Expression;
+use crate::domain::{Parameter, Predicate, TypeId, Types};
+
+/// The treatment of `(either ...)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Union {
+    /// The parent must have no other types: actions and objects must not get more of them.
+    Exact,
+    /// The parent may have others: a predicate or a function without facts about them is false or unknown for them.
+    Wider,
+}
+
+impl Reader<'_> {
+    pub(super) fn types(&mut self, items: &[Expression], types: &mut Types) {
+        // A parent may be declared after its child, so all names come first.
+        for item in items {
+            match item.word() {
+                Some("-") => {}
+                Some(name) => {
+                    types.intern(name);
+                }
+                None => self.report(item.position, "expected a type's name (`either` is not supported)"),
+            }
+        }
+        let mut waiting = Vec::new();
+        let mut words = items.iter();
+        while let Some(item) = words.next() {
+            match item.word() {
+                Some("-") => {
+                    let Some(parent) = words.next().and_then(Expression::word) else {
+                        self.report(item.position, "`-` needs a type after it");
+                        break;
+                    };
+                    let parent = types.intern(parent);
+                    for child in waiting.drain(..) {
+                        // `object` may be declared: every type is below it anyway.
+                        if child == TypeId::OBJECT && (parent == TypeId::OBJECT || self.dialect == Dialect::Standard) {
+                            continue;
+                        }
+                        if !types.set_parent(child, parent) {
+                            let message = format!("the type `{}` would be its own ancestor", types.name(child));
+                            self.report(item.position, message);
+                        }
+                    }
+                }
+                Some(name) => waiting.push(types.intern(name)),
+                None => {}
+            }
+        }
+    }
+
+    /// Parses `a b - kind c` into names with types; names without a type are of type `object`.
+    pub(crate) fn typed_list(&mut self, items: &[Expression], types: &Types) -> Vec<(String, TypeId, Position)> {
+        self.typed(items, types, Union::Exact)
+    }
+
+    fn typed(
+        &mut self,
+        items: &[Expression],
+        types: &Types,
+        union: Union,
+    ) -> Vec<(String, TypeId, Position)> {
+        let mut list: Vec<(String, TypeId, Position)> = Vec::new();
+        let mut untyped = 0;
+        let mut words = items.iter();
+        while let Some(item) = words.next() {
+            match item.word() {
+                Some("-") => {
+                    let Some(kind) = words.next() else {
+                        self.report(item.position, "`-` needs a type after it");
+                        break;
+                    };
+                    if let Some(id) = self.type_of(kind, types, union) {
+                        list[untyped..].iter_mut().for_each(|entry| entry.1 = id);
+                    }
+                    untyped = list.len();
+                }
+                Some(name) => list.push((name.to_owned(), TypeId::OBJECT, item.position)),
+                None => self.report(item.position, "expected a name"),
+            }
+        }
+        list
+    }
+
+    /// Parses a type's name, or `(either ...)` as the common parent of its types. Reports errors.
+    fn type_of(&mut self, item: &Expression, types: &Types, union: Union) -> Option<TypeId> {
+        let Some(members) = item.tail_of("either").filter(|members| !members.is_empty()) else {
+            let name = item.word().unwrap_or("?");
+            let found = types.find(name);
+            if found.is_none() {
+                self.report_unknown(item.position, "type", name, types.names());
+            }
+            return found;
+        };
+        let mut kinds = Vec::with_capacity(members.len());
+        for member in members {
+            let name = member.word().unwrap_or("?");
+            match types.find(name) {
+                Some(kind) => kinds.push(kind),
+                None => self.report_unknown(member.position, "type", name, types.names()),
+            }
+        }
+        if kinds.len() < members.len() {
+            return None;
+        }
+        let all = || (0..types.len()).map(TypeId::new);
+        let is_common = |parent: &TypeId| kinds.iter().all(|kind| types.is_a(*kind, *parent));
+        let is_lowest = |parent: &TypeId| all().filter(is_common).all(|other| types.is_a(*parent, other));
+        let parent = all().filter(is_common).find(is_lowest).unwrap_or(TypeId::OBJECT);
+        let is_leaf = |kind: TypeId| all().all(|other| other == kind || !types.is_a(other, kind));
+        let others = all().filter(|kind| types.is_a(*kind, parent) && is_leaf(*kind));
+        let mut others = others.filter(|leaf| !kinds.iter().any(|kind| types.is_a(*leaf, *kind)));
+        match others.next() {
+            Some(other) if union == Union::Exact => {
+                let message = format!(
+                    "`(either ...)` is supported here only for all the types of a parent; `{}` would also admit `{}`",
+                    types.name(parent),
+                    types.name(other)
+                );
+                let position = self.place(item.position);
+                self.findings.push(
+                    Diagnostic::at(self.file, position, message)
+                        .hint("declare a type with these types as its children, and use it here"),
+                );
+                None
+            }
+            _ => Some(parent),
+        }
+    }
+
+    /// Parses variables like [`Self::typed_list`]; requires and removes the leading `?`.
+    pub(crate) fn variables(&mut self, items: &[Expression], types: &Types) -> Vec<Parameter> {
+        self.variables_of(items, types, Union::Exact)
+    }
+
+    pub(super) fn variables_of(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<Parameter> {
+        let mut variables: Vec<Parameter> = Vec::new();
+        for (name, kind, position) in self.typed(items, types, union) {
+            match name.strip_prefix('?') {
+                Some(name) if variables.iter().any(|known| known.name == name) => {
+                    self.report(position, format!("`?{name}` is declared twice"));
+                }
+                Some(name) => variables.push(Parameter {
+                    name: name.to_owned(),
+                    kind,
+                }),
+                None => self.report(position, format!("`{name}` must be a variable, as in `?{name}`")),
+            }
+        }
+        variables
+    }
+
+    pub(super) fn predicate(&mut self, item: &Expression, semantics: &mut Semantics) {
+        let Some([head, parameters @ ..]) = item.list() else {
+            return self.report(item.position, "expected `(predicate ?x - type)`");
+        };
+        let Some(name) = head.word() else {
+            return self.report(head.position, "expected a predicate's name");
+        };
+        if semantics.predicates.iter().any(|p| p.name == name) {
+            return self.report(head.position, format!("the predicate `{name}` is declared twice"));
+        }
+        let parameters = self.variables_of(parameters, &semantics.types, Union::Wider);
+        if parameters.len() > ARITY_LIMIT {
+            let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
+            self.report(head.position, message);
+            return;
+        }
+        semantics.predicate_positions.push(head.position);
+        semantics.predicates.push(Predicate {
+            name: name.to_owned(),
+            parameters,
+        });
+    }
+}
