@@ -25,6 +25,11 @@ static SHIPPED: &[Shipped] = &[
         Task::Screening,
         include_bytes!("../../adapters/qwen2.5-coder-1.5b/screening.gguf"),
     ),
+    (
+        catalogue::DEFAULT,
+        Task::Description,
+        include_bytes!("../../adapters/qwen2.5-coder-1.5b/description.gguf"),
+    ),
 ];
 
 /// The key of a file that names the task of its adapter.

@@ -58,12 +58,7 @@ impl Reader<'_> {
         self.typed(items, types, Union::Exact)
     }
 
-    fn typed(
-        &mut self,
-        items: &[Expression],
-        types: &Types,
-        union: Union,
-    ) -> Vec<(String, TypeId, Position)> {
+    fn typed(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<(String, TypeId, Position)> {
         let mut list: Vec<(String, TypeId, Position)> = Vec::new();
         let mut untyped = 0;
         let mut words = items.iter();
