@@ -95,7 +95,7 @@ fn no_list_of_english_words_decides_what_a_goal_may_be() {
 
 #[test]
 fn the_search_finds_lists() {
-    // What is said about a plan, and conditions of compositions, are still read in English (docs/limits.md).
+    // What is said about a plan, and conditions of compositions, are still read in English (docs/feedback.md).
     for (folder, word) in [("feedback", "afterwards"), ("compose", "whenever")] {
         assert!(found(folder).iter().any(|list| list.contains(word)), "{folder}");
     }

@@ -242,7 +242,7 @@ fn model_path(entry: &Entry, cache: &Path) -> PathBuf {
     folder(cache).join(format!("{}.gguf", entry.name))
 }
 
-/// What the hub has sent of a model's file so far.
+/// The file with the bytes that the hub has sent so far.
 fn part_path(path: &Path) -> PathBuf {
     path.with_extension("gguf.part")
 }

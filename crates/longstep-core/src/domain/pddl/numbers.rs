@@ -1,8 +1,7 @@
 //! Numeric functions, expressions and changes.
 
 use super::conditions::Effects;
-use super::types::Union;
-use super::{ARITY_LIMIT, Reader, Scope, Semantics, TOTAL_COST};
+use super::{Reader, Scope, Semantics, TOTAL_COST};
 use crate::domain::sexpr::Expression;
 use crate::domain::{Condition, Predicate, TypeId};
 use crate::model::{
@@ -47,17 +46,10 @@ impl Reader<'_> {
                 self.report(head.position, format!("`{name}` is declared twice"));
                 continue;
             }
-            let parameters = self.variables_of(parameters, &semantics.types, Union::Wider);
-            if parameters.len() > ARITY_LIMIT {
-                let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
-                self.report(head.position, message);
-                continue;
+            if let Some(function) = self.declaration(head, name, parameters, &semantics.types) {
+                semantics.function_positions.push(head.position);
+                semantics.functions.push(function);
             }
-            semantics.function_positions.push(head.position);
-            semantics.functions.push(Predicate {
-                name: name.to_owned(),
-                parameters,
-            });
         }
     }
 

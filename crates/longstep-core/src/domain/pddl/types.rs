@@ -7,7 +7,7 @@ use crate::domain::{Parameter, Predicate, TypeId, Types};
 
 /// The treatment of `(either ...)`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Union {
+enum Union {
     /// The parent must have no other types: actions and objects must not get more of them.
     Exact,
     /// The parent may have others: a predicate or a function without facts about them is false or unknown for them.
@@ -132,7 +132,7 @@ impl Reader<'_> {
         self.variables_of(items, types, Union::Exact)
     }
 
-    pub(super) fn variables_of(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<Parameter> {
+    fn variables_of(&mut self, items: &[Expression], types: &Types, union: Union) -> Vec<Parameter> {
         let mut variables: Vec<Parameter> = Vec::new();
         for (name, kind, position) in self.typed(items, types, union) {
             match name.strip_prefix('?') {
@@ -159,16 +159,29 @@ impl Reader<'_> {
         if semantics.predicates.iter().any(|p| p.name == name) {
             return self.report(head.position, format!("the predicate `{name}` is declared twice"));
         }
-        let parameters = self.variables_of(parameters, &semantics.types, Union::Wider);
+        if let Some(predicate) = self.declaration(head, name, parameters, &semantics.types) {
+            semantics.predicate_positions.push(head.position);
+            semantics.predicates.push(predicate);
+        }
+    }
+
+    /// Parses the parameters of a new predicate or function; reports errors.
+    pub(super) fn declaration(
+        &mut self,
+        head: &Expression,
+        name: &str,
+        parameters: &[Expression],
+        types: &Types,
+    ) -> Option<Predicate> {
+        let parameters = self.variables_of(parameters, types, Union::Wider);
         if parameters.len() > ARITY_LIMIT {
             let message = format!("`{name}` has more than {ARITY_LIMIT} arguments");
             self.report(head.position, message);
-            return;
+            return None;
         }
-        semantics.predicate_positions.push(head.position);
-        semantics.predicates.push(Predicate {
+        Some(Predicate {
             name: name.to_owned(),
             parameters,
-        });
+        })
     }
 }
