@@ -114,6 +114,12 @@ impl Reader<'_> {
         let Some((head, rest)) = list.split_first() else {
             return;
         };
+        let fact = |atom, adds| Effect {
+            forall: forall.clone(),
+            condition: when.clone(),
+            atom,
+            adds,
+        };
         match (head.word().unwrap_or_default(), rest) {
             ("and", _) => {
                 for part in rest {
@@ -144,14 +150,8 @@ impl Reader<'_> {
                 self.effect(inner, scope, forall, &both, names, effects);
             }
             ("not", [inner]) => {
-                if let Some(atom) = self.atom(inner, scope, names) {
-                    effects.facts.push(Effect {
-                        forall: forall.clone(),
-                        condition: when.clone(),
-                        atom,
-                        adds: false,
-                    });
-                }
+                let atom = self.atom(inner, scope, names);
+                effects.facts.extend(atom.map(|atom| fact(atom, false)));
             }
             ("forall" | "when" | "not", _) => {
                 let message = format!("`{}` has the wrong number of parts", head.word().unwrap_or_default());
@@ -163,14 +163,8 @@ impl Reader<'_> {
                 }
             }
             _ => {
-                if let Some(atom) = self.atom(item, scope, names) {
-                    effects.facts.push(Effect {
-                        forall: forall.clone(),
-                        condition: when.clone(),
-                        atom,
-                        adds: true,
-                    });
-                }
+                let atom = self.atom(item, scope, names);
+                effects.facts.extend(atom.map(|atom| fact(atom, true)));
             }
         }
     }
