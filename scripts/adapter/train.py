@@ -157,7 +157,7 @@ class Model(torch.nn.Module):
 
 
 def sequence(vocabulary, cases, chance, most):
-    """One sequence: what the cases share, then each case as a branch. Returns tokens, positions, mask, and the places whose
+    """One sequence: what the cases share, then each case as a branch, or as a branch of the plan that it is about. Returns tokens, positions, mask, and the places whose
     next token is learned with these tokens."""
     fixed = cases[0]["fixed"]
     turns = list(zip(fixed[1::2], fixed[2::2]))
@@ -167,9 +167,20 @@ def sequence(vocabulary, cases, chance, most):
         tokens += vocabulary.message(*question) + vocabulary.message(*answer)
     tokens += vocabulary.message("user", cases[0]["lead"], is_open=True)
     shared = len(tokens)
-    positions, branch = list(range(shared)), [0] * shared
+    positions, branch, parent = list(range(shared)), [0] * shared, [0] * shared
     places, targets = [], []
+    plans = {}
     for number, case in enumerate(cases, start=1):
+        begin, above = shared, 0
+        if "plan" in case:
+            if case["plan"] not in plans:
+                own = vocabulary.text(case["plan"])
+                plans[case["plan"]] = (shared + len(own), len(cases) + 1 + len(plans))
+                positions += range(shared, shared + len(own))
+                branch += [plans[case["plan"]][1]] * len(own)
+                parent += [0] * len(own)
+                tokens += own
+            begin, above = plans[case["plan"]]
         before = vocabulary.text(case["instruction"]) + vocabulary.special("<|im_end|>") + vocabulary.text("\n")
         before += vocabulary.message("assistant", "", is_open=True)
         if case["answer"] is None:
@@ -180,11 +191,13 @@ def sequence(vocabulary, cases, chance, most):
         start = len(tokens) + len(before)
         places += range(start - 1, start - 1 + len(answer))
         targets += answer
-        positions += range(shared, shared + len(own))
+        positions += range(begin, begin + len(own))
         branch += [number] * len(own)
+        parent += [above] * len(own)
         tokens += own
-    order, branch = torch.arange(len(tokens)), torch.tensor(branch)
-    mask = (order[:, None] >= order[None]) & ((branch[None] == 0) | (branch[:, None] == branch[None]))
+    order, branch, parent = torch.arange(len(tokens)), torch.tensor(branch), torch.tensor(parent)
+    seen = (branch[None] == 0) | (branch[:, None] == branch[None]) | (parent[:, None] == branch[None])
+    mask = (order[:, None] >= order[None]) & seen
     return torch.tensor(tokens), torch.tensor(positions), mask, torch.tensor(places), torch.tensor(targets)
 
 
@@ -197,7 +210,12 @@ def packs(cases, size, chance):
     for own in scenes.values():
         chance.shuffle(own)
         count = max(1, round(len(own) / size))
-        groups += [own[start::count] for start in range(count)]
+        if "plan" in own[0]:
+            # What is said about one plan stays together.
+            own.sort(key=lambda case: case["plan"])
+            groups += [own[len(own) * start // count:len(own) * (start + 1) // count] for start in range(count)]
+        else:
+            groups += [own[start::count] for start in range(count)]
     chance.shuffle(groups)
     return groups
 
@@ -236,7 +254,7 @@ def main():
     reads.add_argument("data")
     reads.add_argument("model")
     reads.add_argument("adapter")
-    reads.add_argument("--task", choices=["goals", "screening", "description"], default="goals")
+    reads.add_argument("--task", choices=["goals", "screening", "description", "plans"], default="goals")
     reads.add_argument("--start", help="an adapter to go on from")
     reads.add_argument("--minutes", type=float, default=60)
     reads.add_argument("--epochs", type=float, default=1)

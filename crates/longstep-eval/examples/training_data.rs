@@ -4,16 +4,29 @@
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/understanding/training/*
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/screening/*.txt
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/descriptions/*.txt
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/changes/*.txt
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/compositions/*.txt
 //!
 //! An object has the suite, the fixed messages of the request (`fixed`, pairs of role and text), the last message up to the
 //! instruction (`lead`), the instruction, and the expected answer, which is null where a question is expected. Chains, orders
 //! and prohibitions of suites are left out: a goal request has no words for them. A text for the screening has paragraphs of two
 //! lines: an instruction, and the answer. A text of descriptions begins with its domain (`domain: household`); its paragraphs are
-//! answers, which have the sentences of the description in them.
+//! answers, which have the sentences of the description in them. A text of changes begins with its suite
+//! (`suite: scripts/understanding/training/bakery`); a paragraph has the id of a case, whose plan is searched for, and lines of what a
+//! person says about the plan, and the answer (`Leave out step 3. => drop 3`). `--plans SUITE` prints the cases with their plans, for
+//! those who write such texts. A text of compositions has paragraphs as the model sees them (`Plans:`, `Checks:`, `Wish:`), `=>`, and the
+//! program that puts the plans together.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::error::Error;
 use std::path::Path;
+
+use longstep::compose::{self, CompositionAnswer, CompositionDialogue, CompositionInput};
+use longstep::domain::Domain;
+use longstep::feedback::{Amended, FeedbackDialogue, FeedbackInput, Wish, amend};
+use longstep_core::environment::{self, World};
+use longstep_core::plan::Plan;
+use longstep_core::search::{self, Limits, Outcome};
 
 use longstep::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Likelihood, Reply, Role, ScreeningDialogue,
@@ -27,38 +40,31 @@ use serde_json::{Value, json};
 fn main() -> Result<(), Box<dyn Error>> {
     let folders: Vec<String> = std::env::args().skip(1).collect();
     if folders.is_empty() {
-        return Err("usage: training_data SUITE|TEXT.txt...".into());
+        return Err("usage: training_data SUITE|TEXT.txt... or training_data --plans SUITE...".into());
+    }
+    if let Some(("--plans", suites)) = folders.split_first().map(|(first, rest)| (first.as_str(), rest)) {
+        for folder in suites {
+            let (domain, suite) = read_suite(Path::new(folder))?;
+            planned_cases(&domain, &suite);
+        }
+        return Ok(());
     }
     for folder in folders {
         let folder = Path::new(&folder);
         if folder.extension().is_some_and(|own| own == "txt") {
             let (name, text) = (folder.display().to_string(), std::fs::read_to_string(folder)?);
-            match text.strip_prefix("domain: ") {
-                Some(text) => described(&name, text)?,
-                None => screened(&name, &text)?,
+            if let Some(text) = text.strip_prefix("domain: ") {
+                described(&name, text)?;
+            } else if let Some(text) = text.strip_prefix("suite: ") {
+                changed(&name, text)?;
+            } else if text.starts_with("Plans:") {
+                composed(&name, &text)?;
+            } else {
+                screened(&name, &text)?;
             }
             continue;
         }
-        let mut cases = read_texts(folder, |name| name.ends_with(".toml"))?;
-        let scenes = read_texts(&folder.join("scenes"), |name| name.ends_with(".json"))?;
-        let files = Files {
-            folder: format!("{}/", folder.display()),
-            suite: cases.remove("suite.toml").ok_or("there is no suite.toml")?,
-            cases,
-            scenes: scenes
-                .into_iter()
-                .map(|(name, text)| (name.trim_end_matches(".json").to_owned(), text))
-                .collect(),
-        };
-        let domain = suite::domain_name(&files)?;
-        let beside = folder.join(&domain);
-        let domain = if beside.is_dir() {
-            beside.display().to_string()
-        } else {
-            domain
-        };
-        let domain = longstep_llm::load_domain(&domain)?;
-        let suite = suite::load(&files, &domain)?;
+        let (domain, suite) = read_suite(folder)?;
         let mut written = 0;
         for case in &suite.cases {
             if let Some(object) = training_case(&suite, &domain, case) {
@@ -68,6 +74,158 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         eprintln!("{}: {written} of {} cases", suite.name, suite.cases.len());
     }
+    Ok(())
+}
+
+/// A suite in a folder, and its domain.
+fn read_suite(folder: &Path) -> Result<(Domain, Suite), Box<dyn Error>> {
+    let mut cases = read_texts(folder, |name| name.ends_with(".toml"))?;
+    let scenes = read_texts(&folder.join("scenes"), |name| name.ends_with(".json"))?;
+    let files = Files {
+        folder: format!("{}/", folder.display()),
+        suite: cases.remove("suite.toml").ok_or("there is no suite.toml")?,
+        cases,
+        scenes: scenes
+            .into_iter()
+            .map(|(name, text)| (name.trim_end_matches(".json").to_owned(), text))
+            .collect(),
+    };
+    let domain = suite::domain_name(&files)?;
+    let beside = folder.join(&domain);
+    let domain = if beside.is_dir() {
+        beside.display().to_string()
+    } else {
+        domain
+    };
+    let domain = longstep_llm::load_domain(&domain)?;
+    let suite = suite::load(&files, &domain)?;
+    Ok((domain, suite))
+}
+
+/// The plan of a case with one instruction, and its world.
+fn planned(suite: &Suite, case: &Case) -> Option<(World, Plan, String)> {
+    let [step] = &case.steps[..] else { return None };
+    let goal = step.expected.goals().first()?;
+    let world = suite.judged_world(case);
+    match search::solve(&world, &goal.purpose(&world), &Limits::default()) {
+        Outcome::Solved { plan, .. } if plan.is_sequence() => {
+            let plan = Plan::sequence(plan.steps().to_vec());
+            Some((world, plan, step.says.clone()))
+        }
+        _ => None,
+    }
+}
+
+/// Prints the cases with plans of two steps and more, as a model sees them when a person speaks about them.
+fn planned_cases(domain: &Domain, suite: &Suite) {
+    for case in &suite.cases {
+        let Some((world, plan, instruction)) = planned(suite, case) else {
+            continue;
+        };
+        if plan.steps().len() > 1 {
+            let request = about_plan(domain, &world, &plan, &instruction, "").request();
+            let text = request.messages.last().map_or("", |own| own.text.as_str());
+            let text = text.rsplit_once('\n').map_or(text, |(before, _)| before);
+            println!("{}\n{text}\n", case.id);
+        }
+    }
+}
+
+fn about_plan(domain: &Domain, world: &World, plan: &Plan, instruction: &str, says: &str) -> FeedbackDialogue {
+    FeedbackDialogue::new(FeedbackInput {
+        domain,
+        world,
+        plan,
+        instruction,
+        feedback: says,
+        kind: ConstraintKind::Grammar,
+    })
+}
+
+/// Prints the objects of a text of changes.
+fn changed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
+    let (folder, text) = text.split_once('\n').ok_or("there is nothing behind the suite")?;
+    let (domain, suite) = read_suite(Path::new(folder.trim()))?;
+    let (mut said, mut impossible) = (0, 0);
+    for paragraph in text.trim().split("\n\n") {
+        let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{paragraph}`");
+        let (id, lines) = paragraph
+            .trim()
+            .split_once('\n')
+            .ok_or_else(|| wrong(&"nothing is said"))?;
+        let case = suite.cases.iter().find(|case| case.id == id.trim());
+        let case = case.ok_or_else(|| wrong(&"there is no such case"))?;
+        let (world, plan, instruction) = planned(&suite, case).ok_or_else(|| wrong(&"there is no plan"))?;
+        let purpose = case.steps[0].expected.goals()[0].purpose(&world);
+        for line in lines.lines() {
+            let (says, answer) = line.rsplit_once(" => ").ok_or_else(|| wrong(&"there is no arrow"))?;
+            let (says, answer) = (says.trim(), answer.trim());
+            let mut dialogue = about_plan(&domain, &world, &plan, &instruction, says);
+            let request = dialogue.request();
+            match dialogue.supply(&reply(answer)).map_err(|error| wrong(&error))? {
+                Some(Wish::Steps(wishes)) => match amend(&world, &plan, &wishes, &purpose) {
+                    Amended::Done(_) => {}
+                    Amended::Impossible { .. } => impossible += 1,
+                },
+                Some(Wish::Goal | Wish::Question(_)) => {}
+                None => return Err(wrong(&"the answer is not whole").into()),
+            }
+            let query = &request.messages[request.fixed].text;
+            let (shown, own) = query
+                .rsplit_once("The person says:")
+                .ok_or("the request has no words")?;
+            let answer = Some(answer).filter(|answer| !answer.starts_with("question:"));
+            println!(
+                "{}",
+                json!({"suite": suite.name, "id": id, "fixed": fixed(&request),
+                    "lead": "", "plan": format!("{shown}The person says:"), "instruction": own, "answer": answer})
+            );
+            said += 1;
+        }
+    }
+    eprintln!("{name}: {said}, of which {impossible} are not possible in their plan");
+    Ok(())
+}
+
+/// Prints the objects of a text of compositions.
+fn composed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
+    let domain = longstep_llm::load_domain("household")?;
+    let world = environment::parse(&domain, "environment", r#"{"assets": [], "objects": []}"#)?;
+    let dialogue = CompositionDialogue::new(CompositionInput {
+        world: &world,
+        stored: &[],
+        instruction: "",
+        rounds: &[],
+        kind: ConstraintKind::Grammar,
+    });
+    let fixed = fixed(&dialogue.request());
+    let paragraphs = text.trim().split("\n\n");
+    let count = paragraphs.clone().count();
+    for paragraph in paragraphs {
+        let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{paragraph}`");
+        let (query, answer) = paragraph
+            .trim()
+            .split_once("\n=>\n")
+            .ok_or_else(|| wrong(&"there is no arrow"))?;
+        let (lead, wish) = query.rsplit_once("\nWish:").ok_or_else(|| wrong(&"there is no wish"))?;
+        let answer = Some(answer).filter(|answer| !answer.starts_with("question:"));
+        if let Some(answer) = answer {
+            let CompositionAnswer::Composition(written) = compose::read(answer).map_err(|error| wrong(&error))? else {
+                return Err(wrong(&"this is no composition").into());
+            };
+            for step in &written.steps {
+                if !lead.contains(&format!("\n- {}(", step.call.name)) {
+                    return Err(wrong(&format!("`{}` is not listed", step.call)).into());
+                }
+            }
+        }
+        println!(
+            "{}",
+            json!({"suite": "compositions", "fixed": fixed, "lead": "", "instruction": format!("{lead}\nWish:{wish}"),
+                "answer": answer})
+        );
+    }
+    eprintln!("{name}: {count}");
     Ok(())
 }
 

@@ -59,7 +59,6 @@ fn with_plain_words(semantics: Semantics) -> Domain {
         unknown: Unknown::False,
         complete: false,
         fluent,
-        cues: Vec::new(),
         past: None,
     };
     // A fact without arguments has no entity under which an environment could list it.

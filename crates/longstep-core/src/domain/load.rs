@@ -319,7 +319,6 @@ impl Loader<'_> {
                     unknown: Unknown::False,
                     complete: false,
                     fluent,
-                    cues: Vec::new(),
                     past: None,
                 });
                 continue;
@@ -347,7 +346,6 @@ impl Loader<'_> {
                 },
                 complete: entry.complete,
                 fluent,
-                cues: entry.cues.iter().map(|cue| cue.to_lowercase()).collect(),
                 past: entry.past.as_ref().and_then(|past| self.past(past, predicate, entries)),
             });
         }

@@ -69,8 +69,7 @@ pub struct PredicateEntry {
     pub unknown: UnknownEntry,
     #[serde(default)]
     pub complete: bool,
-    #[serde(default)]
-    pub cues: Vec<String>,
+    pub cues: Option<Obsolete>,
     pub past: Option<Text>,
 }
 

@@ -233,9 +233,6 @@ pub struct PredicateWords {
     pub complete: bool,
     /// True if some action changes or senses the predicate.
     pub fluent: bool,
-    /// Stems of the words that name this sensing outcome in an instruction, as in "gone bad"; each is one word or
-    /// several consecutive words.
-    pub cues: Vec<String>,
     /// The event that records that this fact held, added by every action that deletes the fact. Conditional goals need
     /// it: after a dirty table is wiped, the table is clean, but the plan still has to show that a dirty table was
     /// wiped.

@@ -84,6 +84,7 @@ fn in_file(path: &Path) -> Result<Adapter, ModelError> {
         Some("goals") => Task::Goals,
         Some("screening") => Task::Screening,
         Some("description") => Task::Description,
+        Some("plans") => Task::Plans,
         _ => return Err(not_loaded(path, "it is no adapter with a task (`longstep.task`)")),
     };
     Ok(Adapter {

@@ -6,7 +6,7 @@ use super::grammar::{grammar, schema};
 use super::menu::Menu;
 use super::read::{CompositionAnswer, in_json, read};
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Round, Transcript, plain_line,
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, Message, Reply, Role, Round, Task, Transcript, plain_line,
 };
 use crate::environment::World;
 
@@ -45,7 +45,7 @@ impl CompositionDialogue {
     /// it writes a JSON tree.
     pub fn new(input: CompositionInput<'_>) -> Self {
         let menu = Menu::of(input.world, input.stored, input.instruction);
-        let mut transcript = Transcript::new(input.kind, fixed(input.kind));
+        let mut transcript = Transcript::new(input.kind, fixed(input.kind)).for_task(Task::Plans);
         transcript.push(Role::User, query(&menu, input.instruction));
         for round in input.rounds {
             transcript.push(Role::Assistant, round.reply.clone());

@@ -39,18 +39,9 @@ fn whole(menu: &Menu) -> Form {
     if forks.is_empty() {
         return block(plan);
     }
-    let mut parts = vec![plan.clone()];
-    parts.extend(forks.iter().cloned());
-    let part = Form::Either(parts);
-    match menu.fork_wanted {
-        // Where the instruction asks for a branch or lanes, the grammar requires one.
-        true => Form::Row(vec![
-            Form::Row(vec![plan, Form::text("\n")]).times(0, MOST - 2),
-            Form::Either(forks),
-            Form::Row(vec![Form::text("\n"), part]).times(0, MOST - 2),
-        ]),
-        false => block(part),
-    }
+    let mut parts = vec![plan];
+    parts.extend(forks);
+    block(Form::Either(parts))
 }
 
 /// Returns the form of lines of one kind.

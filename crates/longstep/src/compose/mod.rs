@@ -6,7 +6,6 @@
 //! from the current world, and reuses no verdict on its parts.
 
 mod composed;
-mod condition_words;
 mod dialogue;
 mod examples;
 mod grammar;

@@ -68,6 +68,8 @@ pub enum Task {
     Screening,
     /// Writes down what a description of a scene says.
     Description,
+    /// Says how a plan is to change, or how stored plans go together.
+    Plans,
     /// Every other task.
     #[default]
     Other,

@@ -7,14 +7,14 @@ use super::example::{fixed_turns, plan_and_words};
 use super::grammar::{GOAL, MOST, grammar, schema};
 use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
-use super::reference::{References, what_for};
+use super::reference::References;
 use crate::dialogue::answer_grammar::question_in;
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, DialogueError, Reply, Role, Transcript, object, one_line,
+    ChatRequest, ConstraintKind, Dialogue, DialogueError, Reply, Role, Task, Transcript, object, one_line,
 };
 use crate::environment::World;
 use crate::goal::QUESTION;
-use crate::model::{Domain, plain_words};
+use crate::model::Domain;
 use crate::plan::{Plan, Step};
 
 /// Token budget of an answer under a grammar, and of a server.
@@ -36,7 +36,6 @@ pub enum Wish {
 #[derive(Debug, Clone)]
 pub struct FeedbackDialogue {
     world: World,
-    words: String,
     length: usize,
     offers: Offers,
     transcript: Transcript,
@@ -67,20 +66,17 @@ impl FeedbackDialogue {
         } = input;
         let words = one_line(input.feedback);
         let lines: Vec<String> = plan.steps().iter().map(|step| line(world, step)).collect();
-        let mut transcript = Transcript::new(input.kind, fixed_turns(domain, input.kind));
+        let mut transcript = Transcript::new(input.kind, fixed_turns(domain, input.kind)).for_task(Task::Plans);
         transcript.push(Role::User, plan_and_words(&one_line(input.instruction), &lines, &words));
-        let references = References::of(world, plan, &words);
-        let several = references.steps.len() > 1 || says_several(&words);
         Self {
-            offers: offers(world, plan, &references, several),
+            offers: offers(world, plan, &References::of(world, &words)),
             world: world.clone(),
-            words,
             length: plan.steps().len(),
             transcript,
         }
     }
 
-    /// Returns true if the words can be about what is wanted: they name no step and no call.
+    /// Returns true if the words can be about what is wanted: they contain no call.
     pub(crate) fn may_be_goal(&self) -> bool {
         self.offers.goal
     }
@@ -103,19 +99,6 @@ impl FeedbackDialogue {
             Answer { edits, .. } if edits.is_empty() => format!("{QUESTION}What should be different about the plan?"),
             Answer { edits, .. } => edits[..edits.len().min(MOST)].join(" & "),
         })
-    }
-
-    /// Takes the explanation of a single new step from the utterance, if it states a purpose.
-    fn explain(&self, wishes: &mut [StepWish]) {
-        let mut explanations = wishes.iter_mut().filter_map(|wish| match wish {
-            StepWish::Insert { explanation, .. } | StepWish::Replace { explanation, .. } => Some(explanation),
-            StepWish::Drop { .. } | StepWish::Move { .. } => None,
-        });
-        if let (Some(explanation), None) = (explanations.next(), explanations.next())
-            && let Some(clause) = what_for(&self.world, &self.words)
-        {
-            *explanation = clause;
-        }
     }
 }
 
@@ -151,9 +134,8 @@ impl Dialogue for FeedbackDialogue {
         if text == GOAL {
             return Ok(Some(Wish::Goal));
         }
-        let mut wishes =
-            parse(&self.world, &text, self.length).map_err(|error| DialogueError::NoWish(error.to_string()))?;
-        self.explain(&mut wishes);
+        let wishes = parse(&self.world, &text, self.length);
+        let wishes = wishes.map_err(|error| DialogueError::NoWish(error.to_string()))?;
         Ok(Some(Wish::Steps(wishes)))
     }
 
@@ -167,10 +149,4 @@ fn line(world: &World, step: &Step) -> String {
     let arguments: Vec<_> = step.arguments.iter().copied().map(Some).collect();
     let call = everyday(world, step.action, &arguments);
     format!("{call}: {}", one_line(&step.explanation))
-}
-
-/// Returns true if the utterance can ask for several changes.
-fn says_several(words: &str) -> bool {
-    let several = ["and", "both", "two", "three", "all", "then", "every", "each", "steps"];
-    words.contains([',', ';']) || plain_words(words).iter().any(|word| several.contains(&word.as_str()))
 }

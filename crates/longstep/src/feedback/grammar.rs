@@ -22,12 +22,9 @@ pub(super) fn grammar(world: &World, offers: &Offers, length: usize) -> String {
     }
     let wishes = wishes(world, offers, length);
     if !wishes.is_empty() {
-        let most = if offers.several { MOST } else { 1 };
-        answers.push(Form::Either(wishes).separated(Form::text(JOINT), most));
+        answers.push(Form::Either(wishes).separated(Form::text(JOINT), MOST));
     }
-    if offers.question || answers.is_empty() {
-        answers.push(Form::question());
-    }
+    answers.push(Form::question());
     Form::Either(answers).grammar()
 }
 

@@ -12,7 +12,6 @@ mod difference;
 mod example;
 mod grammar;
 mod language;
-mod negation;
 mod obstacle;
 mod offer;
 mod order;
@@ -44,7 +43,7 @@ pub enum StepWish {
         action: ActionId,
         /// One argument for each parameter, if known.
         arguments: Vec<Option<EntityId>>,
-        /// The purpose, in the person's words; empty for the domain's own sentence.
+        /// The explanation; empty for the domain's own sentence.
         explanation: String,
     },
     /// Remove a step.
@@ -60,7 +59,7 @@ pub enum StepWish {
         action: ActionId,
         /// One argument for each parameter, if known.
         arguments: Vec<Option<EntityId>>,
-        /// The purpose, in the person's words; empty for the domain's own sentence.
+        /// The explanation; empty for the domain's own sentence.
         explanation: String,
     },
     /// Move a step.

@@ -1,6 +1,6 @@
 //! Utterances and wishes, with the amended plans or the reasons against them.
 
-use super::reference::{References, what_for};
+use super::reference::References;
 use super::*;
 use crate::dialogue::{ConstraintKind, Dialogue, Finish, Reply, Usage};
 use crate::domain::{self, Domain};
@@ -75,10 +75,6 @@ impl Scene {
     fn check(&self, answer: &str, expected: &[&str]) {
         let wishes = parse(&self.world, answer, self.plan.steps().len()).unwrap();
         assert_eq!(self.amended(&wishes), expected, "{answer}");
-    }
-
-    fn references(&self, words: &str) -> References {
-        References::of(&self.world, &self.plan, words)
     }
 
     /// Interprets an answer about an utterance.
@@ -218,53 +214,69 @@ fn steps_that_there_are_not_are_told() {
 }
 
 #[test]
-fn words_name_steps_by_number() {
+fn a_call_in_the_words_is_about_steps_in_any_language() {
     let den = den();
     for (words, expected) in [
-        ("Skip step 3.", &[2][..]),
-        ("Steps 2 and 4 can go", &[1, 3]),
-        ("leave out the last two steps", &[4, 5]),
-        ("the first step is not needed", &[0]),
-        ("do the third step earlier", &[2]),
-        ("drop the last move_object()", &[3]),
-        ("put two plates there", &[]),
-        ("step 12", &[]),
+        ("Skip the move_object() please.", Some("move_object")),
+        ("move_objectを一回減らして", Some("move_object")),
+        ("Ohne MOVE_OBJECT bitte", Some("move_object")),
+        ("move the object", None),
+        ("remove_objects", None),
     ] {
-        assert_eq!(den.references(words).steps, expected, "{words}");
-    }
-    for (words, steps, places) in [
-        ("move the hand before step 3", &[][..], 2),
-        ("insert move_hand() after step 3", &[], 3),
-        ("do step 2 after step 4", &[1], 4),
-        ("draw it back at the end", &[], 6),
-        ("Before you release it, wait a bit", &[], 5),
-    ] {
-        let references = den.references(words);
-        assert_eq!(
-            (&references.steps[..], &references.places[..]),
-            (steps, &[places][..]),
-            "{words}"
-        );
+        let actions = References::of(&den.world, words).actions;
+        let calls: Vec<&str> = actions.iter().map(|id| den.domain.action(*id).call.as_str()).collect();
+        assert_eq!(calls, Vec::from_iter(expected), "{words}");
     }
 }
 
 #[test]
-fn a_step_is_explained_in_the_persons_words() {
-    let world = den().world;
-    for (words, expected) in [
-        (
-            "Insert another move_object() to lift the tea a bit.",
-            Some("lift the tea a bit"),
-        ),
-        ("Add a move_hand() after step 3", None),
-        ("Walk to the desk first", None),
-        (
-            "Add one to get out of the way before step 2",
-            Some("get out of the way"),
-        ),
-    ] {
-        assert_eq!(what_for(&world, words).as_deref(), expected, "{words}");
-    }
+fn every_change_of_a_plan_can_be_said() {
+    let den = den();
+    let offers = offer::offers(&den.world, &den.plan, &References::default());
+    assert!(offers.goal);
+    assert_eq!(offers.drops, [0, 1, 2, 3, 4, 5]);
+    assert_eq!(offers.moves[2], (2, vec![0, 1, 4, 5, 6]));
+    assert_eq!(offers.replaces.len(), 6);
+    let call = |(action, _): &offer::Called| den.domain.action(*action).call.as_str();
+    let carry = offers
+        .inserts
+        .iter()
+        .find(|(own, _)| call(own) == "move_object")
+        .unwrap();
+    assert_eq!(carry.1, [3, 4], "where it can be done");
+}
+
+#[test]
+fn a_step_that_is_there_is_moved_to_where_it_was_to_be_inserted() {
+    let environment = r#"{
+        "assets": ["<desk_1>", "<sofa_3>", "<tablelamp_5>"], "objects": ["<mug_4>"],
+        "object_states": {"<mug_4>": ["ON(<desk_1>)"]},
+        "asset_properties": {"<desk_1>": ["NOT_OPENABLE"], "<sofa_3>": ["NOT_OPENABLE"], "<tablelamp_5>": ["HAS_SWITCH"]}}"#;
+    let scene = scene("virtualhome", environment, "put(mug, sofa) then on(tablelamp)");
+    let lamp = scene.plan.steps().len() - 1;
+    let reordered = |answer: &str| {
+        let wishes = parse(&scene.world, answer, scene.plan.steps().len()).unwrap();
+        let purpose = goal::parse(&scene.world, "put(mug, sofa) & on(tablelamp)").unwrap();
+        let amendment = reordered(&scene.world, &scene.plan, &wishes, &purpose.purpose(&scene.world))?;
+        let sentences = amendment.plan.steps().iter().map(|step| step.explanation.clone());
+        Some(sentences.collect::<Vec<_>>()[0].clone())
+    };
+    assert_eq!(scene.plan.steps()[lamp].explanation, "switch on the tablelamp");
+    // Its walk goes with it.
+    assert_eq!(
+        reordered("insert SwitchOn(tablelamp) before 1").as_deref(),
+        Some("walk to the tablelamp")
+    );
+    assert_eq!(
+        reordered("insert SwitchOn(tablelamp) after 6"),
+        None,
+        "it is there already"
+    );
+    assert_eq!(
+        reordered("insert Walktowards(desk) before 1"),
+        None,
+        "the plan has no such step"
+    );
 }
 
 #[test]

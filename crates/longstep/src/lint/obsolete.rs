@@ -16,13 +16,17 @@ pub(super) fn findings(places: &Places<'_>) -> Vec<Finding> {
         let given = keys.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?)));
         given.map(|(key, value)| (key, goal.form.get_ref().as_str(), value))
     });
-    of_goals
-        .map(|(key, form, value)| {
+    let predicates = words.predicate.iter();
+    let of_outcomes =
+        predicates.filter_map(|entry| Some(("cues", entry.name.get_ref().as_str(), entry.cues.as_ref()?)));
+    of_outcomes
+        .chain(of_goals)
+        .map(|(key, named, value)| {
             let message =
                 format!("`{key}` has no effect: what an instruction asks for is understood without lists of words");
             Finding::new(
                 Lint::ObsoleteKey,
-                &[form],
+                &[named],
                 places.word(value),
                 message,
                 "take it out; everyday names of entities go to `[lexicon]`, and examples to prompt/examples.toml",

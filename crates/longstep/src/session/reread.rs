@@ -29,7 +29,7 @@ impl Session {
         };
         let started = (self.now)();
         let (plan, purpose) = (proposal.plan.plan(), &proposal.purpose);
-        let amendment = reordered(&self.world, plan, &words, wishes, purpose);
+        let amendment = reordered(&self.world, plan, wishes, purpose);
         if let Some(amendment) = amendment {
             return self.propose_amended(turn, amendment, started);
         }
