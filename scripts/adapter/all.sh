@@ -55,3 +55,8 @@ train screening screening-5 --start "$out/screening-further.gguf" --task screeni
 
 data description "$texts"/descriptions/*.txt
 train description description --task description --pack 8 --examples 2 --minutes 33 --rate 4e-4
+
+data changes "$texts"/changes/*.txt
+data compositions "$texts"/compositions/*.txt
+cat "$out"/{changes,compositions}.jsonl >"$out/plans.jsonl"
+train plans plans --task plans --pack 10 --minutes 24 --rate 4e-4

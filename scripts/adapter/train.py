@@ -254,7 +254,7 @@ def main():
     reads.add_argument("data")
     reads.add_argument("model")
     reads.add_argument("adapter")
-    reads.add_argument("--task", choices=["goals", "screening", "description", "plans"], default="goals")
+    reads.add_argument("--task", choices=["goals", "screening", "description", "plans", "retelling"], default="goals")
     reads.add_argument("--start", help="an adapter to go on from")
     reads.add_argument("--minutes", type=float, default=60)
     reads.add_argument("--epochs", type=float, default=1)

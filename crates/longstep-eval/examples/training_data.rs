@@ -6,6 +6,7 @@
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/descriptions/*.txt
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/changes/*.txt
 //!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/compositions/*.txt
+//!     cargo run -p longstep-eval --no-default-features --example training_data -- scripts/adapter/retelling/*.txt
 //!
 //! An object has the suite, the fixed messages of the request (`fixed`, pairs of role and text), the last message up to the
 //! instruction (`lead`), the instruction, and the expected answer, which is null where a question is expected. Chains, orders
@@ -14,7 +15,8 @@
 //! answers, which have the sentences of the description in them. A text of changes begins with its suite
 //! (`suite: scripts/understanding/training/bakery`); a paragraph has the id of a case, whose plan is searched for, and lines of what a
 //! person says about the plan, and the answer (`Leave out step 3. => drop 3`). `--plans SUITE` prints the cases with their plans, for
-//! those who write such texts. A text of compositions has paragraphs as the model sees them (`Plans:`, `Checks:`, `Wish:`), `=>`, and the
+//! those who write such texts. A text of retellings begins with its suite, too; each further line is the id of a case, ` => ` and the
+//! case's words in plain English. A text of compositions has paragraphs as the model sees them (`Plans:`, `Checks:`, `Wish:`), `=>`, and the
 //! program that puts the plans together.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -29,8 +31,8 @@ use longstep_core::plan::Plan;
 use longstep_core::search::{self, Limits, Outcome};
 
 use longstep::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Likelihood, Reply, Role, ScreeningDialogue,
-    Usage,
+    ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Likelihood, Reply, RetellingDialogue, Role,
+    ScreeningDialogue, Usage,
 };
 use longstep::perception::{SightDialogue, SightInput};
 use longstep_eval::suite::{self, Case, Expected, Files, Suite};
@@ -56,7 +58,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             if let Some(text) = text.strip_prefix("domain: ") {
                 described(&name, text)?;
             } else if let Some(text) = text.strip_prefix("suite: ") {
-                changed(&name, text)?;
+                match text.lines().nth(1).is_some_and(|line| line.contains(" => ")) {
+                    true => retold(&name, text)?,
+                    false => changed(&name, text)?,
+                }
             } else if text.starts_with("Plans:") {
                 composed(&name, &text)?;
             } else {
@@ -184,6 +189,37 @@ fn changed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
         }
     }
     eprintln!("{name}: {said}, of which {impossible} are not possible in their plan");
+    Ok(())
+}
+
+/// Prints the objects of a text of retellings.
+fn retold(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
+    let (folder, text) = text.split_once('\n').ok_or("there is nothing behind the suite")?;
+    let (_, suite) = read_suite(Path::new(folder.trim()))?;
+    let mut written = 0;
+    for line in text.trim().lines() {
+        let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{line}`");
+        let (id, plain) = line.split_once(" => ").ok_or_else(|| wrong(&"there is no arrow"))?;
+        let case = suite.cases.iter().find(|case| case.id == id.trim());
+        let case = case.ok_or_else(|| wrong(&"there is no such case"))?;
+        let [step] = &case.steps[..] else {
+            return Err(wrong(&"the case is a chain").into());
+        };
+        let mut world = suite.world(case);
+        world.add_values(&step.says);
+        let mut dialogue = RetellingDialogue::new(&world, &step.says);
+        let request = dialogue.request();
+        dialogue.supply(&reply(plain.trim())).map_err(|error| wrong(&error))?;
+        let query = &request.messages[request.fixed].text;
+        let (lead, says) = query.split_once('\n').ok_or("the request has no instruction")?;
+        println!(
+            "{}",
+            json!({"suite": suite.name, "id": id, "fixed": fixed(&request), "lead": format!("{lead}\n"),
+                "instruction": says, "answer": plain.trim()})
+        );
+        written += 1;
+    }
+    eprintln!("{name}: {written}");
     Ok(())
 }
 

@@ -139,8 +139,6 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
                         .map(|edit| edit.description(plan.steps().len()))
                         .collect();
                     told = format!("{told} [done {}]", edits.join("; "));
-                    let says = |sentence: &str| amendment.plan.steps().iter().any(|step| step.explanation == sentence);
-                    right &= case["sentence"].as_str().is_none_or(says);
                     "done"
                 }
                 Amended::Impossible { why, .. } => {
@@ -191,8 +189,6 @@ fn own_cases() {
         let mut case = case.clone();
         if let Some(language) = &language {
             case["says"] = languages[language][number].clone();
-            // The person's own words as the sentence of a step would be in their language.
-            case.as_object_mut().unwrap().remove("sentence");
         }
         let case = &case;
         let only = std::env::var("LONGSTEP_ONLY").unwrap_or_default();
@@ -205,6 +201,25 @@ fn own_cases() {
         println!("{} {}  ->  {told}", if ok { "ok   " } else { "WRONG" }, case["says"]);
     }
     println!("== {right} of {all} right");
+}
+
+/// Sixty cases on other robots, in five languages, which nobody looks into: only the totals are printed.
+#[test]
+#[ignore = "asks a real model"]
+fn held_cases() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/feedback/held.json");
+    let file: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let mut model = model();
+    let (mut steps, mut goals) = ((0, 0), (0, 0));
+    for case in file["cases"].as_array().unwrap() {
+        let (ok, _) = is_right(model.as_mut(), &file["scenes"], case);
+        let is_goal = case["right"].as_array().unwrap().iter().any(|answer| answer == "goal");
+        let counted = if is_goal { &mut goals } else { &mut steps };
+        counted.0 += usize::from(ok);
+        counted.1 += 1;
+    }
+    println!("== steps: {} of {} right", steps.0, steps.1);
+    println!("== goals: {} of {} right", goals.0, goals.1);
 }
 
 #[test]

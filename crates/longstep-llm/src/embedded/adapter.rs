@@ -30,6 +30,11 @@ static SHIPPED: &[Shipped] = &[
         Task::Description,
         include_bytes!("../../adapters/qwen2.5-coder-1.5b/description.gguf"),
     ),
+    (
+        catalogue::DEFAULT,
+        Task::Plans,
+        include_bytes!("../../adapters/qwen2.5-coder-1.5b/plans.gguf"),
+    ),
 ];
 
 /// The key of a file that names the task of its adapter.
@@ -85,6 +90,7 @@ fn in_file(path: &Path) -> Result<Adapter, ModelError> {
         Some("screening") => Task::Screening,
         Some("description") => Task::Description,
         Some("plans") => Task::Plans,
+        Some("retelling") => Task::Retelling,
         _ => return Err(not_loaded(path, "it is no adapter with a task (`longstep.task`)")),
     };
     Ok(Adapter {

@@ -68,6 +68,8 @@ pub enum Task {
     Screening,
     /// Writes down what a description of a scene says.
     Description,
+    /// Says in plain English what a person said.
+    Retelling,
     /// Says how a plan is to change, or how stored plans go together.
     Plans,
     /// Every other task.

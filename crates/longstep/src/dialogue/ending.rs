@@ -58,6 +58,11 @@ impl Endings {
         self.best.map_or(self.sum, |(best, _)| best.max(self.sum))
     }
 
+    /// Returns true if the model was trained for the task.
+    pub(super) fn is_trained(&self) -> bool {
+        self.is_trained
+    }
+
     /// Returns [`Self::likelihood`], if the model gave any.
     pub(super) fn weighed(&self) -> Option<i64> {
         self.is_weighed.then(|| self.likelihood())

@@ -298,7 +298,13 @@ impl GoalDialogue {
     fn offers(&self) -> Vec<Offer> {
         let domain = self.world.domain();
         let further = !self.preceding.is_empty() || self.next == Next::Otherwise;
-        let mut offers = offers_on(&self.world, &self.preceding, &self.correction.mentions, further);
+        let none = Mentions::default();
+        let mentions = if self.tries.is_free() {
+            &none
+        } else {
+            &self.correction.mentions
+        };
+        let mut offers = offers_on(&self.world, &self.preceding, mentions, further);
         for offer in &mut offers {
             let subject = domain.goal_word(offer.word).subject;
             offer.arguments.retain(|arguments| {

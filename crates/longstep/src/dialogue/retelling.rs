@@ -6,7 +6,7 @@
 
 use super::screening::fixed_turns;
 use super::{
-    Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, Doubt, Reading, ReadingOf, Reply, Role,
+    Candidate, ChatRequest, ConstraintKind, Dialogue, DialogueError, Doubt, Reading, ReadingOf, Reply, Role, Task,
     Transcript, nats, plain_line,
 };
 use crate::environment::World;
@@ -57,7 +57,7 @@ impl RetellingDialogue {
     /// Starts a dialogue about an instruction in a world.
     pub fn new(world: &World, instruction: &str) -> Self {
         let instruction = plain_line(instruction);
-        let mut transcript = Transcript::new(ConstraintKind::Grammar, fixed_turns(PROMPT));
+        let mut transcript = Transcript::new(ConstraintKind::Grammar, fixed_turns(PROMPT)).for_task(Task::Retelling);
         transcript.push(Role::User, question_of(world, &instruction));
         let reading = Reading {
             of: ReadingOf::Retelling,

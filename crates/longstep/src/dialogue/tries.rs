@@ -21,12 +21,36 @@ pub(super) struct Tries {
     refused: Vec<GoalFact>,
     /// The likeliest answer so far.
     best: Option<(Endings, Goal)>,
+    free: Free,
+}
+
+/// The answer in which names narrow nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Free {
+    #[default]
+    Before,
+    Now,
+    Done,
 }
 
 impl Tries {
     /// Takes an answer that is a guess. Returns true if another one is worth a try.
+    ///
+    /// A model that was trained for the task first tries an answer without regard to names: what a person means may have
+    /// another name in the instruction ("the oak one"), beside the names of other things.
     pub(super) fn again(&mut self, endings: &Endings, goal: &Goal) -> bool {
-        let Some(begin @ GoalFact::Word { .. }) = goal.facts.first() else {
+        if self.free == Free::Before && endings.is_trained() {
+            self.free = Free::Now;
+            self.best = Some((endings.clone(), goal.clone()));
+            return true;
+        }
+        let first = match self.free {
+            Free::Now => self.best.as_ref().map(|(_, first)| first.clone()),
+            Free::Before | Free::Done => None,
+        };
+        self.free = Free::Done;
+        let goal_begun = first.as_ref().unwrap_or(goal);
+        let Some(begin @ GoalFact::Word { .. }) = goal_begun.facts.first() else {
             return false;
         };
         if self.begins.len() >= TRIES {
@@ -62,6 +86,9 @@ impl Tries {
     /// entities, and as many of them as there is a goal for, unless the first did. Then the goal words of the answers before
     /// are barred, and in the last one the very goals.
     pub(super) fn keep(&self, offers: &mut Vec<Offer>, named: &[EntityId]) {
+        if self.is_free() {
+            return;
+        }
         let count = |arguments: &[EntityId]| match arguments.iter().all(|entity| named.contains(entity)) {
             true => arguments.len(),
             false => 0,
@@ -87,7 +114,12 @@ impl Tries {
 
     /// Returns true if this is not the first answer.
     pub(super) fn has_begun(&self) -> bool {
-        !self.begins.is_empty()
+        !self.begins.is_empty() || self.is_free()
+    }
+
+    /// Returns true if names narrow nothing in this answer.
+    pub(super) fn is_free(&self) -> bool {
+        self.free == Free::Now
     }
 }
 

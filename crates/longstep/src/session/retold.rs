@@ -223,13 +223,17 @@ impl Turn {
         self.retold.is_some() && self.is_unanswered()
     }
 
-    /// Returns the doubt about the goal of a retelling that lacks what the instruction forbids, or a case or a message that was
-    /// told from the rest: other words for a wish do not answer the question about them. An amount can be in the other words
-    /// ("only half" is "halfway").
+    /// Returns the doubt about the goal of a retelling that lacks what the instruction forbids, all but one of the things that it
+    /// puts in order, or a case or a message that was told from the rest: other words for a wish do not answer the question
+    /// about them. An amount can be in the other words ("only half" is "halfway").
     pub(super) fn forgets(&self, world: &World, goal: &Goal) -> Option<Doubt> {
         let retold = self.retold.as_ref().filter(|_| self.is_retold_now())?;
         if goal.constraints.is_empty() && retold.before.forbids() {
             return Some(Doubt::ForgetsProhibition);
+        }
+        let orders = retold.before.marks.iter().any(|mark| mark.gap == Gap::Order);
+        if orders && goal.facts.len() < 2 && goal.stages.is_empty() && goal.constraints.is_empty() {
+            return Some(Doubt::NotRepresented);
         }
         let is_kept = |gap: Gap| self.marks.iter().any(|mark| mark.gap == gap);
         let text = retold.before.text();

@@ -3,7 +3,7 @@
 use super::coverage_tests::{check_log, play, question, session};
 use super::tests::reply;
 use super::{Response, Session, Settings};
-use crate::dialogue::{ConstraintKind, EstimatedTokens, Likelihood, ReadingOf, Reply};
+use crate::dialogue::{Constraint, ConstraintKind, EstimatedTokens, Likelihood, ReadingOf, Reply};
 
 const SAID: &str = "El boli, al estante.";
 const DOUBT: &str = "question: I see no boli here, which pen do you mean?";
@@ -358,6 +358,22 @@ fn nothing_is_retold_without_likelihoods_or_against_the_settings() {
 }
 
 #[test]
+fn a_retelling_that_loses_what_comes_first_is_a_question() {
+    let screened = Settings {
+        screening: true,
+        retelling: true,
+        ..Settings::default()
+    };
+    let mut session = grammar(screened);
+    let said = "Saca primero la regla, y luego el boli al estante.";
+    let mut replies = vec![("wish & order: luego", -10)];
+    replies.extend(GUESS);
+    replies.extend([(RETOLD, -1000), ("wish", -10), ("put(pen, shelf)", -10)]);
+    play_weighed(&mut session, said, &replies);
+    assert!(end(&session).contains("Do you mean"), "{}", end(&session));
+}
+
+#[test]
 fn a_failed_retelling_asks_the_question() {
     let mut session = grammar(Settings::default());
     session.instruct(SAID).unwrap();
@@ -577,5 +593,44 @@ fn feedback_on_the_goals_keeps_what_is_forbidden() {
     assert_eq!(
         end(&session),
         "put(<pen>, <shelf>) & put(<ruler>, <shelf>) & never opened(<cupboard>) & untouched(<cupboard>)"
+    );
+}
+
+#[test]
+fn a_trained_model_tries_an_answer_without_regard_to_names() {
+    let mut session = grammar(Settings {
+        screening: false,
+        retelling: false,
+        ..Settings::default()
+    });
+    // The pen is named, and the straight thing is not.
+    session
+        .instruct("Not the pen, the straight thing, to the shelf.")
+        .unwrap();
+    let mut answer = |text: &str, likelihood: i64| {
+        let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+        let Constraint::Lark(grammar) = &prepared.request.constraint else {
+            panic!("a grammar")
+        };
+        let likelihood = Some(Likelihood {
+            text: likelihood,
+            is_trained: true,
+            ..Likelihood::default()
+        });
+        let weighed = Reply {
+            likelihood,
+            ..reply(text)
+        };
+        let grammar = grammar.clone();
+        session.supply(&weighed, 1.0).unwrap();
+        grammar
+    };
+    assert!(!answer("put(pen, shelf)", -3000).contains("ruler"));
+    assert!(answer("put(ruler, shelf)", -200).contains("ruler"));
+    let likeliest = "I am not sure what you want. Do you mean: the ruler is at the shelf?";
+    assert_eq!(
+        session.question(),
+        Some(likeliest),
+        "its subject has no name in the words"
     );
 }
