@@ -172,7 +172,7 @@ fn changed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
                     Amended::Done(_) => {}
                     Amended::Impossible { .. } => impossible += 1,
                 },
-                Some(Wish::Goal | Wish::Question(_)) => {}
+                Some(Wish::Goal | Wish::Further | Wish::Question(_)) => {}
                 None => return Err(wrong(&"the answer is not whole").into()),
             }
             let query = &request.messages[request.fixed].text;

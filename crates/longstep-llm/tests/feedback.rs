@@ -76,7 +76,12 @@ fn hear(
     (wish, dialogue.transcript().answer().to_owned())
 }
 
-/// Wishes without their sentences, in order of the steps.
+/// True if the changes are the same, in any order: they all refer to the original plan.
+fn same_changes(one: &[StepWish], other: &[StepWish]) -> bool {
+    one.len() == other.len() && one.iter().all(|wish| other.contains(wish))
+}
+
+/// Wishes without their sentences.
 fn bare(wishes: &[StepWish]) -> Vec<StepWish> {
     let mut wishes = wishes.to_vec();
     for wish in &mut wishes {
@@ -114,7 +119,15 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
     let text = |key: &str| case[key].as_str().unwrap();
     let scene = &scenes[text("scene")];
     let domain = domain_named(scene["domain"].as_str().unwrap());
-    let world = world_of(&domain, &scene["environment"]);
+    let mut world = world_of(&domain, &scene["environment"]);
+    // A session adds the numbers and quotations of what is said.
+    let right = case["right"].as_array().unwrap().iter();
+    let texts = right
+        .chain(case.as_object().unwrap().values())
+        .filter_map(Value::as_str);
+    for text in texts {
+        world.add_values(text);
+    }
     let goal = goal::parse(&world, text("goal")).unwrap_or_else(|error| panic!("{error}"));
     let plan = written_plan(&world, case).unwrap_or_else(|| planned(&world, &goal));
     let (wish, mut told) = hear(model, &domain, &world, &plan, text("instruction"), text("says"));
@@ -128,7 +141,7 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
         Some(Wish::Steps(wishes)) => {
             let same = |answer: &&str| {
                 let expected = feedback::parse(&world, answer, plan.steps().len());
-                expected.is_ok_and(|expected| expected == bare(&wishes))
+                expected.is_ok_and(|expected| same_changes(&expected, &bare(&wishes)))
             };
             let mut right = accepted.iter().any(same);
             let outcome = match amend(&world, &plan, &wishes, &goal.purpose(&world)) {
@@ -152,16 +165,26 @@ fn is_right(model: &mut dyn ChatModel, scenes: &Value, case: &Value) -> (bool, S
             right &= case["outcome"].as_str().is_none_or(|expected| expected == outcome);
             (right, told)
         }
-        Some(Wish::Goal) if accepted.contains(&"goal") => {
+        Some(wish @ (Wish::Goal | Wish::Further)) if accepted.contains(&"goal") => {
             let rounds = [Round {
                 reply: text("goal").to_owned(),
                 message: text("says").to_owned(),
             }];
+            // As in a session, what is wanted beside an instruction is understood together with it.
+            let both = format!(
+                "{}. {}",
+                text("instruction").trim_end_matches(['.', '。']),
+                text("says")
+            );
+            let (instruction, rounds) = match wish {
+                Wish::Further => (both.as_str(), &rounds[..0]),
+                _ => (text("instruction"), &rounds[..]),
+            };
             let mut dialogue = GoalDialogue::new(GoalInput {
                 domain: &domain,
                 world: &world,
-                instruction: text("instruction"),
-                rounds: &rounds,
+                instruction,
+                rounds,
                 condition: ConditionMark::Unknown,
                 kind: model.constraint_kind(),
             });

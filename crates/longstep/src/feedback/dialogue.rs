@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::StepWish;
 use super::example::{fixed_turns, plan_and_words};
-use super::grammar::{GOAL, MOST, grammar, schema};
+use super::grammar::{FURTHER, GOAL, MOST, grammar, schema};
 use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
 use super::reference::References;
@@ -26,6 +26,8 @@ const ANSWER_TOKENS: u32 = 512;
 pub enum Wish {
     /// It concerns the goal, which must be determined again with this utterance.
     Goal,
+    /// It asks for something beside the goal.
+    Further,
     /// It concerns the steps.
     Steps(Vec<StepWish>),
     /// A question to the person.
@@ -90,12 +92,15 @@ impl FeedbackDialogue {
             #[serde(default)]
             goal: bool,
             #[serde(default)]
+            further: bool,
+            #[serde(default)]
             edits: Vec<String>,
         }
         let answer: Answer = object(text)?;
         Ok(match answer {
             Answer { question, .. } if !question.trim().is_empty() => format!("{QUESTION}{}", question.trim()),
             Answer { goal: true, .. } => GOAL.to_owned(),
+            Answer { further: true, .. } => FURTHER.to_owned(),
             Answer { edits, .. } if edits.is_empty() => format!("{QUESTION}What should be different about the plan?"),
             Answer { edits, .. } => edits[..edits.len().min(MOST)].join(" & "),
         })
@@ -133,6 +138,9 @@ impl Dialogue for FeedbackDialogue {
         }
         if text == GOAL {
             return Ok(Some(Wish::Goal));
+        }
+        if text == FURTHER {
+            return Ok(Some(Wish::Further));
         }
         let wishes = parse(&self.world, &text, self.length);
         let wishes = wishes.map_err(|error| DialogueError::NoWish(error.to_string()))?;

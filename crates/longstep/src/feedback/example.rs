@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::grammar::GOAL;
+use super::grammar::{FURTHER, GOAL};
 use super::language::{Form, JOINT, action_of, form};
 use crate::call::Call;
 use crate::dialogue::{ConstraintKind, Message, Role};
@@ -23,7 +23,7 @@ pub(crate) fn check_feedback_example(domain: &Domain, example: &FeedbackExample)
         let end = step.find(')').map_or(step.len(), |end| end + 1);
         action_of(domain, &step[..end]).map_err(|error| error.to_string())?;
     }
-    if example.answer == GOAL || example.answer.starts_with(QUESTION) {
+    if [GOAL, FURTHER].contains(&example.answer.as_str()) || example.answer.starts_with(QUESTION) {
         return Ok(());
     }
     for part in example.answer.split(JOINT) {
@@ -71,13 +71,15 @@ fn task(domain: &Domain, kind: ConstraintKind) -> String {
     }
     text.push_str(
         "\nJoin several changes with \" & \". Write only what the person asks for.\n\nIf the person does not speak of \
-         steps but wants something else done, another thing, another place or a further task, write: goal\nIf it is \
-         not clear what should change, ask back: question: and one short question.",
+         steps but wants something else done, another thing or another place, write: goal\nIf the person wants a task \
+         done beside this one, write: further\nIf it is not clear what should change, ask back: question: and one \
+         short question.",
     );
     if kind == ConstraintKind::JsonSchema {
         text.push_str(
-            "\n\nWrite the answer as a JSON object with three keys: \"edits\", the list of changes, \"goal\", true if \
-             the person wants something else done, and \"question\", which is empty unless you have to ask.",
+            "\n\nWrite the answer as a JSON object with four keys: \"edits\", the list of changes, \"goal\", true if \
+             the person wants something else done, \"further\", true if the person wants a task done beside this one, and \
+             \"question\", which is empty unless you have to ask.",
         );
     }
     text
@@ -89,11 +91,13 @@ fn answer(answer: &str, kind: ConstraintKind) -> String {
         ConstraintKind::JsonSchema => {
             let question = answer.strip_prefix(QUESTION);
             let edits: Vec<&str> = match answer {
-                GOAL => Vec::new(),
+                GOAL | FURTHER => Vec::new(),
                 _ if question.is_some() => Vec::new(),
                 edits => edits.split(JOINT).collect(),
             };
-            json!({"question": question.unwrap_or(""), "goal": answer == GOAL, "edits": edits}).to_string()
+            json!({"question": question.unwrap_or(""), "goal": answer == GOAL, "further": answer == FURTHER,
+                "edits": edits})
+            .to_string()
         }
     }
 }

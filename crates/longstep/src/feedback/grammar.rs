@@ -11,6 +11,9 @@ use crate::environment::World;
 /// Answer for feedback that concerns the goal.
 pub(super) const GOAL: &str = "goal";
 
+/// Answer for feedback that asks for something beside the goal.
+pub(super) const FURTHER: &str = "further";
+
 /// Maximum number of changes in an answer.
 pub(super) const MOST: usize = 4;
 
@@ -19,6 +22,7 @@ pub(super) fn grammar(world: &World, offers: &Offers, length: usize) -> String {
     let mut answers = Vec::new();
     if offers.goal {
         answers.push(Form::text(GOAL));
+        answers.push(Form::text(FURTHER));
     }
     let wishes = wishes(world, offers, length);
     if !wishes.is_empty() {
@@ -81,7 +85,8 @@ fn place_texts(at: usize, length: usize) -> Vec<String> {
     after.into_iter().chain(before).collect()
 }
 
-/// Returns a JSON schema for a whole answer: `{"question": "", "goal": false, "edits": ["drop 5"]}`.
+/// Returns a JSON schema for a whole answer: `{"question": "", "goal": false, "further":
+/// false, "edits": ["drop 5"]}`.
 ///
 /// The schema enumerates the offered changes if servers can be expected to accept the list. The parser validates the
 /// changes in any case.
@@ -111,6 +116,7 @@ pub(super) fn schema(world: &World, offers: &Offers, length: usize) -> Value {
     closed(&[
         ("question", any_text()),
         ("goal", json!({"type": "boolean"})),
+        ("further", json!({"type": "boolean"})),
         ("edits", list(one_of(listed(texts).as_deref()))),
     ])
 }

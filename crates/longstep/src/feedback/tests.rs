@@ -292,6 +292,11 @@ fn a_reply_is_a_goal_a_question_or_steps() {
     );
     assert_eq!(den.supplied("The jam", "goal", grammar), Ok(Wish::Goal));
     assert_eq!(den.supplied("The jam", r#"{"goal": true}"#, schema), Ok(Wish::Goal));
+    assert_eq!(den.supplied("The jam too", "further", grammar), Ok(Wish::Further));
+    assert_eq!(
+        den.supplied("The jam too", r#"{"further": true}"#, schema),
+        Ok(Wish::Further)
+    );
     let question = Ok(Wish::Question("Which step?".to_owned()));
     assert_eq!(den.supplied("Hm", "question: Which step?", grammar), question);
     assert_eq!(den.supplied("Hm", r#"{"question": "Which step?"}"#, schema), question);

@@ -224,6 +224,7 @@ impl Session {
             What::Wish(mut dialogue, words) => match dialogue.supply(reply) {
                 Ok(None) => self.stage = Stage::Asking(turn, Asking::new(What::Wish(dialogue, words))),
                 Ok(Some(Wish::Goal)) => self.ask_for_another_goal(turn, words),
+                Ok(Some(Wish::Further)) => self.ask_for_more(turn, words),
                 Ok(Some(Wish::Steps(wishes))) => self.amend(turn, &dialogue, words, &wishes),
                 Ok(Some(Wish::Question(question))) => self.ask_person(turn, question.clone(), question),
                 Err(error @ DialogueError::NoWish(_)) => {

@@ -267,6 +267,19 @@ impl Session {
         self.stage = Stage::Asking(turn, Asking::new(What::Goal(None)));
     }
 
+    /// Understands the instruction again, together with feedback that asks for something beside it. After other feedback, the
+    /// conversation is continued.
+    pub(super) fn ask_for_more(&mut self, mut turn: Turn, words: String) {
+        if !turn.rounds.is_empty() || turn.retold.is_some() || turn.parted.is_some() {
+            return self.ask_for_another_goal(turn, words);
+        }
+        let both = joined(&turn.instruction, &words);
+        turn.marks.clear();
+        turn.shorter = Some(std::mem::replace(&mut turn.instruction, both));
+        let asking = self.first_request(&turn.instruction);
+        self.stage = Stage::Asking(turn, asking);
+    }
+
     /// Applies feedback that concerns the steps, or goes on to its other readings.
     pub(super) fn amend(&mut self, turn: Turn, dialogue: &FeedbackDialogue, words: String, wishes: &[StepWish]) {
         let Some(proposal) = turn.proposal.as_deref() else {
@@ -328,6 +341,14 @@ impl Session {
         );
         self.leave_open(turn, Open::Question(question));
     }
+}
+
+/// Returns an instruction with what is wanted beside it, as sentences.
+pub(super) fn joined(instruction: &str, further: &str) -> String {
+    let instruction = instruction.trim_end();
+    let is_ended = instruction.ends_with(|last: char| !last.is_alphanumeric());
+    let end = if is_ended { "" } else { "." };
+    format!("{instruction}{end} {}", further.trim())
 }
 
 /// Returns the question for a goal that only forbids something.

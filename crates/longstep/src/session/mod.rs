@@ -338,6 +338,7 @@ impl Session {
         self.world.add_values(text);
         let turn = Turn {
             instruction: text.to_owned(),
+            shorter: None,
             marks: Vec::new(),
             rounds: Vec::new(),
             corrections: 0,
@@ -514,6 +515,7 @@ impl Session {
         turn.proposal = Some(Box::new(proposal));
         // The round stays: it is part of how this goal came about.
         turn.rereading = None;
+        turn.shorter = None;
         let asks = turn
             .proposal
             .as_ref()

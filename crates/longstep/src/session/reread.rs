@@ -114,6 +114,9 @@ impl Turn {
 
     /// Stops reading the feedback as a further goal, and returns what stood in the way of its first reading.
     pub(super) fn end_rereading(&mut self) -> Option<Vec<Refusal>> {
+        if let Some(instruction) = self.shorter.take() {
+            self.instruction = instruction;
+        }
         let why = self.rereading.take()?;
         self.rounds.pop();
         Some(why)

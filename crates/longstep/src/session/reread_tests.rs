@@ -75,6 +75,32 @@ fn refusals(session: &Session) -> Vec<String> {
 }
 
 #[test]
+fn what_is_wanted_beside_an_instruction_is_understood_together_with_it() {
+    const BOTH: &str = "Put the cereal in the fridge. And the milk too";
+    let asked = || {
+        let mut session = session("household", LARDER, ConstraintKind::JsonSchema);
+        session.instruct(CEREAL.0).unwrap();
+        answer(&mut session, &goals(&[CEREAL.1]));
+        session.feedback("And the milk too").unwrap();
+        answer(&mut session, r#"{"question": "", "further": true}"#);
+        session
+    };
+    let mut session = asked();
+    let request = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
+    let words = &request.request.messages.last().unwrap().text;
+    assert!(words.ends_with(&format!("Instruction: {BOTH}")), "{words}");
+    answer(&mut session, &goals(&[CEREAL.1, MILK.1]));
+    assert_eq!(goal_texts(&session), ["put(cereal, fridge)", "put(milk, fridge)"]);
+    session.accept().unwrap();
+    assert_eq!(session.accepted()[0].instruction, BOTH);
+    // The plan that stays is for the instruction alone.
+    let mut session = asked();
+    session.cancel().unwrap();
+    session.accept().unwrap();
+    assert_eq!(session.accepted()[0].instruction, CEREAL.0);
+}
+
+#[test]
 fn a_step_that_cannot_be_had_is_read_as_a_further_goal() {
     for (name, environment, plan, feedback, change, further) in [
         (

@@ -77,6 +77,8 @@ impl Proposal {
 #[derive(Debug, Clone)]
 pub(super) struct Turn {
     pub(super) instruction: String,
+    /// The instruction before feedback that asks for something beside it was added, until there is a plan for both.
+    pub(super) shorter: Option<String>,
     /// The parts of the instruction that a model marked.
     pub(super) marks: Vec<Mark>,
     /// The model's replies and the feedback on them.
