@@ -59,4 +59,4 @@ train description description --task description --pack 8 --examples 2 --minutes
 data changes "$texts"/changes/*.txt
 data compositions "$texts"/compositions/*.txt
 cat "$out"/{changes,compositions}.jsonl >"$out/plans.jsonl"
-train plans plans --task plans --pack 10 --minutes 24 --rate 4e-4
+train plans plans --task plans --pack 10 --minutes 34 --rate 4e-4
