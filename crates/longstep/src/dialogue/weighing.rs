@@ -16,6 +16,8 @@ const OF_READING: usize = 3;
 /// Likelihood for both wordings below which the likeliest answer is a guess, in thousandths of a nat (docs/evaluation.md has
 /// the measurement).
 const LEAST: i64 = -8000;
+/// The same for an answer that only a retelling led to of which the model is not sure.
+const LEAST_RETOLD: i64 = -4000;
 /// Distance to the next answer, for both wordings, below which the likeliest one is a guess.
 const MARGIN: i64 = 1500;
 
@@ -39,7 +41,7 @@ struct Answer {
 
 impl Weighing {
     /// Starts to weigh the answers of these readings, each with true if it can be relied on; none if no answer is a goal. The
-    /// answers of the other readings are weighed too, and not acted on.
+    /// answers of the other readings have to be likelier.
     pub(crate) fn new<'a>(
         world: &World,
         wordings: [String; 2],
@@ -106,7 +108,7 @@ impl Weighing {
             doubt: match best {
                 best if best.sum < LEAST => Some(Doubt::Unlikely),
                 _ if !is_ahead => Some(Doubt::Close),
-                best if !best.counts => Some(Doubt::OnlyRetold),
+                best if !best.counts && best.sum < LEAST_RETOLD => Some(Doubt::OnlyRetold),
                 _ => None,
             },
         }

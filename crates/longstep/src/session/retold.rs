@@ -175,7 +175,7 @@ impl Turn {
     }
 
     /// Returns the readings of the wish, each with true if it can be relied on: that of a retelling of which the model is not sure
-    /// can choose among the answers to the instruction itself, and adds none.
+    /// can choose among the answers to the instruction itself, and adds one only if it is likely for both.
     pub(super) fn wishes(&self) -> impl Iterator<Item = (&Reading, bool)> {
         let mut counts = true;
         self.readings.iter().filter_map(move |own| match own.of {

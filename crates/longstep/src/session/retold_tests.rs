@@ -264,6 +264,32 @@ fn a_retelling_that_is_not_sure_can_choose_among_the_answers_to_the_instruction(
 }
 
 #[test]
+fn an_answer_to_a_retelling_that_is_not_sure_has_to_be_likely_for_both_wordings() {
+    for (for_said, expected) in [(-3000, "put(<pen>, <shelf>)"), (-3400, "Do you mean")] {
+        let replies = [
+            ("wish", -1),
+            ("opened(cupboard)", -9000),
+            ("closed(cupboard)", -9600),
+            ("put(ruler, shelf)", -9700),
+            (RETOLD, -6000),
+            ("wish", -1),
+            ("put(pen, shelf)", -500),
+            ("opened(cupboard)", -9000),
+            ("closed(cupboard)", -9000),
+            ("put(ruler, shelf)", -9000),
+            ("put(pen, shelf)", for_said),
+            ("opened(cupboard)", -9000),
+            ("closed(cupboard)", -9000),
+            ("put(ruler, shelf)", -9000),
+            ("put(pen, shelf)", -700),
+        ];
+        let mut session = grammar(Settings::default());
+        play_weighed(&mut session, SAID, &replies);
+        assert!(end(&session).contains(expected), "{}", end(&session));
+    }
+}
+
+#[test]
 fn a_goal_that_the_words_do_not_show_is_taken_if_nothing_else_is_found() {
     const HALF: &str = "El boli, al shelf";
     let first = [("wish", -1), ("put(pen, shelf)", -3000)];
