@@ -38,6 +38,7 @@ pub enum Wish {
 #[derive(Debug, Clone)]
 pub struct FeedbackDialogue {
     world: World,
+    words: String,
     length: usize,
     offers: Offers,
     transcript: Transcript,
@@ -73,14 +74,21 @@ impl FeedbackDialogue {
         Self {
             offers: offers(world, plan, &References::of(world, &words)),
             world: world.clone(),
+            words,
             length: plan.steps().len(),
             transcript,
         }
     }
 
-    /// Returns true if the words can be about what is wanted: they contain no call.
-    pub(crate) fn may_be_goal(&self) -> bool {
+    /// Returns true if the words can be about what is wanted: they contain no call, and no number that these wishes have.
+    pub(crate) fn may_be_goal(&self, wishes: &[StepWish]) -> bool {
+        let steps = wishes.iter().flat_map(|wish| [wish.step(), wish.before()]);
+        let numbers: Vec<usize> = steps.flatten().flat_map(|step| [step, step + 1]).collect();
+        let said = self.words.split(|sign: char| !sign.is_ascii_digit());
         self.offers.goal
+            && !said
+                .filter_map(|digits| digits.parse().ok())
+                .any(|said| numbers.contains(&said))
     }
 
     /// Converts the JSON answer of a server to the notation of the grammar.

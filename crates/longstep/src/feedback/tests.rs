@@ -261,14 +261,14 @@ fn a_step_that_is_there_is_moved_to_where_it_was_to_be_inserted() {
         let sentences = amendment.plan.steps().iter().map(|step| step.explanation.clone());
         Some(sentences.collect::<Vec<_>>()[0].clone())
     };
-    assert_eq!(scene.plan.steps()[lamp].explanation, "switch on the tablelamp");
+    assert_eq!(scene.plan.steps()[lamp].explanation, "switch on the lamp");
     // Its walk goes with it.
     assert_eq!(
-        reordered("insert SwitchOn(tablelamp) before 1").as_deref(),
-        Some("walk to the tablelamp")
+        reordered("insert SwitchOn(lamp) before 1").as_deref(),
+        Some("walk to the lamp")
     );
     assert_eq!(
-        reordered("insert SwitchOn(tablelamp) after 6"),
+        reordered("insert SwitchOn(lamp) after 6"),
         None,
         "it is there already"
     );

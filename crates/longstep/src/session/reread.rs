@@ -5,8 +5,8 @@
 //! refusal lists what stands in the way of each reading.
 //!
 //! The order of the readings is from the narrowest to the widest. A wish that was read as a goal in the first place is
-//! not read as a step after that: nearly every step verifies somewhere, so this would show nothing. Words that name a
-//! step or a call are about the steps, and are not read as a goal.
+//! not read as a step after that: nearly every step verifies somewhere, so this would show nothing. Words with a call, or with
+//! the number of a step that is to change, are about the steps, and are not read as a goal.
 
 use super::asking::{Asking, What};
 use super::{Event, Proposal, Refusal, Session, Stage, Turn};
@@ -33,7 +33,7 @@ impl Session {
         if let Some(amendment) = amendment {
             return self.propose_amended(turn, amendment, started);
         }
-        let may_be_goal = proposal.goal.is_some() && dialogue.may_be_goal();
+        let may_be_goal = proposal.goal.is_some() && dialogue.may_be_goal(wishes);
         let round = self.goal_round(&turn, words);
         turn.rounds.push(round);
         turn.rereading = Some(why);

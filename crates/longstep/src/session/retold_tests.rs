@@ -157,14 +157,21 @@ fn an_answer_is_taken_that_is_likely_for_both_wordings_and_ahead_of_the_others()
     // The likelihoods of the retelling and its goal; those of the answers for the instruction and the retelling; and what the
     // person sees in the end.
     type Case<'a> = (i64, i64, [i64; 4], [i64; 4], &'a str);
-    let cases: [Case<'_>; 6] = [
+    let cases: [Case<'_>; 7] = [
         // Only a retelling that the model is not sure of leads to the answer.
         (
             -6000,
             -500,
             [-9000, -9000, -9000, -3000],
-            [-9000, -9000, -9000, -1000],
+            [-9000, -9000, -9000, -1001],
             PEN,
+        ),
+        (
+            -6000,
+            -500,
+            [-9000, -9000, -9000, -3000],
+            [-9000, -9000, -9000, -1000],
+            "put(<pen>, <shelf>)",
         ),
         (
             -6000,
@@ -261,32 +268,6 @@ fn a_retelling_that_is_not_sure_can_choose_among_the_answers_to_the_instruction(
     let mut session = grammar(Settings::default());
     play_weighed(&mut session, SAID, &replies);
     assert_eq!(end(&session), "put(<pen>, <shelf>)");
-}
-
-#[test]
-fn an_answer_to_a_retelling_that_is_not_sure_has_to_be_likely_for_both_wordings() {
-    for (for_said, expected) in [(-3000, "put(<pen>, <shelf>)"), (-3400, "Do you mean")] {
-        let replies = [
-            ("wish", -1),
-            ("opened(cupboard)", -9000),
-            ("closed(cupboard)", -9600),
-            ("put(ruler, shelf)", -9700),
-            (RETOLD, -6000),
-            ("wish", -1),
-            ("put(pen, shelf)", -500),
-            ("opened(cupboard)", -9000),
-            ("closed(cupboard)", -9000),
-            ("put(ruler, shelf)", -9000),
-            ("put(pen, shelf)", for_said),
-            ("opened(cupboard)", -9000),
-            ("closed(cupboard)", -9000),
-            ("put(ruler, shelf)", -9000),
-            ("put(pen, shelf)", -700),
-        ];
-        let mut session = grammar(Settings::default());
-        play_weighed(&mut session, SAID, &replies);
-        assert!(end(&session).contains(expected), "{}", end(&session));
-    }
 }
 
 #[test]
