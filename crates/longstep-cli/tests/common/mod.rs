@@ -49,12 +49,12 @@ pub fn question(question: &str) -> Answer {
 
 /// A model that changes the steps.
 pub fn edits(edits: &[&str]) -> Answer {
-    Answer::Says(json!({"question": "", "goal": false, "edits": edits}).to_string())
+    Answer::Says(json!({"question": "", "goal": false, "further": false, "edits": edits}).to_string())
 }
 
 /// A model that says that the words are about what is wanted.
 pub fn another_goal() -> Answer {
-    Answer::Says(json!({"question": "", "goal": true, "edits": []}).to_string())
+    Answer::Says(json!({"question": "", "goal": true, "further": false, "edits": []}).to_string())
 }
 
 /// A server in this process, one thread for each connection.
