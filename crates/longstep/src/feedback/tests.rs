@@ -267,11 +267,7 @@ fn a_step_that_is_there_is_moved_to_where_it_was_to_be_inserted() {
         reordered("insert SwitchOn(lamp) before 1").as_deref(),
         Some("walk to the lamp")
     );
-    assert_eq!(
-        reordered("insert SwitchOn(lamp) after 6"),
-        None,
-        "it is there already"
-    );
+    assert_eq!(reordered("insert SwitchOn(lamp) after 6"), None, "it is there already");
     assert_eq!(
         reordered("insert Walktowards(desk) before 1"),
         None,
