@@ -157,8 +157,8 @@ class Model(torch.nn.Module):
 
 
 def sequence(vocabulary, cases, chance, most):
-    """One sequence: what the cases share, then each case as a branch, or as a branch of the plan that it is about. Returns tokens, positions, mask, and the places whose
-    next token is learned with these tokens."""
+    """One sequence: what the cases share, then each case as a branch, or as a branch of the plan that it is about. Returns
+    tokens, positions, mask, and the places whose next token is learned with these tokens."""
     fixed = cases[0]["fixed"]
     turns = list(zip(fixed[1::2], fixed[2::2]))
     shown = chance.sample(turns, min(len(turns), chance.randint(0, most)))

@@ -24,17 +24,16 @@ use std::error::Error;
 use std::path::Path;
 
 use longstep::compose::{self, CompositionAnswer, CompositionDialogue, CompositionInput};
-use longstep::domain::Domain;
-use longstep::feedback::{Amended, FeedbackDialogue, FeedbackInput, Wish, amend};
-use longstep_core::environment::{self, World};
-use longstep_core::plan::Plan;
-use longstep_core::search::{self, Limits, Outcome};
-
 use longstep::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Likelihood, Reply, RetellingDialogue, Role,
     ScreeningDialogue, Usage,
 };
+use longstep::domain::Domain;
+use longstep::feedback::{Amended, FeedbackDialogue, FeedbackInput, Wish, amend};
 use longstep::perception::{SightDialogue, SightInput};
+use longstep_core::environment::{self, World};
+use longstep_core::plan::Plan;
+use longstep_core::search::{self, Limits, Outcome};
 use longstep_eval::suite::{self, Case, Expected, Files, Suite};
 use longstep_llm::read_texts;
 use serde_json::{Value, json};
@@ -107,6 +106,17 @@ fn read_suite(folder: &Path) -> Result<(Domain, Suite), Box<dyn Error>> {
     Ok((domain, suite))
 }
 
+/// The suite that the first line of a text names, with its domain, and the other lines.
+fn suite_of(text: &str) -> Result<(Domain, Suite, &str), Box<dyn Error>> {
+    let (folder, text) = text.split_once('\n').ok_or("there is nothing behind the suite")?;
+    let (domain, suite) = read_suite(Path::new(folder.trim()))?;
+    Ok((domain, suite, text))
+}
+
+fn case_of<'a>(suite: &'a Suite, id: &str) -> Option<&'a Case> {
+    suite.cases.iter().find(|case| case.id == id.trim())
+}
+
 /// The plan of a case with one instruction, and its world.
 fn planned(suite: &Suite, case: &Case) -> Option<(World, Plan, String)> {
     let [step] = &case.steps[..] else { return None };
@@ -149,8 +159,7 @@ fn about_plan(domain: &Domain, world: &World, plan: &Plan, instruction: &str, sa
 
 /// Prints the objects of a text of changes.
 fn changed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
-    let (folder, text) = text.split_once('\n').ok_or("there is nothing behind the suite")?;
-    let (domain, suite) = read_suite(Path::new(folder.trim()))?;
+    let (domain, suite, text) = suite_of(text)?;
     let (mut said, mut impossible) = (0, 0);
     for paragraph in text.trim().split("\n\n") {
         let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{paragraph}`");
@@ -158,8 +167,7 @@ fn changed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
             .trim()
             .split_once('\n')
             .ok_or_else(|| wrong(&"nothing is said"))?;
-        let case = suite.cases.iter().find(|case| case.id == id.trim());
-        let case = case.ok_or_else(|| wrong(&"there is no such case"))?;
+        let case = case_of(&suite, id).ok_or_else(|| wrong(&"there is no such case"))?;
         let (world, plan, instruction) = planned(&suite, case).ok_or_else(|| wrong(&"there is no plan"))?;
         let purpose = case.steps[0].expected.goals()[0].purpose(&world);
         for line in lines.lines() {
@@ -194,14 +202,12 @@ fn changed(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
 
 /// Prints the objects of a text of retellings.
 fn retold(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
-    let (folder, text) = text.split_once('\n').ok_or("there is nothing behind the suite")?;
-    let (_, suite) = read_suite(Path::new(folder.trim()))?;
+    let (_, suite, text) = suite_of(text)?;
     let mut written = 0;
     for line in text.trim().lines() {
         let wrong = |reason: &dyn std::fmt::Display| format!("{name}: {reason} in `{line}`");
         let (id, plain) = line.split_once(" => ").ok_or_else(|| wrong(&"there is no arrow"))?;
-        let case = suite.cases.iter().find(|case| case.id == id.trim());
-        let case = case.ok_or_else(|| wrong(&"there is no such case"))?;
+        let case = case_of(&suite, id).ok_or_else(|| wrong(&"there is no such case"))?;
         let [step] = &case.steps[..] else {
             return Err(wrong(&"the case is a chain").into());
         };

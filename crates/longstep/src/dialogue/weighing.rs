@@ -16,7 +16,7 @@ const OF_READING: usize = 3;
 /// Likelihood for both wordings below which the likeliest answer is a guess, in thousandths of a nat (docs/evaluation.md has
 /// the measurement).
 const LEAST: i64 = -8000;
-/// The same for an answer that only a retelling led to of which the model is not sure.
+/// Likelihood for both wordings below which an answer is a guess to which only an unsure retelling led.
 const LEAST_RETOLD: i64 = -4000;
 /// Distance to the next answer, for both wordings, below which the likeliest one is a guess.
 const MARGIN: i64 = 1500;

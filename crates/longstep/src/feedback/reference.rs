@@ -1,4 +1,4 @@
-//! What an utterance about a plan names by a notation of its own: calls and entities. Code reads nothing else in it.
+//! Calls and entities that an utterance about a plan names. Code reads nothing else in it.
 
 use crate::environment::{EntityId, World};
 use crate::goal::Mentions;
