@@ -45,10 +45,21 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
             heading("Changes");
             changes(before, after);
         }
-        for ending in &answer.plan.endings {
+        let endings = &answer.plan.endings;
+        for (number, ending) in endings.iter().enumerate() {
+            // Endings may differ in nothing that an environment shows: in what a step found before it changed it.
+            if endings[..number].contains(ending) {
+                continue;
+            }
             output::blank();
-            heading(&format!("Changes when {}", ending.when.join(" and ")));
-            changes(before, &ending.environment_after);
+            heading(&match ending.when.is_empty() {
+                true => "Changes otherwise".to_owned(),
+                false => format!("Changes when {}", ending.when.join(" and ")),
+            });
+            match ending.environment_after == *before {
+                true => print_line!("  {}", "none".dimmed()),
+                false => changes(before, &ending.environment_after),
+            }
         }
     }
     let groups: Vec<String> = answer.groups.iter().map(|group| group.says.clone()).collect();

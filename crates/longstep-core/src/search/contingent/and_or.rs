@@ -21,7 +21,7 @@ use crate::search::node::{SearchNode, after, path, start, successor};
 use crate::search::task::Task;
 
 /// Maximum nesting depth of sensing.
-const DEEPEST: usize = 48;
+pub(super) const DEEPEST: usize = 48;
 
 /// The limit was reached.
 #[derive(Debug)]
@@ -45,6 +45,8 @@ pub(super) struct Manner {
     pub(super) weight: u32,
     /// True if sensing may be repeated until it has the desired outcome.
     pub(super) looping: bool,
+    /// Maximum nesting depth of sensing. What lies deeper is left out.
+    pub(super) deepest: usize,
 }
 
 pub(super) struct Search<'a> {
@@ -60,6 +62,8 @@ pub(super) struct Search<'a> {
     heads: Vec<Bits>,
     /// Number of started searches; they count against the limit like states.
     begun: usize,
+    /// Number of states that were left out because sensing is nested too deeply before them.
+    left_out: usize,
 }
 
 /// An entry of the open list.
@@ -117,6 +121,7 @@ impl<'a> Search<'a> {
             known: FxHashMap::default(),
             heads: Vec::new(),
             begun: 0,
+            left_out: 0,
         }
     }
 
@@ -127,7 +132,10 @@ impl<'a> Search<'a> {
 
     /// Returns the best policy from the initial state with a worst case of fewer steps than `below`, if there is one.
     pub(super) fn run(&mut self, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
-        self.best(&start(self.task), below)
+        match self.best(&start(self.task), below)? {
+            None if self.left_out > 0 => Err(TooFar),
+            course => Ok(course),
+        }
     }
 
     fn best(&mut self, start: &Bits, below: u32) -> Result<Option<Rc<Course>>, TooFar> {
@@ -139,10 +147,22 @@ impl<'a> Search<'a> {
             }
         }
         self.begun += 1;
-        if self.begun > self.manner.limit || self.heads.len() > DEEPEST {
+        if self.begun > self.manner.limit {
             return Err(TooFar);
         }
+        if self.heads.len() > self.manner.deepest {
+            // Without what is left out, a policy may not be the best one.
+            if self.manner.weight == 1 {
+                return Err(TooFar);
+            }
+            self.left_out += 1;
+            return Ok(None);
+        }
+        let left_out = self.left_out;
         let course = self.search(start, below)?;
+        if course.is_none() && self.left_out > left_out {
+            return Ok(None);
+        }
         // In looping mode, a policy may return to the current sensing and is valid only there.
         if !self.manner.looping {
             let known = Known {

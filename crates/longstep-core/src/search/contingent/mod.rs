@@ -9,16 +9,18 @@ mod and_or;
 mod bound;
 #[cfg(test)]
 mod brute_force;
+#[cfg(test)]
+mod forgetting_tests;
 mod policy;
 #[cfg(test)]
 mod tests;
 
-use self::and_or::{Manner, Search, TooFar};
+use self::and_or::{DEEPEST, Manner, Search, TooFar};
 use self::policy::Course;
 use super::cost::{self, Costs};
 use super::target::Target;
 use super::task::Task;
-use super::{Found, Limits, Outcome, Requirements, Scope, cheapest, forward, relevance, task};
+use super::{Found, Limits, Outcome, Requirements, Scope, cheapest, forward, ground, relevance};
 use crate::effort;
 use crate::model::{EntityId, Fact, World};
 
@@ -26,6 +28,9 @@ use crate::model::{EntityId, Fact, World};
 const TIES: usize = 150;
 /// Weight of the heuristic in the greedy search.
 const GREED: u32 = 5;
+/// Nesting depths of sensing in the greedy search, one after the other. Where acting makes an outcome unknown again, a greedy
+/// search would look and act again and again, and never come back to the steps that it needs in between.
+const DEPTHS: [usize; 4] = [4, 8, 16, DEEPEST];
 /// Maximum length of a plan.
 const LONGEST: u32 = 1_000;
 
@@ -72,7 +77,7 @@ fn solve_within(world: &World, target: &Target, limits: &Limits) -> Outcome {
         expanded: 0,
     };
     let Some(scope) = scope else { return too_large() };
-    let mut task = relevance::reduce(task::ground_sensing(world, &scope, target));
+    let mut task = relevance::reduce(ground::ground_sensing(world, &scope, target));
     let costs = match cost::price(world, &mut task) {
         Ok(costs) => costs,
         Err(why) => return Outcome::GaveUp { why, expanded: 0 },
@@ -131,6 +136,7 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
         ties: TIES,
         weight: 1,
         looping: false,
+        deepest: DEEPEST,
     };
     let mut tally = Tally::default();
     let solved = |task: &Task, course: &Course, shortest: bool, expanded: usize| {
@@ -165,13 +171,14 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
         };
     }
     let mut proven = false;
-    for (weight, limit) in [(1, limits.shortest), (GREED, limits.any / LAZY)] {
-        let manner = Manner {
-            weight,
-            ..manner(limit)
-        };
+    let greedy = DEPTHS.map(|deepest| Manner {
+        weight: GREED,
+        deepest,
+        ..manner(limits.any / LAZY / DEPTHS.len())
+    });
+    for manner in std::iter::once(manner(limits.shortest)).chain(greedy) {
         match run(task, manner, dearest(task), limits, &mut tally) {
-            Ok(Some(course)) => return solved(task, &course, weight == 1, tally.states),
+            Ok(Some(course)) => return solved(task, &course, manner.weight == 1, tally.states),
             Ok(None) => {
                 proven = true;
                 break;
