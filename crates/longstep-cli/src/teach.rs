@@ -3,6 +3,7 @@
 mod questions;
 #[cfg(unix)]
 mod recorder;
+mod recording;
 
 use std::fs::File;
 use std::io::Read;
@@ -162,7 +163,7 @@ mod recorder {
     use anyhow::Result;
     use longstep_teach::Segment;
 
-    use super::questions::Recording;
+    use super::recording::Recording;
     use crate::arguments::TeachArguments;
     use crate::failure::Failure;
     use crate::input_lines::InputLines;

@@ -13,7 +13,7 @@ use rustyline::history::DefaultHistory;
 use rustyline::{Config, Editor};
 
 use super::screen;
-use super::typed_ahead::TypedAhead;
+use super::typed_ahead::{LINE_LIMIT, TypedAhead};
 use crate::ask;
 use crate::failure::{Failure, LIMIT};
 use crate::output::remark;
@@ -21,9 +21,6 @@ use crate::run::decision;
 
 /// Number of lines in the history.
 const HISTORY: usize = 1000;
-
-/// Limit for a line of a pipe, in bytes.
-pub(super) const LINE_LIMIT: usize = 64 << 10;
 
 /// Interval at which Ctrl-C is checked while a pipe is silent.
 const TICK: Duration = Duration::from_millis(50);

@@ -6,6 +6,9 @@
 
 use std::collections::VecDeque;
 
+/// Limit for a line of a pipe, and for what was typed too early, in bytes.
+pub(super) const LINE_LIMIT: usize = 64 << 10;
+
 /// Lines that were typed too early, in order.
 #[derive(Debug, Default)]
 pub(super) struct TypedAhead(VecDeque<String>);
@@ -86,7 +89,7 @@ fn pending() -> String {
     while let Ok(count @ 1..) = rustix::io::read(&input, &mut buffer) {
         bytes.extend_from_slice(&buffer[..count]);
         // The queue of a terminal has a few KiB; somebody who keeps a key pressed does not hold up the prompt.
-        if bytes.len() > super::input::LINE_LIMIT {
+        if bytes.len() > LINE_LIMIT {
             break;
         }
     }

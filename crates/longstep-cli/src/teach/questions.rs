@@ -1,13 +1,13 @@
 //! A lesson at the terminal: one step after the other is asked for, until its demonstration can be used.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
-use longstep_llm::{plain_reason, write_whole};
-use longstep_teach::{Demonstration, Expectations, Finding, Lesson, Request, Segment, learn};
+use longstep_teach::{Expectations, Finding, Lesson, Request, Segment, learn};
 
 use super::recorder::{Recorded, StepRecorder};
+use super::recording::Recording;
 use super::{recording, show_step, tell};
 use crate::exit_code::STOPPED;
 use crate::failure::{Failure, tell as tell_error};
@@ -18,26 +18,6 @@ use crate::output::{Style, remark};
 const LINE_LIMIT: u64 = 16 << 10;
 /// The time between two looks for an answer, if nothing else is to be looked at.
 const LOOK: Duration = Duration::from_secs(60);
-
-/// A recording of one step. One that was made just now has a file to be written.
-pub(super) struct Recording {
-    pub(super) demonstration: Demonstration,
-    pub(super) unsaved: Option<(PathBuf, Vec<u8>)>,
-}
-
-impl Recording {
-    fn save(&self) -> Result<()> {
-        let Some((path, bytes)) = &self.unsaved else {
-            return Ok(());
-        };
-        write_whole(path, bytes).map_err(|error| {
-            Failure::unreadable(format!("cannot write {}: {}", path.display(), plain_reason(&error)))
-                .hint("check that the folder of `--output` is writable")
-        })?;
-        remark!("Saved {}", path.display());
-        Ok(())
-    }
-}
 
 /// The answer to a question for a demonstration.
 enum Answer {

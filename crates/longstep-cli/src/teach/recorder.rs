@@ -8,7 +8,7 @@ use longstep_robot::recorder::{Recorder, RecorderError, RecorderLimits};
 use longstep_robot::{CommandLine, StopRequest};
 use longstep_teach::{Demonstration, Format, ReadError, Segment};
 
-use super::questions::Recording;
+use super::recording::Recording;
 use crate::arguments::TeachArguments;
 use crate::failure::Failure;
 use crate::input_lines::{InputLines, Waited};

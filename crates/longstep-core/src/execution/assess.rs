@@ -94,7 +94,7 @@ impl Execution {
             return here;
         }
         let failed = self.forbidden.iter().map(|(step, why)| {
-            let call = super::event::written_step(&self.world, step.action, &step.arguments);
+            let call = super::written::written_step(&self.world, step.action, &step.arguments);
             let pattern = StepPattern {
                 action: Some(step.action),
                 arguments: step.arguments.iter().copied().map(Some).collect(),
@@ -185,7 +185,7 @@ impl Execution {
     /// Stops because no plan was found, with the steps that the robot cannot do.
     pub(super) fn no_plan(&mut self, stop: impl FnOnce(Vec<String>) -> Stop) {
         let failed = self.forbidden.iter().map(|(step, why)| {
-            let call = super::event::written_step(&self.world, step.action, &step.arguments);
+            let call = super::written::written_step(&self.world, step.action, &step.arguments);
             format!("`{call}` cannot be done ({why})")
         });
         let stop = stop(failed.collect());
@@ -215,6 +215,6 @@ fn valid(here: &World, rest: Rest, purpose: &Purpose, left: &mut usize) -> Optio
 fn calls(world: &World, plan: &Plan, steps: std::ops::Range<usize>) -> Vec<String> {
     let steps = plan.steps()[steps].iter();
     steps
-        .map(|step| super::event::written_step(world, step.action, &step.arguments))
+        .map(|step| super::written::written_step(world, step.action, &step.arguments))
         .collect()
 }

@@ -5,10 +5,10 @@ use serde_json::Value;
 
 use super::change::{Change, ChangeKind};
 use super::need::{Effect, Order};
+use super::written::written_outcome;
 use super::{Aim, Approval, ProposalId, Settings, Watch};
-use crate::call::Call;
 use crate::environment::{Environment, Statements};
-use crate::model::{ActionId, Difference, EntityId, Fact, World, fact_text};
+use crate::model::{Difference, Fact, World, fact_text};
 use crate::plan::{Plan, Written, write_tree};
 use crate::verify::VerifiedPlan;
 
@@ -227,29 +227,4 @@ pub(super) fn sentences(world: &World, differences: &[Difference]) -> Vec<String
 
 pub(super) fn plan_text(world: &World, plan: &Plan) -> PlanText {
     write_tree(&Written::of_plan(world, plan))
-}
-
-/// Writes an action with all its arguments, those that calls omit included.
-pub(super) fn written_step(world: &World, action: ActionId, arguments: &[EntityId]) -> String {
-    let call = Call {
-        name: world.domain().action(action).name.clone(),
-        arguments: arguments
-            .iter()
-            .map(|entity| world.entity(*entity).identifier.clone())
-            .collect(),
-    };
-    call.to_string()
-}
-
-/// Writes the outcome of a sensing step: `expired(<milk>)`.
-pub(super) fn written_outcome(world: &World, fact: Fact) -> String {
-    let domain = world.domain();
-    let call = Call {
-        name: domain.predicate(fact.predicate()).name.clone(),
-        arguments: domain
-            .arguments(fact)
-            .map(|entity| world.entity(entity).identifier.clone())
-            .collect(),
-    };
-    call.to_string()
 }

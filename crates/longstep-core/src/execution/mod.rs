@@ -24,6 +24,7 @@ mod resume;
 mod settings;
 #[cfg(test)]
 mod tests;
+mod written;
 
 use rustc_hash::FxHashMap;
 

@@ -58,7 +58,7 @@ pub struct Order {
 impl Order {
     /// Writes the action with all its arguments: `attach(<cup>, <shelf>)`.
     pub fn written(&self, world: &World) -> String {
-        super::event::written_step(world, self.action, &self.arguments)
+        super::written::written_step(world, self.action, &self.arguments)
     }
 }
 

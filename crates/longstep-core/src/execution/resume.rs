@@ -1,6 +1,7 @@
 //! An execution that is taken up again from its log.
 
-use super::event::{FORMAT, written_outcome};
+use super::event::FORMAT;
+use super::written::written_outcome;
 use super::{Aim, BeginError, Event, Execution, ExecutionError, Settings};
 use crate::diagnostic::Diagnostics;
 use crate::environment;

@@ -3,10 +3,12 @@
 use rustc_hash::FxHashSet;
 use serde::Deserialize;
 
-use super::solid::Vector;
 use crate::diagnostic::{Diagnostic, Diagnostics, Position};
 use crate::environment::Words;
 use crate::json::{self, Path};
+
+/// A point or direction in metres, with z upwards.
+pub(super) type Vector = [f64; 3];
 
 /// Maximum number of boxes and hands: every pair of them is compared.
 const MOST: usize = 1_000;

@@ -1,10 +1,8 @@
 //! Boxes in space: rotation, faces, footprints and shares of volume.
 
-use super::scene::Body;
+use super::scene::{Body, Vector};
 use crate::effort;
 
-/// A point or direction in metres, with z upwards.
-pub(super) type Vector = [f64; 3];
 type Point = [f64; 2];
 
 /// Points along each edge at which the shared volume of two boxes is sampled.

@@ -1,6 +1,6 @@
 //! Goals about numbers: `level(tank) >= 3`, `battery >= 20`, `level(tank) < level(bucket)`.
 
-use super::{GoalError, GoalFact, language};
+use super::{GoalError, GoalFact, names};
 use crate::call::Call;
 use crate::model::{
     Application, Arithmetic, Comparison, Condition, Domain, EntityId, Fluent, Function, FunctionId, GroundTest, Number,
@@ -174,7 +174,7 @@ fn fluent(world: &World, part: &str, function: FunctionId, call: &Call) -> Resul
     }
     let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
     let kinds: Vec<TypeId> = own.parameters.iter().map(|parameter| parameter.kind).collect();
-    let arguments = language::entities(world, part, &names, &kinds)?;
+    let arguments = names::entities(world, part, &names, &kinds)?;
     Ok(Fluent::new(function, arguments))
 }
 

@@ -1,7 +1,7 @@
 //! Constraints in a goal: what must never happen, or always hold, while the plan runs.
 
 use super::conditional::places;
-use super::{GoalError, GoalFact, language};
+use super::{GoalError, GoalFact, fact, names};
 use crate::call::Call;
 use crate::model::{
     Action, ActionId, Atom, Condition, Domain, EntityId, Moment, PredicateId, Prohibition, StepPattern, Term, TypeId,
@@ -47,7 +47,7 @@ impl Constraint {
     /// The error in the constraint.
     pub(super) fn read(world: &World, text: &str) -> Result<Option<Self>, GoalError> {
         if let Some(inner) = text.strip_prefix(ALWAYS) {
-            let fact = language::plain(world, inner.trim())?;
+            let fact = fact::plain(world, inner.trim())?;
             return Self::state(world, text, fact, true).map(Some);
         }
         if let Some(inner) = text.strip_prefix(NEVER) {
@@ -56,7 +56,7 @@ impl Constraint {
         match Call::parse(text) {
             Ok(call) if call.name == UNTOUCHED && call.arguments.len() == 1 => {
                 let names = [call.arguments[0].as_str()];
-                let entities = language::entities(world, text, &names, &[TypeId::OBJECT])?;
+                let entities = names::entities(world, text, &names, &[TypeId::OBJECT])?;
                 Ok(Some(Self::Untouched(entities[0])))
             }
             _ => Ok(None),
@@ -87,7 +87,7 @@ impl Constraint {
     }
 
     fn never(world: &World, text: &str) -> Result<Self, GoalError> {
-        let error = match language::plain(world, text) {
+        let error = match fact::plain(world, text) {
             Ok(fact) => return Self::state(world, text, fact, false),
             Err(error) => error,
         };
@@ -105,7 +105,7 @@ impl Constraint {
                 name => {
                     let kind = action.parameters[*parameter].kind;
                     // A goal of entities that it does not take is no call of an action with the same name.
-                    let read = language::entities(world, text, &[name], &[kind]);
+                    let read = names::entities(world, text, &[name], &[kind]);
                     Some(
                         read.map_err(|own| match &error {
                             GoalError::WrongType { .. } => error.clone(),

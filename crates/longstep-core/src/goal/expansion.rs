@@ -5,7 +5,7 @@
 //! give a [`Choice`].
 
 use super::constraint::{ALWAYS, NEVER};
-use super::{Choice, Constraint, GoalError, GoalFact, Group, Quantifier, language};
+use super::{Choice, Constraint, GoalError, GoalFact, Group, Quantifier, fact};
 use crate::call::unquoted;
 use crate::effort;
 use crate::model::{EntityId, World};
@@ -54,7 +54,7 @@ pub(super) fn part(world: &World, text: &str) -> Result<Expansion, GoalError> {
                 constraints: vec![constraint],
                 ..Expansion::default()
             },
-            None => language::plain(world, text)?.into(),
+            None => fact::plain(world, text)?.into(),
         });
     }
     first(readings, |pieces| {
@@ -74,7 +74,7 @@ pub(super) fn part(world: &World, text: &str) -> Result<Expansion, GoalError> {
 /// The error in the text.
 pub(super) fn goals(world: &World, text: &str) -> Result<Expansion, GoalError> {
     match readings(world, text) {
-        readings if readings.is_empty() => Ok(language::plain(world, text)?.into()),
+        readings if readings.is_empty() => Ok(fact::plain(world, text)?.into()),
         readings => first(readings, |pieces| Places::read(world, pieces)?.goals(world)),
     }
 }
@@ -300,7 +300,7 @@ impl<'t> Places<'t> {
     /// Reads the goals for all combinations; `prefix` precedes the goal in the text.
     fn leaves_of(&self, world: &World, prefix: &str) -> Result<Leaves<GoalFact>, GoalError> {
         let domain = world.domain();
-        let read = |text: &str| language::plain(world, text.strip_prefix(prefix).unwrap_or(text).trim());
+        let read = |text: &str| fact::plain(world, text.strip_prefix(prefix).unwrap_or(text).trim());
         let mut leaves = self.leaves(world, &read, &|fact| fact.about(domain), &|fact| {
             self.makes_sense(world, fact, prefix != NEVER)
         })?;

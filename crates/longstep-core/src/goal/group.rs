@@ -1,6 +1,6 @@
 //! Groups of entities in a goal: `all cup where dirty & on_something(table) except mug`.
 
-use super::{GoalError, language};
+use super::{GoalError, names};
 use crate::call::Call;
 use crate::diagnostic::nearest;
 use crate::model::{
@@ -311,7 +311,7 @@ fn excepted(world: &World, group: &str, names: &str) -> Result<Vec<EntityId>, Go
     let inner = names.strip_prefix('(').and_then(|names| names.strip_suffix(')'));
     let mut excepted = Vec::new();
     for name in inner.unwrap_or(names).split(',').map(str::trim) {
-        match language::entities(world, group, &[name], &[TypeId::OBJECT]) {
+        match names::entities(world, group, &[name], &[TypeId::OBJECT]) {
             Ok(found) => excepted.extend(found),
             Err(error) => match of_kind(world, name) {
                 several if several.is_empty() => return Err(error),
@@ -354,7 +354,7 @@ impl Selector {
         };
         let call = Call::parse(text).map_err(|_| unknown())?;
         let names: Vec<&str> = call.arguments.iter().map(String::as_str).collect();
-        let arguments = language::entities(world, group, &names, &vec![TypeId::OBJECT; names.len()])?;
+        let arguments = names::entities(world, group, &names, &vec![TypeId::OBJECT; names.len()])?;
         let own = Self {
             word: call.name,
             arguments,

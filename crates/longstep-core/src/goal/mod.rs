@@ -9,11 +9,14 @@ mod comparison;
 mod comparison_tests;
 mod conditional;
 mod constraint;
+mod error;
 mod expansion;
+mod fact;
 mod group;
 #[cfg(test)]
 mod group_tests;
 mod language;
+mod names;
 mod partial_answer;
 mod stages;
 #[cfg(test)]
@@ -24,8 +27,10 @@ pub use comparison::{NumberGoal, Operand};
 pub use conditional::Conditional;
 pub use conditional::{AND, ELSE, IF, NOT, THEN, WrittenConditional};
 pub use constraint::{ALWAYS, Constraint, NEVER};
+pub use error::GoalError;
+pub use fact::read_form;
 pub use group::{Group, Quantifier};
-pub use language::{GoalError, JOINT, QUESTION, STAGE, parse, read_form, rules};
+pub use language::{JOINT, QUESTION, STAGE, parse, rules};
 pub use partial_answer::{Begun, Next, ended};
 
 use expansion::Expansion;

@@ -5,8 +5,9 @@
 
 use super::bits::Bits;
 use super::formula::{Formula, Literal};
+use super::operator::Operator;
 use super::relevance::index;
-use super::task::{Operator, Task};
+use super::task::Task;
 use crate::effort;
 
 /// The steps of a task, filed under literals of their preconditions.

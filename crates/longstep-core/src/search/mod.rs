@@ -13,6 +13,8 @@ mod dominance;
 mod formula;
 mod forward;
 mod greedy;
+mod ground;
+mod grounder;
 mod improve;
 mod landmark_cut;
 mod limits;
@@ -20,6 +22,7 @@ mod node;
 mod numbers;
 #[cfg(test)]
 mod numbers_tests;
+mod operator;
 mod outcome;
 mod relaxed;
 mod relevance;
@@ -34,14 +37,14 @@ mod why_not;
 pub(crate) use formula::{Formula, Literal};
 use forward::Straight;
 pub(crate) use forward::{Found, cheapest, greedy};
+pub(crate) use ground::{GroundCondition, ground_condition, ground_step};
+pub(crate) use grounder::{Grounder, Meaning};
 pub use limits::{EFFORT, Effort, EffortError, Limits};
-pub(crate) use numbers::GroundNumericEffect;
+pub(crate) use operator::{GroundEffect, GroundNumericEffect, Operator};
 pub use outcome::Outcome;
 pub(crate) use relevance::reduce;
 pub(crate) use scope::{Requirements, Scope};
-pub(crate) use task::{
-    Always, GroundCondition, GroundEffect, Grounder, Meaning, Operator, Task, ground_condition, ground_step,
-};
+pub(crate) use task::{Always, Task};
 pub use why_not::{WhyNot, why_not};
 
 use crate::effort;
@@ -105,7 +108,7 @@ pub fn solve(world: &World, purpose: &Purpose, limits: &Limits) -> Outcome {
 pub(crate) fn ground_task(world: &World, purpose: &Purpose) -> (Task, Vec<Option<Fact>>) {
     let target = Target::of(world.domain(), purpose);
     let scope = Scope::whole(world, &Requirements::of(world, target.all()));
-    task::ground_with_facts(world, &scope, &target)
+    ground::ground_with_facts(world, &scope, &target)
 }
 
 /// Finds a shortest plan without sensing.
@@ -138,7 +141,7 @@ fn straight_within(world: &World, target: &Target, limits: &Limits) -> Straight 
         if effort::is_exhausted() {
             break;
         }
-        let mut task = relevance::reduce(task::ground(world, &scope, target));
+        let mut task = relevance::reduce(ground::ground(world, &scope, target));
         let costs = match cost::price(world, &mut task) {
             Ok(costs) => costs,
             Err(why) => {

@@ -3,7 +3,8 @@
 use super::bits::Bits;
 use super::formula::Literal;
 use super::numbers::Numbers;
-use super::task::{Operator, Task};
+use super::operator::Operator;
+use super::task::Task;
 
 /// A state that a search has reached, with the cheapest known path to it.
 pub(super) struct SearchNode {

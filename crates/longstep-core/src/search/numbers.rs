@@ -11,8 +11,8 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::formula::{Formula, Literal};
-use super::task::{GroundEffect, Operator};
+use super::formula::Literal;
+use super::operator::{GroundEffect, GroundNumericEffect, Operator, VariableExpression};
 use crate::effort;
 use crate::model::{
     Arithmetic, Comparison, Fluent, GroundExpression, GroundTest, Number, NumberChangeKind, NumberTest, Operation,
@@ -20,18 +20,6 @@ use crate::model::{
 
 /// Numbers below this size, in ones, do not leave the range of [`Number`] by constant changes within any search.
 const TAME: i32 = 1_000_000;
-
-/// A numeric expression over variables of a task.
-pub(crate) type VariableExpression = Arithmetic<u32>;
-
-/// A conditional effect on a number.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct GroundNumericEffect {
-    pub(crate) condition: Formula,
-    pub(crate) variable: u32,
-    pub(crate) kind: NumberChangeKind,
-    pub(crate) value: VariableExpression,
-}
 
 /// A requirement on numbers, and the fact with its value.
 #[derive(Debug, Clone)]

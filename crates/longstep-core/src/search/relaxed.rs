@@ -192,7 +192,7 @@ impl Builder {
     }
 
     /// Groups the effects of an operator by condition.
-    fn groups(&mut self, operator: &super::task::Operator) -> Vec<EffectGroup> {
+    fn groups(&mut self, operator: &super::operator::Operator) -> Vec<EffectGroup> {
         let mut conditions: Vec<(&Formula, Vec<Literal>)> = Vec::new();
         let mut numbers: FxHashMap<&Formula, usize> = FxHashMap::default();
         for effect in &operator.effects {

@@ -16,7 +16,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::GroundAction;
 use super::formula::{Formula, Literal};
-use super::task::{Operator, Task};
+use super::operator::Operator;
+use super::task::Task;
 use crate::effort;
 
 /// Removes everything that no plan needs; the task keeps its shortest plans.

@@ -9,18 +9,10 @@ use rustc_hash::FxHashMap;
 
 use super::GroundAction;
 use super::formula::{Formula, Literal};
-use super::task::{GroundEffect, Grounder, Operator};
+use super::grounder::{Grounder, StageEvents};
+use super::operator::{GroundEffect, Operator};
 use crate::model::{ActionId, Fact};
 use crate::verify::Milestone;
-
-/// The events of a stage after the first one.
-#[derive(Debug)]
-pub(super) struct StageEvents {
-    /// The fact that the stage has begun.
-    begun: u32,
-    /// The number of the copy of each event.
-    copies: FxHashMap<Fact, u32>,
-}
 
 impl Grounder<'_> {
     /// Grounds the stages; returns the operators that record progress, in the order in which they apply, and the

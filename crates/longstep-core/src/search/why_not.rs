@@ -4,7 +4,8 @@
 //! again without some of its requirements, and follows a goal that cannot be reached back to a fact that no action
 //! brings about.
 
-use super::task::{Grounder, Meaning, Operator};
+use super::grounder::{Grounder, Meaning};
+use super::operator::Operator;
 use super::{Formula, Limits, Literal, Outcome, Requirements, Scope, relevance, solve};
 use crate::effort;
 use crate::model::{

@@ -7,7 +7,8 @@
 use std::collections::BTreeMap;
 
 use super::Violation;
-use super::walk::{STATES, Walk, Way};
+use super::walk::{STATES, Walk};
+use super::way::Way;
 use crate::effort;
 use crate::model::{EntityId, Fluent, Number, State};
 use crate::plan::{Lane, LaneItem, StepId};

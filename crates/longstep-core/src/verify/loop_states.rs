@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::walk::Way;
+use super::way::Way;
 use crate::effort;
 use crate::model::{ChangedLists, State};
 

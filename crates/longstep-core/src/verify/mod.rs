@@ -15,6 +15,7 @@ mod rules;
 #[cfg(test)]
 pub(crate) mod tests;
 mod walk;
+mod way;
 
 pub use bind::bind;
 pub use bind::{Candidate, candidates};
@@ -40,7 +41,8 @@ use crate::model::{
     subject_of,
 };
 use crate::plan::{Plan, Step, StepId};
-use walk::{Walk, Way};
+use walk::Walk;
+use way::Way;
 
 /// A condition to achieve in a stage of a plan.
 #[derive(Debug, Clone)]

@@ -5,9 +5,10 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::history::{Here, History, with_culprits};
+use super::history::{History, with_culprits};
 use super::loop_states::{LoopStates, kept_units};
 use super::order::Order;
+use super::way::Way;
 use super::{Purpose, StepClaim, Violation, claims, unmet};
 use crate::effort;
 use crate::model::{
@@ -20,16 +21,6 @@ use crate::plan::{Node, Plan, StepId, Test, tree};
 pub const STATES: usize = 4_096;
 /// Work units for a step, besides those for its conditions and effects.
 const STEP: usize = 16;
-
-/// One execution path up to the current node.
-#[derive(Debug, Clone)]
-pub(super) struct Way {
-    pub(super) state: State,
-    pub(super) here: Here,
-    /// The `always` rules that are broken in the state, so that each violation is reported where it begins. A function
-    /// of the state, so paths with equal states are equal.
-    broken: Vec<(usize, Bindings)>,
-}
 
 /// A finding on one or more paths.
 #[derive(Debug, Clone)]

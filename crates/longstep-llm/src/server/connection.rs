@@ -11,6 +11,7 @@ use super::answer::{Answer, Effect, Unreadable};
 use super::dialect::Dialect;
 use super::endpoint::Endpoint;
 use super::event::{Broken, EventReader};
+use super::failure::Failure;
 use super::limit::{self, COMPLAINT_BYTES, COMPLAINT_TIME};
 use super::retry::retry_after;
 use crate::call::{self, Call, GivenUp, root};
@@ -25,22 +26,6 @@ pub(super) struct Connection {
     /// Time limit for one call, including all retries.
     pub(super) timeout: Duration,
     pub(super) stop: StopFlag,
-}
-
-/// Failure of an attempt.
-#[derive(Debug)]
-pub(super) enum Failure {
-    /// The server answered with an error; the message is one line, without the key.
-    Rejected {
-        status: u16,
-        message: String,
-        /// The wait that the server asks for (`Retry-After`).
-        wait: Option<Duration>,
-    },
-    /// A retry cannot help, or must not happen.
-    Final(ModelError),
-    /// The connection failed before the answer began.
-    Unreachable(ModelError),
 }
 
 /// The content of a chat request.

@@ -10,6 +10,7 @@ mod count;
 mod dialect;
 mod endpoint;
 mod event;
+mod failure;
 mod limit;
 mod probe;
 mod redaction;
@@ -22,10 +23,11 @@ use longstep::dialogue::{ChatRequest, Constraint, ConstraintKind, Counting, Fini
 
 use crate::call::{Call, GivenUp};
 use crate::{ChatModel, ModelError, ModelReference, OpenOptions, Progress, Sampling, Watch};
-use connection::{Connection, Failure, Outgoing, Received};
+use connection::{Connection, Outgoing, Received};
 use count::Counter;
 use dialect::Dialect;
 use endpoint::{Endpoint, Lookup};
+use failure::Failure;
 
 /// Limit for changes of the dialect in one chat, above the number of parameters that can be omitted.
 const CHANGES: usize = 8;

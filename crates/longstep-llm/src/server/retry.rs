@@ -4,7 +4,7 @@ use std::time::{Duration, SystemTime};
 
 use reqwest::header::HeaderValue;
 
-use super::connection::Failure;
+use super::failure::Failure;
 
 /// Number of retries of a request.
 const RETRIES: u32 = 2;

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::connection::{Connection, Lost, Read};
-use super::mapping::{Goal, GoalEnd, Mapping};
-use super::message::{self, Incoming, broken};
+use super::mapping::{GoalEnd, Mapping};
+use super::message::{self, Goal, Incoming, broken};
 use super::stopping::{Ended, Limits, Stopping};
 use crate::error::RobotError;
 use crate::order::Order;

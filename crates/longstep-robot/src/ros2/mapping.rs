@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::configuration::{ActionRule, Configuration};
 use super::file::Consequence;
-use super::message::{GoalStatus, quotation};
+use super::message::{Goal, GoalStatus, quotation};
 use super::template::{Filter, Hole, Scope, Table, at};
 use crate::error::RobotError;
 use crate::order::Order;
@@ -28,14 +28,6 @@ pub(super) struct Mapping {
     pub(super) configuration: Configuration,
     /// The names of the parameters, by action of the domain.
     parameters: BTreeMap<String, Vec<String>>,
-}
-
-/// A goal for an action server.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Goal {
-    pub(super) server: String,
-    pub(super) kind: String,
-    pub(super) fields: Value,
 }
 
 /// The end of a goal.

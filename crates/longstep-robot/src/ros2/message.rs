@@ -3,11 +3,18 @@
 use longstep_core::visible;
 use serde_json::{Map, Value, json};
 
-use super::mapping::Goal;
 use crate::error::RobotError;
 
 /// The longest quotation of a robot in a message, in characters.
 const QUOTE_LIMIT: usize = 300;
+
+/// A goal for an action server.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Goal {
+    pub(super) server: String,
+    pub(super) kind: String,
+    pub(super) fields: Value,
+}
 
 /// The state of a goal, with the numbers of `action_msgs/msg/GoalStatus`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

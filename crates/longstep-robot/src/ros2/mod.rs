@@ -19,6 +19,7 @@ mod link;
 mod mapping;
 mod message;
 mod observe;
+mod read;
 mod stopping;
 mod template;
 mod trial;

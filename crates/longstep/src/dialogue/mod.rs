@@ -23,6 +23,7 @@ mod message;
 mod parts;
 mod picture;
 mod query;
+mod rendered;
 mod reply;
 mod retelling;
 mod scene;

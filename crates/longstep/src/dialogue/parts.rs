@@ -5,9 +5,10 @@
 
 use minijinja::{Value, context};
 
+use super::rendered::render;
 use super::transcript::TOO_MUCH_WORK;
-use super::{Message, OverBudget, Role, template, template_context, worked};
-use crate::diagnostic::{Diagnostic, Diagnostics, Position};
+use super::{Message, OverBudget, Role, worked};
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::Domain;
 
 /// The assistant message after a part that asks for no plan.
@@ -157,17 +158,4 @@ fn text_part(domain: &Domain, name: PartName) -> Result<Vec<Message>, Diagnostic
             Message::new(Role::Assistant, UNDERSTOOD),
         ],
     })
-}
-
-/// Renders a file of `prompt/` with the domain's variables and with `more`, whose texts have `more_size` bytes.
-pub(super) fn render(domain: &Domain, file: &str, more: Value, more_size: usize) -> Result<String, Diagnostic> {
-    let source = domain.prompts.parts.source(file);
-    let given = template_context::size(domain) + more_size;
-    let variables = match more.is_undefined() {
-        true => template_context::context(domain),
-        false => context! { ..more, ..template_context::context(domain) },
-    };
-    template::render(&source.text, variables, given)
-        .map(|text| text.trim().to_owned())
-        .map_err(|(line, message)| Diagnostic::at(&source.path, Position { line, column: 1 }, message))
 }

@@ -4,7 +4,7 @@ use minijinja::{Value, context};
 use serde::Serialize;
 
 use super::PromptError;
-use super::parts::render;
+use super::rendered::render;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::environment::{Environment, World};
 use crate::model::Domain;

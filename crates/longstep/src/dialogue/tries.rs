@@ -21,16 +21,17 @@ pub(super) struct Tries {
     refused: Vec<GoalFact>,
     /// The likeliest answer so far.
     best: Option<(Endings, Goal)>,
-    free: Free,
+    stage: Stage,
 }
 
-/// The answer in which names narrow nothing.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum Free {
+/// What the next answer is.
+#[derive(Debug, Clone, Default)]
+enum Stage {
     #[default]
-    Before,
-    Now,
-    Done,
+    First,
+    /// The answer in which names narrow nothing, after one with this first goal.
+    Free(Option<GoalFact>),
+    Narrowed,
 }
 
 impl Tries {
@@ -39,24 +40,23 @@ impl Tries {
     /// A model that was trained for the task first tries an answer without regard to names: what a person means may have
     /// another name in the instruction ("the oak one"), beside the names of other things.
     pub(super) fn again(&mut self, endings: &Endings, goal: &Goal) -> bool {
-        if self.free == Free::Before && endings.is_trained() {
-            self.free = Free::Now;
-            self.best = Some((endings.clone(), goal.clone()));
-            return true;
-        }
-        let first = match self.free {
-            Free::Now => self.best.as_ref().map(|(_, first)| first.clone()),
-            Free::Before | Free::Done => None,
+        let first = goal.facts.first().cloned();
+        let first = match std::mem::replace(&mut self.stage, Stage::Narrowed) {
+            Stage::First if endings.is_trained() => {
+                self.stage = Stage::Free(first);
+                self.best = Some((endings.clone(), goal.clone()));
+                return true;
+            }
+            Stage::Free(first) => first,
+            Stage::First | Stage::Narrowed => first,
         };
-        self.free = Free::Done;
-        let goal_begun = first.as_ref().unwrap_or(goal);
-        let Some(begin @ GoalFact::Word { .. }) = goal_begun.facts.first() else {
+        let Some(begin @ GoalFact::Word { .. }) = first else {
             return false;
         };
         if self.begins.len() >= TRIES {
             return false;
         }
-        self.begins.push(begin.clone());
+        self.begins.push(begin);
         self.best = Some(self.likeliest(endings.clone(), goal.clone()));
         true
     }
@@ -119,7 +119,7 @@ impl Tries {
 
     /// Returns true if names narrow nothing in this answer.
     pub(super) fn is_free(&self) -> bool {
-        self.free == Free::Now
+        matches!(self.stage, Stage::Free(_))
     }
 }
 

@@ -3,8 +3,11 @@
 use super::reference::References;
 use crate::environment::{EntityId, State, World};
 use crate::model::ActionId;
-use crate::plan::{DraftStep, Plan};
+use crate::plan::{DraftStep, Plan, Step};
 use crate::verify::{apply, can_apply, candidates, unmet};
+use indexmap::IndexSet;
+use longstep_core::model::Domain;
+use rustc_hash::{FxBuildHasher, FxHashSet};
 
 /// An action with the arguments of its call.
 pub(super) type Called = (ActionId, Vec<Option<EntityId>>);
@@ -33,11 +36,8 @@ pub(super) fn offers(world: &World, plan: &Plan, references: &References) -> Off
     let length = plan.steps().len();
     let calls = calls(world, plan, references);
     let replaces = plan.steps().iter().enumerate().map(|(step, own)| {
-        let same = |(action, arguments): &&Called| {
-            let mut shown = world.domain().action(own.action).explicit.iter();
-            *action == own.action && shown.all(|p| arguments[*p] == Some(own.arguments[*p]))
-        };
-        let others: Vec<Called> = calls.iter().filter(|call| !same(call)).cloned().collect();
+        let is_other = |(action, arguments): &&Called| !does(world.domain(), own, *action, arguments);
+        let others: Vec<Called> = calls.iter().filter(is_other).cloned().collect();
         (step, others)
     });
     let moves = (0..length).map(|step| {
@@ -55,21 +55,23 @@ pub(super) fn offers(world: &World, plan: &Plan, references: &References) -> Off
     }
 }
 
+/// Returns true if a step does a call: the same action with the arguments that a call shows.
+pub(super) fn does(domain: &Domain, step: &Step, action: ActionId, arguments: &[Option<EntityId>]) -> bool {
+    let mut shown = domain.action(action).explicit.iter();
+    step.action == action && shown.all(|parameter| arguments[*parameter] == Some(step.arguments[*parameter]))
+}
+
 /// Returns the calls of all actions, those about entities of the utterance first, then those about the plan's.
 fn calls(world: &World, plan: &Plan, references: &References) -> Vec<Called> {
     let domain = world.domain();
-    let mut known: Vec<EntityId> = Vec::new();
     let shown = plan.steps().iter().flat_map(|step| {
         let explicit = domain.action(step.action).explicit.iter();
         explicit.map(|parameter| step.arguments[*parameter])
     });
     let others = world.entities().map(|(entity, _)| entity);
-    for entity in references.entities.iter().copied().chain(shown).chain(others) {
-        if !known.contains(&entity) {
-            known.push(entity);
-        }
-    }
-    let place = |entity: &EntityId| known.iter().position(|own| own == entity).unwrap_or(known.len());
+    let spoken = references.entities.iter().copied();
+    let known: IndexSet<EntityId, FxBuildHasher> = spoken.chain(shown).chain(others).collect();
+    let place = |entity: &EntityId| known.get_index_of(entity).unwrap_or(known.len());
     let mut calls: Vec<Called> = Vec::new();
     for (id, action) in domain.action_ids() {
         let mut all: Vec<Vec<Option<EntityId>>> = vec![vec![None; action.parameters.len()]];
@@ -118,7 +120,7 @@ fn inserts(world: &World, plan: &Plan, calls: &[Called]) -> Vec<(Called, Vec<usi
             arguments: call.1.clone(),
             explanation: String::new(),
         };
-        let choices = candidates(world, &step, &objects, &rustc_hash::FxHashSet::default());
+        let choices = candidates(world, &step, &objects, &FxHashSet::default());
         let precondition = &domain.action(call.0).precondition;
         let can_be_done = |state: &State| {
             let done = |choice: &crate::verify::Candidate| {

@@ -4,6 +4,7 @@
 
 use super::StepWish;
 use super::amend::{Amendment, unrepaired};
+use super::offer::does;
 use crate::environment::World;
 use crate::plan::{Plan, Step};
 use crate::verify::Purpose;
@@ -26,15 +27,8 @@ pub(crate) fn reordered(world: &World, plan: &Plan, wishes: &[StepWish], purpose
         return None;
     };
     let before = *before;
-    let shown = &domain.action(*action).explicit;
-    let is_meant = |step: &Step| {
-        step.action == *action
-            && shown
-                .iter()
-                .all(|parameter| arguments[*parameter] == Some(step.arguments[*parameter]))
-    };
     let steps = plan.steps();
-    for at in (0..steps.len()).filter(|at| is_meant(&steps[*at])) {
+    for at in (0..steps.len()).filter(|at| does(domain, &steps[*at], *action, arguments)) {
         for (begin, end) in blocks(domain, steps, at) {
             if (begin..=end).contains(&before) {
                 continue;

@@ -4,11 +4,14 @@
 //! rest is made from it and checked: the words, worked examples that search has planned and the verifier accepted, an
 //! environment, and a small suite. Nothing is returned that does not load.
 
+mod answer_pddl;
+mod answer_reader;
 mod answers;
 mod example;
 mod example_world;
 mod problem;
 mod sample;
+mod sentence;
 #[cfg(test)]
 mod tests;
 mod wording;
@@ -16,7 +19,8 @@ mod words;
 
 use std::collections::BTreeMap;
 
-pub use answers::{ActionAnswer, Answers, KindAnswer, guess_removed};
+pub use answer_reader::guess_removed;
+pub use answers::{ActionAnswer, Answers, KindAnswer};
 pub use sample::{Sample, samples};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde_json::{Value, json};
 
 use super::example::sight_examples;
-use super::sentence::{self, Said};
+use super::sentence::{self, NAME, Said};
 use super::sighting::{ARROW, COMMA, KINDS, LABEL, NAMES, Sighting, written_names};
 use super::vocabulary::{List, Vocabulary};
 use crate::dialogue::answer_grammar::{Form, any_text, at_most, closed, list, one_of, pattern};
@@ -24,8 +24,6 @@ const LINE_FORM: &str = "Answer with a line for each sentence: the sentence, and
 each fact; what no state says begins with \"Other:\". Then write a line of all names, each with asset or object.";
 /// Token budget of an answer.
 const TOKENS: u32 = 4096;
-/// A name in the line form.
-pub(super) const NAME: &str = "[a-z][a-z0-9]{0,19}(_[a-z0-9]{1,19}){0,3}";
 /// A remark about what cannot be seen well, in a schema with bounds.
 const NOTE: &str = "^[A-Za-z][A-Za-z0-9 ,'-]{0,59}$";
 /// Maximum number of such remarks in a schema with bounds.

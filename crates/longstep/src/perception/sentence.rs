@@ -1,6 +1,5 @@
 //! Plain sentences: the form in which an embedded model describes a scene, one fact a sentence, in the domain's own words.
 
-use super::dialogue::NAME;
 use super::sighting::{NAMES, Sighting, Statement, plain};
 use super::vocabulary::{List, Vocabulary};
 use crate::call::Call;
@@ -9,6 +8,8 @@ use crate::dialogue::one_line;
 use crate::model::StateWord;
 use longstep_core::model::SpatialRelation;
 
+/// A name in the line form.
+pub(super) const NAME: &str = "[a-z][a-z0-9]{0,19}(_[a-z0-9]{1,19}){0,3}";
 /// The beginning of a sentence about something that no state of the domain says.
 pub(super) const OTHER: &str = "Other: ";
 /// The beginnings of a sentence about an entity of which nothing else is said.

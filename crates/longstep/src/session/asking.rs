@@ -1,56 +1,15 @@
 //! Model requests and replies.
 
 use super::{Event, Failure, OutOfTurn, Refusal, Session, Stage, Turn, direct};
-use crate::coverage::Mark;
 use crate::dialogue::{
-    ConstraintKind, Dialogue, DialogueError, Finish, FittedDialogue, MessageDialogue, Prepared, PromptError, Reply,
-    RetellingDialogue, ScreeningDialogue, SplittingDialogue, TokenCounter, plain_line,
+    ConstraintKind, Dialogue, DialogueError, Finish, Prepared, PromptError, Reply, ScreeningDialogue, TokenCounter,
+    plain_line,
 };
 use crate::feedback::{FeedbackDialogue, FeedbackInput, Wish};
 
 use super::Strategy;
+use super::pending::{Asking, What};
 use super::retold::Open;
-use super::weighed::Weighed;
-
-/// A pending model request.
-#[derive(Debug, Clone)]
-pub(super) struct Asking {
-    pub(super) what: What,
-    /// True if the log contains the request.
-    pub(super) logged: bool,
-}
-
-#[derive(Debug, Clone)]
-pub(super) enum What {
-    /// The marks of the instruction, before the goal.
-    Screening(Box<ScreeningDialogue>),
-    /// Whether somebody is to be told something, after a screening with these marks.
-    Message(Box<MessageDialogue>, Vec<Mark>),
-    /// The instruction in plain English, after its own words led to a question.
-    Retelling(Box<RetellingDialogue>),
-    /// The parts of an instruction that forbids something.
-    Splitting(Box<SplittingDialogue>),
-    /// A goal. The dialogue starts when the token budget is known.
-    Goal(Option<Box<FittedDialogue>>),
-    /// The likelihoods of answers, after a retelling.
-    Weighing(Box<Weighed>),
-    /// A whole plan.
-    Plan,
-    /// The interpretation of feedback on a plan.
-    Wish(Box<FeedbackDialogue>, String),
-}
-
-impl Asking {
-    pub(super) fn new(what: What) -> Self {
-        Self { what, logged: false }
-    }
-
-    /// Returns true for the first request of an instruction, as long as no model has it.
-    pub(super) fn is_first_of(&self, turn: &Turn) -> bool {
-        let begins = matches!(self.what, What::Screening(_) | What::Goal(None) | What::Plan);
-        begins && !self.logged && turn.is_unanswered() && turn.retold.is_none() && turn.parted.is_none()
-    }
-}
 
 impl Session {
     /// Creates a request according to the strategy.

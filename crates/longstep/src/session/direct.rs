@@ -1,6 +1,6 @@
 //! The direct strategy: the model writes the whole plan and the final environment.
 
-use super::asking::{Asking, What};
+use super::pending::{Asking, What};
 use super::{Accepted, Event, Failure, Proposal, RepairPolicy, Session, Stage, Turn};
 use crate::dialogue::{
     DialogueError, Exchange, Prepared, PromptError, Reply, Round, TokenCounter, answered, direct_request, query, whole,

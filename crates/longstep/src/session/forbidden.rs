@@ -5,7 +5,7 @@
 //! Beside a wish, nothing touches what the act names either, unless the wish is about it. If the model is not sure of the
 //! parts, or one of them cannot be read at all, the person is asked about the marked words.
 
-use super::asking::{Asking, What};
+use super::pending::{Asking, What};
 use super::{Session, Stage, Turn};
 use crate::coverage::{self, Gap, Mark};
 use crate::dialogue::{ConditionMark, MessageDialogue, Split, SplittingDialogue};

@@ -1,7 +1,7 @@
 //! The goal strategy: the model writes goals, and search finds the steps.
 
-use super::asking::{Asking, What};
 use super::forbidden::Parted;
+use super::pending::{Asking, What};
 use super::retold::Open;
 use super::{Event, Failure, Proposal, Refusal, Session, Stage, Turn};
 use crate::coverage::{self, Coverage, Gap};

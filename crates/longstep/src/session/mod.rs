@@ -51,6 +51,7 @@ mod log;
 mod observed;
 #[cfg(test)]
 mod observed_tests;
+mod pending;
 mod refusal;
 mod reread;
 #[cfg(test)]

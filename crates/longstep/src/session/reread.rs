@@ -8,7 +8,7 @@
 //! not read as a step after that: nearly every step verifies somewhere, so this would show nothing. Words with a call, or with
 //! the number of a step that is to change, are about the steps, and are not read as a goal.
 
-use super::asking::{Asking, What};
+use super::pending::{Asking, What};
 use super::{Event, Proposal, Refusal, Session, Stage, Turn};
 use crate::feedback::{Amendment, FeedbackDialogue, StepWish, reordered};
 use crate::goal::Goal;

@@ -4,7 +4,7 @@
 //! retold instruction is understood from the beginning. Only a plan without a question takes the place of the question,
 //! and only if it keeps what the instruction forbids.
 
-use super::asking::{Asking, What};
+use super::pending::{Asking, What};
 use super::{Failure, Proposal, Session, Stage, Strategy, Turn};
 use crate::coverage::{self, Gap};
 use crate::dialogue::{ConstraintKind, Doubt, Reading, ReadingOf, Retelling, RetellingDialogue};

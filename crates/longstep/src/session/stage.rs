@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::asking::Asking;
 use super::ended::Left;
 use super::forbidden::Parted;
+use super::pending::Asking;
 use super::retold::Retold;
 use super::{Ended, Failure, Refusal};
 use crate::coverage::Mark;

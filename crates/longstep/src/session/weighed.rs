@@ -3,19 +3,11 @@
 //! Two readings of one wish rarely go wrong in the same way. When an instruction has been retold, the answers to both are
 //! weighed for both, and only an answer that is likely for both and ahead of the others is acted on.
 
-use super::asking::{Asking, What};
+use super::pending::{Asking, Weighed, What};
 use super::retold::Open;
 use super::{Session, Stage, Turn};
 use crate::dialogue::{GoalDialogue, Prepared, PromptError, ReadingOf, TokenCounter, Weighing, plain_line};
 use crate::goal::{self, Mentions, Understanding};
-
-/// Answers that are being weighed.
-#[derive(Debug, Clone)]
-pub(super) struct Weighed {
-    pub(super) weighing: Weighing,
-    /// The wording of the last request, with its dialogue.
-    dialogue: Option<(String, Box<GoalDialogue>)>,
-}
 
 impl Session {
     /// Weighs the answers to an instruction and to its retelling. If that is not possible, what was open before is open again. The

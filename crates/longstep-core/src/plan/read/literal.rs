@@ -7,6 +7,7 @@
 //! The parser never reads text again after a failure, so the number of visits to each byte is bounded.
 
 use super::leniency::{LeniencyKind as Kind, Notes};
+use super::parser::{Parsed, Parser, Reason, malformed};
 use super::quoted::is_quote;
 use super::unreadable::DEEPEST;
 
@@ -67,14 +68,6 @@ pub(super) struct Fault {
     pub(super) of_plan: bool,
 }
 
-#[derive(Debug)]
-pub(super) enum Reason {
-    /// The text or its code block ends before the object does.
-    CutOff,
-    TooDeep,
-    Malformed(String),
-}
-
 /// Parses the object whose opening brace is at byte `start`.
 pub(super) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
     let mut parser = Parser {
@@ -98,8 +91,6 @@ pub(super) fn object(text: &str, start: usize) -> Result<Literal, Fault> {
     }
 }
 
-pub(super) const FENCE: &str = "```";
-
 /// Keys that distinguish a plan from other objects in a reply.
 pub(super) const PLAN_KEYS: [&str; 9] = [
     "task_cohesion",
@@ -113,60 +104,7 @@ pub(super) const PLAN_KEYS: [&str; 9] = [
     "question",
 ];
 
-pub(super) struct Parser<'t> {
-    text: &'t str,
-    pub(super) at: usize,
-    depth: usize,
-    of_plan: bool,
-    notes: Notes,
-}
-
-pub(super) type Parsed<T> = Result<T, Reason>;
-
-pub(super) fn malformed<T>(message: impl Into<String>) -> Parsed<T> {
-    Err(Reason::Malformed(message.into()))
-}
-
-impl<'t> Parser<'t> {
-    pub(super) fn rest(&self) -> &'t str {
-        &self.text[self.at..]
-    }
-
-    pub(super) fn note(&mut self, kind: Kind) {
-        self.notes.add(kind, self.at);
-    }
-
-    /// Skips whitespace and comments, and returns the next character. The end of the text or of the code block is an
-    /// error, since both would be inside an object.
-    pub(super) fn peek(&mut self) -> Parsed<char> {
-        loop {
-            let rest = self.rest();
-            let Some(next) = rest.chars().next() else {
-                return Err(Reason::CutOff);
-            };
-            if matches!(next, ' ' | '\t' | '\n' | '\r') {
-                self.at += 1;
-            } else if next.is_whitespace() || next == '\u{feff}' {
-                self.note(Kind::OddSpace);
-                self.at += next.len_utf8();
-            } else if next == '#' || rest.starts_with("//") {
-                self.note(Kind::Comment);
-                self.at += rest.find('\n').unwrap_or(rest.len());
-            } else if let Some(comment) = rest.strip_prefix("/*") {
-                self.note(Kind::Comment);
-                let Some(end) = comment.find("*/") else {
-                    self.at = self.text.len();
-                    return Err(Reason::CutOff);
-                };
-                self.at += 2 + end + 2;
-            } else if rest.starts_with(FENCE) {
-                return Err(Reason::CutOff);
-            } else {
-                return Ok(next);
-            }
-        }
-    }
-
+impl Parser<'_> {
     fn value(&mut self) -> Parsed<ValueNode> {
         let next = self.peek()?;
         let at = self.at;

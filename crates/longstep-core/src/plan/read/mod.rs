@@ -5,6 +5,7 @@
 
 mod leniency;
 mod literal;
+mod parser;
 mod quoted;
 mod scripts;
 mod shape;
@@ -20,7 +21,8 @@ use std::ops::Range;
 use super::PlanFile;
 use crate::diagnostic::Position;
 use leniency::Notes;
-use literal::{FENCE, Fault, Literal, PLAN_KEYS, Reason};
+use literal::{Fault, Literal, PLAN_KEYS};
+use parser::{FENCE, Reason};
 use shape::Likeness;
 use unreadable::{DEEPEST, LARGEST};
 

@@ -1,7 +1,7 @@
 //! String literals in quotes of any style: JSON, Python or typographic.
 
 use super::leniency::LeniencyKind as Kind;
-use super::literal::{FENCE, Parsed, Parser, Reason, malformed};
+use super::parser::{FENCE, Parsed, Parser, Reason, malformed};
 
 /// Opening quotes with their closing quotes; longer ones first.
 const QUOTES: [(&str, Quote); 10] = [

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::leniency::{LeniencyKind, Notes};
-use super::literal::FENCE;
+use super::parser::FENCE;
 use super::unreadable::Unreadable;
 use super::{Draft, around};
 use crate::diagnostic::Position;

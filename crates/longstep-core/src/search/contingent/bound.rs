@@ -10,7 +10,8 @@ use rustc_hash::FxHashMap;
 use crate::effort;
 use crate::search::bits::Bits;
 use crate::search::landmark_cut::LandmarkCut;
-use crate::search::task::{Operator, Task};
+use crate::search::operator::Operator;
+use crate::search::task::Task;
 
 /// Alternative outcomes of sensing, exactly one of which holds: their fact numbers, sorted.
 type Group = Vec<u32>;

@@ -1,0 +1,259 @@
+//! From sentences to the predicates, parameters and facts that they stand for.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use super::answers::{ActionAnswer, Answers, KindAnswer};
+use super::sentence::{Pattern, Piece, Sentence, Which, kinds_of, plain, pop_article, pop_determiner};
+use super::wording::identifier;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+
+/// Actions and sentences that one file may have; authors have dozens.
+const LIMIT: usize = 200;
+
+/// Reads the sentences of answers, and collects their predicates.
+pub(super) struct AnswerReader<'a> {
+    pub(super) answers: &'a Answers,
+    /// The words of each kind's name.
+    kinds: Vec<Vec<String>>,
+    /// The things of the example environment, with their kinds.
+    pub(super) things: Vec<(Vec<String>, usize)>,
+    pub(super) patterns: Vec<Pattern>,
+    pub(super) says: BTreeMap<String, String>,
+    pub(super) findings: Vec<Diagnostic>,
+}
+
+impl<'a> AnswerReader<'a> {
+    pub(super) fn new(answers: &'a Answers) -> Result<Self, Diagnostics> {
+        let whole = |message: &str, hint: &str| Diagnostics(vec![Diagnostic::whole("the answers", message).hint(hint)]);
+        let sentences = answers
+            .action
+            .iter()
+            .map(|a| a.needs.len() + a.then.len() + 1)
+            .sum::<usize>();
+        if answers.action.len() > LIMIT || sentences > 10 * LIMIT || answers.kind.len() > LIMIT {
+            return Err(whole(
+                "there are too many answers",
+                "describe at most 200 actions and kinds",
+            ));
+        }
+        let kinds: Vec<Vec<String>> = answers.kind.iter().map(|kind| plain(&kind.name)).collect();
+        let mut findings = Vec::new();
+        for (index, kind) in kinds.iter().enumerate() {
+            if kind.is_empty() || kinds[..index].contains(kind) {
+                let name = &answers.kind[index].name;
+                findings.push(Diagnostic::whole(
+                    "the answers",
+                    format!("the kind `{name}` has no name of its own"),
+                ));
+            }
+        }
+        if !findings.is_empty() {
+            return Err(Diagnostics(findings));
+        }
+        let of_kind = |(index, kind): (usize, &'a KindAnswer)| {
+            kind.examples
+                .iter()
+                .map(move |name| (plain(name), index))
+                .collect::<Vec<_>>()
+        };
+        let things = answers.kind.iter().enumerate().flat_map(of_kind).collect();
+        Ok(Self {
+            answers,
+            kinds,
+            things,
+            patterns: Vec::new(),
+            says: BTreeMap::new(),
+            findings,
+        })
+    }
+
+    pub(super) fn report(&mut self, sentence: &str, message: &str, hint: &str) {
+        let message = format!("\"{}\": {message}", sentence.trim());
+        self.findings.push(Diagnostic::whole("the answers", message).hint(hint));
+    }
+
+    /// Reads a sentence: the longest name of a thing or a kind at each place, with the words before it.
+    pub(super) fn sentence(&self, text: &str) -> Sentence {
+        let words = plain(text);
+        let mut pieces: Vec<Piece> = Vec::new();
+        let mut holds = true;
+        let mut at = 0;
+        while at < words.len() {
+            let starts = |name: &Vec<String>| !name.is_empty() && words[at..].starts_with(name);
+            let things = self.things.iter().filter(|(name, _)| starts(name));
+            let thing = things.max_by_key(|(name, _)| name.len());
+            let kinds = self.kinds.iter().enumerate().filter(|(_, name)| starts(name));
+            let kind = kinds.max_by_key(|(_, name)| name.len());
+            // A thing may have the name of its kind: "the desk".
+            if let Some((name, of)) = thing.filter(|(name, _)| kind.is_none_or(|(_, kind)| name.len() > kind.len())) {
+                pop_article(&mut pieces);
+                pieces.push(Piece::Thing(*of, identifier(&name.join("_"))));
+                at += name.len();
+            } else if let Some((index, name)) = kind {
+                let which = pop_determiner(&mut pieces, &mut holds);
+                pieces.push(Piece::Kind(index, which));
+                at += name.len();
+            } else {
+                match words[at].as_str() {
+                    "not" => holds = !holds,
+                    word => pieces.push(Piece::Word(word.to_owned())),
+                }
+                at += 1;
+            }
+        }
+        Sentence { pieces, holds }
+    }
+
+    /// Returns the number of the sentence's predicate, a new one if no sentence had its words.
+    pub(super) fn pattern(&mut self, sentence: &Sentence) -> usize {
+        let mut kinds = Vec::new();
+        let words = sentence.pieces.iter().map(|piece| match piece {
+            Piece::Word(word) => word.clone(),
+            Piece::Kind(kind, _) | Piece::Thing(kind, _) => {
+                kinds.push(*kind);
+                format!("<{kind}>")
+            }
+        });
+        let key = words.collect::<Vec<_>>().join(" ");
+        if let Some(index) = self.patterns.iter().position(|pattern| pattern.key == key) {
+            return index;
+        }
+        let own = sentence.pieces.iter().filter_map(|piece| match piece {
+            Piece::Word(word) if !matches!(word.as_str(), "is" | "are" | "the" | "a" | "an") => Some(word.as_str()),
+            _ => None,
+        });
+        let mut name = identifier(&own.collect::<Vec<_>>().join("_")).replace('_', "-");
+        if !name.starts_with(|c: char| c.is_alphabetic()) {
+            name.insert_str(0, "is-");
+        }
+        if self.patterns.iter().any(|pattern| pattern.name == name) {
+            for kind in &kinds {
+                name.push('-');
+                name.push_str(&self.kind_name(*kind));
+            }
+        }
+        while self.patterns.iter().any(|pattern| pattern.name == name) {
+            name.push_str("-also");
+        }
+        self.patterns.push(Pattern {
+            key,
+            name,
+            kinds,
+            pieces: sentence.pieces.clone(),
+        });
+        self.patterns.len() - 1
+    }
+
+    pub(super) fn kind_name(&self, kind: usize) -> String {
+        identifier(&self.kinds[kind].join("_"))
+    }
+
+    /// Returns the parameter for a kind in a sentence.
+    pub(super) fn variable(&self, kind: usize, which: Which) -> String {
+        let name = self.kind_name(kind);
+        match which {
+            Which::One => name,
+            Which::Other => format!("other_{name}"),
+            Which::Any => format!("any_{name}"),
+        }
+    }
+
+    /// Writes a sentence as PDDL; an effect about "any" thing is about all of them.
+    pub(super) fn fact(
+        &mut self,
+        text: &str,
+        parameters: &mut Vec<(usize, Which)>,
+        removes: bool,
+        effect: bool,
+    ) -> Option<String> {
+        let mut sentence = self.sentence(text);
+        if removes {
+            sentence.holds = false;
+        }
+        if sentence.pieces.iter().any(|piece| matches!(piece, Piece::Thing(..))) {
+            self.report(
+                text,
+                "it names one thing, not a kind",
+                "say the kind: \"the box\", \"any box\"",
+            );
+            return None;
+        }
+        if !sentence
+            .pieces
+            .iter()
+            .any(|piece| matches!(piece, Piece::Word(word) if word != "is"))
+        {
+            self.report(
+                text,
+                "it says nothing",
+                "write a sentence such as \"the box is on the shelf\"",
+            );
+            return None;
+        }
+        let kinds = kinds_of(&sentence);
+        let pattern = self.pattern(&sentence);
+        let mut quantified = Vec::new();
+        let mut variables = String::new();
+        for (kind, which) in kinds {
+            let name = self.variable(kind, which);
+            let _ = write!(variables, " ?{name}");
+            if which == Which::Any {
+                quantified.push(format!("?{name} - {}", self.kind_name(kind)));
+            } else if !parameters.contains(&(kind, which)) {
+                parameters.push((kind, which));
+            }
+        }
+        let mut fact = format!("({}{variables})", self.patterns[pattern].name);
+        if !sentence.holds {
+            fact = format!("(not {fact})");
+        }
+        if quantified.is_empty() {
+            return Some(fact);
+        }
+        let quantifier = if effect || !sentence.holds { "forall" } else { "exists" };
+        Some(format!("({quantifier} ({}) {fact})", quantified.join(" ")))
+    }
+}
+
+/// Returns what holds no longer after an action, as a proposal for the author.
+///
+/// Picking up: where the thing was. Putting down: that the robot has it. Driving: the robot is nowhere else.
+///
+/// # Errors
+///
+/// None: sentences that cannot be read propose nothing.
+pub fn guess_removed(answers: &Answers, action: &ActionAnswer) -> Vec<String> {
+    let Ok(reader) = AnswerReader::new(answers) else {
+        return Vec::new();
+    };
+    let robot = answers.robot();
+    let speaks_of_robot = |text: &str| plain(text).contains(&robot);
+    let subject = kinds_of(&reader.sentence(&action.words)).first().copied();
+    let mut removed: Vec<String> = Vec::new();
+    for then in &action.then {
+        let after = reader.sentence(then);
+        let about = kinds_of(&after);
+        // The robot moves: it is at no other place.
+        if let ([(place, Which::One)], true) = (&about[..], speaks_of_robot(then) && after.holds)
+            && answers.kind[*place].stays
+        {
+            let name = &answers.kind[*place].name;
+            let words = after.pieces.iter().map(|piece| match piece {
+                Piece::Word(word) => word.clone(),
+                Piece::Kind(..) | Piece::Thing(..) => format!("any {name}"),
+            });
+            removed.push(words.collect::<Vec<_>>().join(" "));
+        }
+        for need in &action.needs {
+            let before = reader.sentence(need);
+            let kinds = kinds_of(&before);
+            let is_about = subject.is_some_and(|subject| kinds.contains(&subject) && about.contains(&subject));
+            let handed = speaks_of_robot(need) != speaks_of_robot(then);
+            if before.holds && is_about && handed && !removed.contains(need) {
+                removed.push(need.clone());
+            }
+        }
+    }
+    removed
+}
