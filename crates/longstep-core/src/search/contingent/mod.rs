@@ -29,8 +29,9 @@ const TIES: usize = 150;
 /// Weight of the heuristic in the greedy search.
 const GREED: u32 = 5;
 /// Nesting depths of sensing in the greedy search, one after the other. Where acting makes an outcome unknown again, a greedy
-/// search would look and act again and again, and never come back to the steps that it needs in between.
-const DEPTHS: [usize; 4] = [4, 8, 16, DEEPEST];
+/// search would look and act again and again, and never come back to the steps that it needs in between. Plans that look less
+/// often are the better ones, too.
+const DEPTHS: [usize; 5] = [2, 3, 4, 8, DEEPEST];
 /// Maximum length of a plan.
 const LONGEST: u32 = 1_000;
 
