@@ -60,7 +60,8 @@ pub enum GoalError {
     /// A quantity that is out of range for its type.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// A value that the world does not have, since no text with it was given to [`World::add_values`].
+    /// A value that the world does not have, since no text with it was given to
+    /// [`World::add_values`](crate::model::World::add_values).
     #[error("`{written}` is a value that was not added to the world")]
     NewValue {
         /// The value.
