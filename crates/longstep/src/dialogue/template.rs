@@ -117,6 +117,8 @@ impl io::Write for Bounded {
 /// Creates the environment of one rendering. Its filters share `room` for the texts that they build.
 fn environment(room: usize) -> Environment<'static> {
     let mut environment = Environment::empty();
+    // Without it, an error names the undefined variable in builds with debug assertions only.
+    environment.set_debug(true);
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_fuel(Some(STEPS));
     environment.add_test("defined", tests::is_defined);
