@@ -20,16 +20,13 @@ pub(super) struct Left {
 }
 
 impl Accepted {
-    /// Returns the possible final worlds, at least one. Endings with equal worlds are merged, and so are endings that nobody can
-    /// tell apart: they differ in what a step found before it changed it.
+    /// Returns the possible final worlds, at least one. Endings with equal worlds are merged.
     pub(super) fn leaves(&self) -> Vec<Left> {
         let mut all: Vec<Left> = Vec::new();
         for ending in self.plan.endings() {
             let world = self.before.after(ending);
-            let same = |left: &&mut Left| {
-                left.world.environment() == world.environment()
-                    && (left.world.state == world.state || left.when == ending.when)
-            };
+            let same =
+                |left: &&mut Left| left.world.environment() == world.environment() && left.world.state == world.state;
             match all.iter_mut().find(same) {
                 Some(left) => left.when.retain(|fact| ending.when.contains(fact)),
                 None => all.push(Left {
