@@ -116,9 +116,9 @@ struct Tally {
     exhausted: bool,
 }
 
-/// Runs a search within the work budget, and adds to the tally.
-fn run(task: &Task, manner: Manner, below: u32, limits: &Limits, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
-    let spent = effort::within(limits.run_for_any(), || {
+/// Runs a search within so many units of work, and adds to the tally.
+fn run(task: &Task, manner: Manner, below: u32, work: u64, tally: &mut Tally) -> Result<Option<Course>, TooFar> {
+    let spent = effort::within(work, || {
         let mut search = Search::new(task, manner);
         (search.run(below), search.looked_at())
     });
@@ -139,6 +139,7 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
         looping: false,
         deepest: DEEPEST,
     };
+    let work = limits.run_for_any();
     let mut tally = Tally::default();
     let solved = |task: &Task, course: &Course, shortest: bool, expanded: usize| {
         let plan = policy::plan(world, task, course);
@@ -162,9 +163,9 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
         )
     };
     let focused = relevance::focus(task);
-    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), dearest(task), limits, &mut tally) {
+    if let Ok(Some(direct)) = run(&focused, manner(limits.direct), dearest(task), work, &mut tally) {
         // The proof search uses all operators but accepts only a better worst case.
-        let found = run(task, manner(limits.proof), direct.worst, limits, &mut tally);
+        let found = run(task, manner(limits.proof), direct.worst, work, &mut tally);
         return match found {
             Ok(Some(better)) => solved(task, &better, true, tally.states),
             Ok(None) => solved(&focused, &direct, true, tally.states),
@@ -172,13 +173,15 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
         };
     }
     let mut proven = false;
+    // The greedy runs share the states and the work of one.
     let greedy = DEPTHS.map(|deepest| Manner {
         weight: GREED,
         deepest,
         ..manner(limits.any / LAZY / DEPTHS.len())
     });
-    for manner in std::iter::once(manner(limits.shortest)).chain(greedy) {
-        match run(task, manner, dearest(task), limits, &mut tally) {
+    let greedy = greedy.map(|manner| (manner, work / DEPTHS.len() as u64));
+    for (manner, work) in std::iter::once((manner(limits.shortest), work)).chain(greedy) {
+        match run(task, manner, dearest(task), work, &mut tally) {
             Ok(Some(course)) => return solved(task, &course, manner.weight == 1, tally.states),
             Ok(None) => {
                 proven = true;
@@ -192,7 +195,7 @@ fn of_task(world: &World, task: &Task, costs: Costs, limits: &Limits) -> Outcome
         ..manner(limits.shortest)
     };
     if forgets(task)
-        && let Ok(Some(course)) = run(task, looping, dearest(task), limits, &mut tally)
+        && let Ok(Some(course)) = run(task, looping, dearest(task), work, &mut tally)
     {
         return solved(task, &course, false, tally.states);
     }
