@@ -12,8 +12,8 @@ use super::scope::Scope;
 use super::task::{Always, Task};
 use crate::effort;
 use crate::model::{
-    Action, ActionId, Arithmetic, Atom, Bindings, Condition, Domain, EntityId, Fact, GroundTest, Moment, NumericEffect,
-    Slot, State, Term, TypeId, Wanted, World, ever_candidates, ground as ground_atom, static_value,
+    Action, ActionId, Arithmetic, Atom, Bindings, Condition, Domain, EntityId, Fact, GroundTest, Moment, Slot, State,
+    Term, TypeId, Wanted, World, ever_candidates, ground as ground_atom, static_value,
 };
 
 /// Work units for one node of a condition, which is stored and copied into smaller tasks.
@@ -369,39 +369,48 @@ impl<'a> Grounder<'a> {
     fn numeric(&mut self, action: &Action, arguments: &[EntityId]) -> Vec<GroundNumericEffect> {
         let mut effects = Vec::new();
         for effect in &action.numeric {
-            self.numeric_effect(effect, 0, &mut arguments.to_vec(), &mut effects);
+            let mut bindings = arguments.to_vec();
+            self.for_all(
+                &effect.forall,
+                &effect.condition,
+                &mut bindings,
+                &mut |grounder, bindings| {
+                    let condition = grounder.formula(&effect.condition, bindings);
+                    if !condition.is_false() && effort::spend(effort::KEPT) {
+                        let value = effect.value.ground(grounder.world, bindings);
+                        effects.push(GroundNumericEffect {
+                            condition,
+                            variable: grounder.fluents.of_fluent(effect.fluent.ground(bindings)),
+                            kind: effect.kind,
+                            value: grounder.fluents.expression(&value),
+                        });
+                    }
+                },
+            );
         }
         // An assignment comes before others; equal assignments count once, equal increases each for itself.
         effects.sort();
         effects
     }
 
-    fn numeric_effect(
+    /// Calls `done` for all entities of the slots of `forall` with which a condition may hold.
+    fn for_all(
         &mut self,
-        effect: &NumericEffect,
-        depth: usize,
+        forall: &[(Slot, TypeId)],
+        condition: &Condition,
         bindings: &mut Bindings,
-        effects: &mut Vec<GroundNumericEffect>,
+        done: &mut dyn FnMut(&mut Self, &mut Bindings),
     ) {
-        let Some((slot, kind)) = effect.forall.get(depth) else {
-            let condition = self.formula(&effect.condition, bindings);
-            if !condition.is_false() && effort::spend(effort::KEPT) {
-                let value = effect.value.ground(self.world, bindings);
-                effects.push(GroundNumericEffect {
-                    condition,
-                    variable: self.fluents.of_fluent(effect.fluent.ground(bindings)),
-                    kind: effect.kind,
-                    value: self.fluents.expression(&value),
-                });
-            }
-            return;
+        let Some(((slot, kind), others)) = forall.split_first() else {
+            return done(self, bindings);
         };
-        for entity in self.things((*slot, *kind), &effect.condition, true, bindings).as_ref() {
+        debug_assert_eq!(*slot, bindings.len());
+        for entity in self.things((*slot, *kind), condition, true, bindings).as_ref() {
             if !effort::spend(1) {
                 return;
             }
             bindings.push(*entity);
-            self.numeric_effect(effect, depth + 1, bindings, effects);
+            self.for_all(others, condition, bindings, done);
             bindings.pop();
         }
     }
@@ -453,7 +462,30 @@ impl<'a> Grounder<'a> {
         let mut effects = Vec::new();
         for effect in &action.effects {
             let mut bindings = arguments.to_vec();
-            self.effect(effect, 0, &mut bindings, &mut effects);
+            self.for_all(
+                &effect.forall,
+                &effect.condition,
+                &mut bindings,
+                &mut |grounder, bindings| {
+                    let condition = grounder.formula(&effect.condition, bindings);
+                    if condition.is_false() {
+                        return;
+                    }
+                    let fact = ground_atom(&effect.atom, bindings);
+                    if effect.adds {
+                        effects.extend(grounder.copied(&condition, fact));
+                    }
+                    let fact = grounder.number(fact);
+                    effects.push(GroundEffect {
+                        condition,
+                        literal: Literal {
+                            fact,
+                            holds: effect.adds,
+                        },
+                        may: false,
+                    });
+                },
+            );
         }
         // A fact that is both deleted and added under one condition holds afterwards.
         let adds = effects.iter().filter(|e| e.literal.holds);
@@ -469,43 +501,6 @@ impl<'a> Grounder<'a> {
         effects.sort();
         effects.dedup();
         effects
-    }
-
-    fn effect(
-        &mut self,
-        effect: &crate::model::Effect,
-        depth: usize,
-        bindings: &mut Bindings,
-        effects: &mut Vec<GroundEffect>,
-    ) {
-        let Some((slot, kind)) = effect.forall.get(depth) else {
-            let condition = self.formula(&effect.condition, bindings);
-            if !condition.is_false() {
-                let fact = ground_atom(&effect.atom, bindings);
-                if effect.adds {
-                    effects.extend(self.copied(&condition, fact));
-                }
-                let fact = self.number(fact);
-                effects.push(GroundEffect {
-                    condition,
-                    literal: Literal {
-                        fact,
-                        holds: effect.adds,
-                    },
-                    may: false,
-                });
-            }
-            return;
-        };
-        debug_assert_eq!(*slot, bindings.len());
-        for entity in self.things((*slot, *kind), &effect.condition, true, bindings).as_ref() {
-            if !effort::spend(1) {
-                return;
-            }
-            bindings.push(*entity);
-            self.effect(effect, depth + 1, bindings, effects);
-            bindings.pop();
-        }
     }
 }
 
