@@ -1,4 +1,4 @@
-//! What `robot.toml` says. [`super::read`] reads it, and [`super::check`] compares it with a domain.
+//! The content of `robot.toml`. [`super::read`] reads it, and [`super::check`] compares it with a domain.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

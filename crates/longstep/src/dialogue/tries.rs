@@ -24,7 +24,7 @@ pub(super) struct Tries {
     stage: Stage,
 }
 
-/// What the next answer is.
+/// The kind of the next answer.
 #[derive(Debug, Clone, Default)]
 enum Stage {
     #[default]

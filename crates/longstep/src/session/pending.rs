@@ -19,7 +19,7 @@ pub(super) struct Asking {
 pub(super) enum What {
     /// The marks of the instruction, before the goal.
     Screening(Box<ScreeningDialogue>),
-    /// Whether somebody is to be told something, after a screening with these marks.
+    /// The question whether somebody is to be told something, after a screening with these marks.
     Message(Box<MessageDialogue>, Vec<Mark>),
     /// The instruction in plain English, after its own words led to a question.
     Retelling(Box<RetellingDialogue>),

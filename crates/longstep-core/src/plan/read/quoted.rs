@@ -169,7 +169,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Parses `\uXXXX`, or a surrogate pair of two such escapes.
+    /// Parses `\u` with four hexadecimal digits, or a surrogate pair of two such escapes.
     fn utf16(&mut self) -> Parsed<char> {
         let first = self.hexadecimal(4)?;
         let code = if (0xd800..0xdc00).contains(&first) {
