@@ -31,13 +31,19 @@ fn byte_tokens(text: &str) -> Vec<TokenId> {
     text.bytes().map(TokenId::from).collect()
 }
 
-/// Compares what the first request about a world accepts with what is offered.
-fn check_world(grammars: &Grammars, domain: &Domain, world: &World, tokens: &dyn Fn(&str) -> Vec<TokenId>) {
+/// The grammar of the first request about a world, and its matcher.
+fn first_request(grammars: &Grammars, domain: &Domain, world: &World) -> (String, Matcher) {
     let input = GoalInput::new(domain, world, "?", ConstraintKind::Grammar);
     let Constraint::Lark(text) = GoalDialogue::new(input).request().constraint else {
         panic!("no grammar");
     };
     let matcher = grammars.matcher(&Constraint::Lark(text.clone())).unwrap().unwrap();
+    (text, matcher)
+}
+
+/// Compares what the first request about a world accepts with what is offered.
+fn check_world(grammars: &Grammars, domain: &Domain, world: &World, tokens: &dyn Fn(&str) -> Vec<TokenId>) {
+    let (text, matcher) = first_request(grammars, domain, world);
     let offers = offers(world, &[], &Mentions::default());
     let facts = offers.iter().flat_map(|offer| {
         let fact = |arguments: &Vec<_>| GoalFact::Word {
@@ -158,6 +164,33 @@ fn check_random(cases: u32, grammars: &Grammars, tokens: &dyn Fn(&str) -> Vec<To
 fn every_offer_can_be_written() {
     let cases = std::env::var("LONGSTEP_GRAMMAR_CASES").map_or(40, |cases| cases.parse().unwrap());
     check_random(cases, &bytes(), &byte_tokens);
+}
+
+#[test]
+fn a_question_is_sentences_in_any_language() {
+    let domain = domain_with(&[]);
+    let world = Planner::new(domain.clone()).world(&environment(&[0, 1, 5], 1)).unwrap();
+    let grammars = bytes();
+    let (_, matcher) = first_request(&grammars, &domain, &world);
+    for (text, is_question) in [
+        ("Which mug do you mean?", true),
+        ("I cannot peel fruit. What else can I do?", true),
+        ("I cannot swim.", true),
+        ("Welche Tüte meinst du?", true),
+        ("泳げません。どうしますか？", true),
+        ("Какую чашку?", true),
+        ("I cannot", false),
+        ("Which?\nput(a, table)", false),
+        ("on(tv) & on(toaster)?", false),
+        ("", false),
+        ("?", false),
+    ] {
+        let accepted = accepts(&matcher, &byte_tokens(&format!("question: {text}")));
+        assert_eq!(accepted, is_question, "{text}");
+    }
+    let longest = format!("question: {}.", "a".repeat(121));
+    assert!(accepts(&matcher, &byte_tokens(&longest)));
+    assert!(!accepts(&matcher, &byte_tokens(&longest.replace('.', "a."))));
 }
 
 #[test]

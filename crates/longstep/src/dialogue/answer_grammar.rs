@@ -6,6 +6,9 @@ use serde_json::{Value, json};
 
 use crate::goal::QUESTION;
 
+/// Token budget of an answer that may be a question: three tokens for each letter, as in scripts that a model has few tokens for.
+pub(crate) const QUESTION_TOKENS: u32 = 384;
+
 /// A set of texts: the form of an answer, or of a part of it.
 ///
 /// Every form is regular, so a whole answer becomes one regular expression and the grammar of a request one lexeme. With
@@ -68,11 +71,12 @@ impl Form {
         Self::Row(vec![form, more])
     }
 
-    /// A question to the person.
+    /// A question to the person in any language, of at most [`QUESTION_TOKENS`]: sentences with their full stops, because a model
+    /// that may not end a sentence goes on with excuses.
     pub(crate) fn question() -> Self {
         Self::Row(vec![
             Self::text(QUESTION),
-            Self::Pattern("[A-Za-z][A-Za-z0-9 ,'-]{8,120}\\?".to_owned()),
+            Self::Pattern("\\p{L}[\\p{L}\\p{M}\\p{N} ,.;:'’()?¿、。？-]{4,120}[?.。？]".to_owned()),
         ])
     }
 

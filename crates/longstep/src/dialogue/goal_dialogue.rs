@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::answer_grammar::{Form, question_in};
+use super::answer_grammar::{Form, QUESTION_TOKENS, question_in};
 use super::ending::Endings;
 use super::example::{fixed_turns, in_form, scene_and_instruction};
 use super::goal_grammar::{Place, Ways, goal_grammar, goal_schema};
@@ -24,7 +24,7 @@ use crate::search;
 
 /// Maximum number of goals in an answer.
 const GOAL_LIMIT: usize = 6;
-/// Token budget of one goal or a question.
+/// Token budget of one goal.
 const STEP_TOKENS: u32 = 96;
 /// Token budget of a whole answer of a server.
 pub(super) const ANSWER_TOKENS: u32 = 1024;
@@ -548,7 +548,7 @@ impl Dialogue for GoalDialogue {
 
     fn request(&self) -> ChatRequest {
         match self.transcript.kind {
-            ConstraintKind::Grammar => self.transcript.under_grammar(self.grammar(), STEP_TOKENS),
+            ConstraintKind::Grammar => self.transcript.under_grammar(self.grammar(), QUESTION_TOKENS),
             ConstraintKind::JsonSchema => {
                 let depends = !goal::conditions(&self.world, &self.correction.mentions).is_empty();
                 self.transcript

@@ -8,7 +8,7 @@ use super::grammar::{FURTHER, GOAL, MOST, grammar, schema};
 use super::language::{everyday, parse};
 use super::offer::{Offers, offers};
 use super::reference::References;
-use crate::dialogue::answer_grammar::question_in;
+use crate::dialogue::answer_grammar::{QUESTION_TOKENS, question_in};
 use crate::dialogue::{
     ChatRequest, ConstraintKind, Dialogue, DialogueError, Reply, Role, Task, Transcript, object, one_line,
 };
@@ -17,8 +17,7 @@ use crate::goal::QUESTION;
 use crate::model::Domain;
 use crate::plan::{Plan, Step};
 
-/// Token budget of an answer under a grammar, and of a server.
-const GRAMMAR_TOKENS: u32 = 128;
+/// Token budget of the answer of a server.
 const ANSWER_TOKENS: u32 = 512;
 
 /// Interpretation of an utterance about a plan.
@@ -123,7 +122,7 @@ impl Dialogue for FeedbackDialogue {
         match self.transcript.kind {
             ConstraintKind::Grammar => self
                 .transcript
-                .under_grammar(grammar(world, &self.offers, self.length), GRAMMAR_TOKENS),
+                .under_grammar(grammar(world, &self.offers, self.length), QUESTION_TOKENS),
             ConstraintKind::JsonSchema => self
                 .transcript
                 .under_schema(schema(world, &self.offers, self.length), ANSWER_TOKENS),
