@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Writes docs/results.md: every shipped suite with a model, and the paper's scenarios where LONGSTEP_CORPUS names the
-# folder of its recordings. Runs are kept in eval/results and go on where they were cut off.
+# Writes docs/results.md: every shipped suite with a model, the paper's scenarios where LONGSTEP_CORPUS names the folder of its
+# recordings, and the totals of the test and the sealed suites for understanding. Runs are kept in eval/results and go on where they were
+# cut off. The sealed suites count their runs (scripts/understanding/README.md): do not run them to choose something.
 #
 #   LONGSTEP_CORPUS=../shared/corpus scripts/results.sh [MODEL]
 set -euo pipefail
@@ -37,6 +38,21 @@ section() {
     tables "$runs/$folder/report.md" "$listed"
 }
 
+# totals TITLE KIND SUITE...: a table with one row for each suite of scripts/understanding/KIND.
+totals() {
+    local title=$1 kind=$2
+    shift 2
+    local folders=()
+    echo "== $title" >&2
+    for suite in "$@"; do
+        local folder=$runs/$kind-${suite//\/suite/}
+        "$longstep" eval "scripts/understanding/$kind/$suite" --model "$model" --out "$folder" >/dev/null
+        folders+=("$folder")
+    done
+    say "" "## $title" "" "    longstep eval scripts/understanding/$kind/$1" "    scripts/understanding/table.py eval/results/$kind-*" ""
+    scripts/understanding/table.py "${folders[@]}" >>"$page"
+}
+
 say "# Results" "" \
     "Written by \`scripts/results.sh\`; what the measures mean is told in [evaluation.md](evaluation.md)." "" \
     "- longstep $("$longstep" --version | cut -d' ' -f2), model \`$model\`" \
@@ -59,6 +75,8 @@ section "Kitchen, held-out half" kitchen-held-out "" kitchen --model "$model" --
 section "Branching" branching all branching --model "$model"
 section "Two arms" two-arms all two-arms --model "$model"
 section "Long chains" long all long --model "$model"
+totals "Other robots: test" test care home laboratory warehouse workshop petshop
+totals "Other robots: sealed" sealed farm/suite-minimum hotel/suite-minimum farm/suite-full hotel/suite-full
 mv "$page" docs/results.md
 chmod 644 docs/results.md
 trap - EXIT
