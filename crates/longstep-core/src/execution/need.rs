@@ -125,9 +125,7 @@ impl Stop {
                 };
                 let prohibitions = why.prohibitions.iter().filter(is_new);
                 reasons.extend(prohibitions.map(|own| format!("`{own}` prevents a plan")));
-                let missing = why.missing.map(|(fact, holds)| fact_text(world, fact, holds));
-                reasons
-                    .extend(missing.map(|text| format!("it would need that {text}, and no action can make that so")));
+                reasons.extend(why.missing.as_ref().map(|missing| missing.sentence(world)));
                 let reasons = if reasons.is_empty() {
                     String::new()
                 } else {

@@ -2,7 +2,7 @@
 
 use super::{Goal, parse};
 use crate::domain::from_pddl;
-use crate::model::{Voice, World};
+use crate::model::World;
 use crate::pddl::{read_problem, write_plan};
 use crate::search::{Limits, Outcome, solve, why_not};
 use crate::verify::check;
@@ -198,8 +198,7 @@ fn a_fact_that_nothing_brings_about_is_named() {
         let goal = parse(&world, text).unwrap();
         let why = why_not(&world, &goal.purpose(&world), &Limits::default());
         assert_eq!(why.goals, [0], "{text}: {why:?}");
-        let (fact, holds) = why.missing.expect(text);
-        let message = Voice::Person.fact(&world, fact, holds);
+        let message = why.missing.expect(text).sentence(&world);
         assert!(message.contains(expected), "{text}: {message}");
     }
 }

@@ -45,7 +45,7 @@ pub use outcome::Outcome;
 pub(crate) use relevance::reduce;
 pub(crate) use scope::{Requirements, Scope};
 pub(crate) use task::{Always, Task};
-pub use why_not::{WhyNot, why_not};
+pub use why_not::{Missing, WhyNot, why_not};
 
 use crate::effort;
 use crate::model::{ActionId, EntityId, Fact, Moment, World, apply, holds};

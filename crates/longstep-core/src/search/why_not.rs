@@ -9,8 +9,8 @@ use super::operator::Operator;
 use super::{Formula, Limits, Literal, Outcome, Requirements, Scope, relevance, solve};
 use crate::effort;
 use crate::model::{
-    Bindings, Condition, EntityId, Fact, GroundTest, Moment, Prohibition, Wanted, World, ground, holds, static_value,
-    unify,
+    Atom, Bindings, Condition, EntityId, Fact, GroundTest, Moment, PredicateId, Prohibition, Term, Voice, Wanted,
+    World, ground, holds, static_value, unify,
 };
 use crate::verify::Purpose;
 
@@ -33,10 +33,32 @@ pub struct WhyNot {
     pub goals: Vec<usize>,
     /// True if each goal can be reached, but not all together.
     pub together: bool,
-    /// A fact that a goal needs, and that no action can bring about; with `false` for a fact that must not hold.
-    pub missing: Option<(Fact, bool)>,
-    /// A requirement on numbers that a goal needs, and that no action can bring about.
-    pub missing_number: Option<GroundTest>,
+    /// What a goal needs and no action can bring about.
+    pub missing: Option<Missing>,
+}
+
+/// What a goal needs and no action can bring about.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Missing {
+    /// A fact; with `false` for a fact that must not hold.
+    Fact(Fact, bool),
+    /// Anything that is of this kind, a predicate with one parameter: "a centrifuge".
+    Any(PredicateId),
+    /// A requirement on numbers.
+    Number(GroundTest),
+}
+
+impl Missing {
+    /// A sentence for a person: `it would need that the shelf is open, and no action can make that so`.
+    pub fn sentence(&self, world: &World) -> String {
+        let text = match self {
+            Self::Fact(fact, holds) => Voice::Person.fact(world, *fact, *holds),
+            Self::Any(predicate) => world.domain().words(*predicate).says.fill(|_| "something".to_owned()),
+            Self::Number(test) => Voice::Person.requirement(world, test),
+        };
+        format!("it would need that {text}, and no action can make that so")
+    }
 }
 
 /// Finds the reasons why there is no plan for a purpose that [`solve`] has proven unsolvable.
@@ -103,11 +125,8 @@ fn analyzed(world: &World, purpose: &Purpose, limits: &Limits) -> WhyNot {
         .filter(|index| !is_solved(world, &alone(&conditions[*index])))
         .collect();
     why.together = count > 1 && why.goals.is_empty();
-    match why.goals.first().and_then(|index| missing(world, &conditions[*index])) {
-        Some(Lack::Fact(fact, holds)) => why.missing = Some((fact, holds)),
-        Some(Lack::Number(test)) => why.missing_number = Some(test),
-        None => {}
-    }
+    let first = why.goals.first();
+    why.missing = first.and_then(|index| missing(world, &conditions[*index]));
     if effort::is_exhausted() { WhyNot::default() } else { why }
 }
 
@@ -122,14 +141,8 @@ fn conditions(purpose: &Purpose) -> Vec<Wanted> {
     }
 }
 
-/// A fact or a number that nothing brings about.
-enum Lack {
-    Fact(Fact, bool),
-    Number(GroundTest),
-}
-
 /// Returns what the condition needs and nothing brings about, following the conditions of actions back.
-fn missing(world: &World, wanted: &Wanted) -> Option<Lack> {
+fn missing(world: &World, wanted: &Wanted) -> Option<Missing> {
     let scope = Scope::whole(world, &Requirements::of(world, [wanted]));
     if !scope.is_bearable(world) {
         return None;
@@ -141,8 +154,9 @@ fn missing(world: &World, wanted: &Wanted) -> Option<Lack> {
     let initial = grounder.initial.clone();
     let facts = grounder.facts();
     if goal.is_false() {
-        let denied = denied(world, &wanted.condition, &mut wanted.bindings.clone());
-        return denied.map(|(fact, holds)| Lack::Fact(fact, holds));
+        let mut bindings = wanted.bindings.clone();
+        let denied = denied(world, &wanted.condition, &mut bindings);
+        return denied.map(|(atom, holds)| Missing::Fact(ground(atom, &bindings), holds));
     }
     let reached = relevance::reached(&initial, &operators);
     let mut open = lacking(&goal, &reached);
@@ -170,13 +184,10 @@ fn missing(world: &World, wanted: &Wanted) -> Option<Lack> {
     let literal = last?;
     let fact = match &facts[literal.fact as usize] {
         Meaning::Fact(fact) => *fact,
-        Meaning::Test(test) => return Some(Lack::Number(test.clone())),
+        Meaning::Test(test) => return Some(Missing::Number(test.clone())),
     };
-    let (fact, holds) = match literal.holds {
-        true => prevented(world, fact).unwrap_or((fact, true)),
-        false => (fact, false),
-    };
-    Some(Lack::Fact(fact, holds))
+    let prevented = prevented(world, fact).filter(|_| literal.holds);
+    Some(prevented.unwrap_or(Missing::Fact(fact, literal.holds)))
 }
 
 /// Returns the fewest literals of a condition that are not reached.
@@ -193,14 +204,14 @@ fn lacking(formula: &Formula, reached: &[bool]) -> Vec<Literal> {
 }
 
 /// Returns a static part of a condition that is false, with the value that it would need.
-fn denied(world: &World, condition: &Condition, bindings: &mut Bindings) -> Option<(Fact, bool)> {
+fn denied<'a>(world: &World, condition: &'a Condition, bindings: &mut Bindings) -> Option<(&'a Atom, bool)> {
     let moment = Moment {
         world,
         state: &world.state,
     };
     match condition {
         Condition::Atom { atom, holds, .. } => match static_value(world, condition, bindings) {
-            Some(false) => Some((ground(atom, bindings), *holds)),
+            Some(false) => Some((atom, *holds)),
             _ => None,
         },
         Condition::And(parts) => parts.iter().find_map(|part| denied(world, part, bindings)),
@@ -212,9 +223,9 @@ fn denied(world: &World, condition: &Condition, bindings: &mut Bindings) -> Opti
 }
 
 /// Returns what prevents every action that would add a fact: the static fact that most nearly suffices for one of them.
-fn prevented(world: &World, fact: Fact) -> Option<(Fact, bool)> {
+fn prevented(world: &World, fact: Fact) -> Option<Missing> {
     let domain = world.domain();
-    let mut best: Option<(usize, (Fact, bool))> = None;
+    let mut best: Option<(usize, Missing)> = None;
     for action in &domain.actions {
         for effect in action.effects.iter().filter(|effect| effect.adds) {
             let mut arguments = vec![None; action.parameters.len()];
@@ -236,17 +247,63 @@ fn prevented(world: &World, fact: Fact) -> Option<(Fact, bool)> {
                     return None;
                 }
                 let parts: Vec<&Condition> = action.precondition.conjuncts().collect();
-                let denied: Vec<(Fact, bool)> = parts
+                let denied: Vec<(&Atom, bool)> = parts
                     .iter()
                     .filter_map(|part| denied(world, part, &mut choice))
                     .collect();
-                if let Some(first) = denied.first()
+                if let Some((atom, holds)) = denied.first().copied()
                     && best.as_ref().is_none_or(|(fewest, _)| denied.len() < *fewest)
                 {
-                    best = Some((denied.len(), *first));
+                    let missing = match holds && is_open(world, atom, &arguments) {
+                        true => Missing::Any(atom.predicate),
+                        false => Missing::Fact(ground(atom, &choice), holds),
+                    };
+                    best = Some((denied.len(), missing));
                 }
             }
         }
     }
-    best.map(|(_, fact)| fact)
+    best.map(|(_, missing)| missing)
+}
+
+/// Returns true if an atom is about one parameter that is not fixed, and is true of nothing.
+fn is_open(world: &World, atom: &Atom, fixed: &[Option<EntityId>]) -> bool {
+    let [Term::Variable(slot)] = atom.terms[..] else {
+        return false;
+    };
+    fixed.get(slot).is_some_and(Option::is_none) && world.state.of_predicate(atom.predicate).is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain;
+    use crate::pddl::read_problem;
+
+    #[test]
+    fn a_thing_that_an_action_chooses_is_something() {
+        let text = "(define (domain kitchen) (:requirements :strips)
+            (:predicates (oven ?x) (metal ?x) (hot ?x) (clean ?x))
+            (:action heat :parameters (?x ?oven) :precondition (and (metal ?x) (oven ?oven)) :effect (hot ?x)))";
+        let kitchen = domain::from_pddl("kitchen.pddl", text).unwrap();
+        for (facts, expected) in [
+            (
+                "(metal cup)",
+                "it would need that (oven something), and no action can make that so",
+            ),
+            (
+                "(oven shelf)",
+                "it would need that (metal cup), and no action can make that so",
+            ),
+            ("(metal cup) (oven shelf)", ""),
+        ] {
+            let problem = format!(
+                "(define (problem one) (:domain kitchen) (:objects cup shelf) (:init {facts}) (:goal (hot cup)))"
+            );
+            let problem = read_problem(&kitchen, "problem.pddl", &problem).unwrap();
+            let why = why_not(&problem.world, &problem.purpose(), &Limits::default());
+            let sentence = why.missing.map(|missing| missing.sentence(&problem.world));
+            assert_eq!(sentence.unwrap_or_default(), expected, "{facts}");
+        }
+    }
 }

@@ -133,13 +133,6 @@ pub(super) fn reasons(world: &World, goal: Option<&Goal>, why: &WhyNot) -> Vec<S
     }
     let facts = why.goals.iter().filter_map(|index| goal?.facts.get(*index));
     reasons.extend(facts.map(|fact| format!("this cannot be reached, not even by itself: {}", fact.sentence(world))));
-    let missing = why.missing.map(|(fact, holds)| Voice::Person.fact(world, fact, holds));
-    let number = why.missing_number.as_ref();
-    let number = number.map(|test| Voice::Person.requirement(world, test));
-    reasons.extend(
-        missing
-            .or(number)
-            .map(|text| format!("it would need that {text}, and no action can make that so")),
-    );
+    reasons.extend(why.missing.as_ref().map(|missing| missing.sentence(world)));
     reasons
 }
