@@ -346,6 +346,11 @@ impl Goal {
         self.facts.is_empty() && self.constraints.is_empty()
     }
 
+    /// Returns true if a part of the goal has a condition.
+    pub fn depends(&self) -> bool {
+        self.facts.iter().any(|fact| matches!(fact, GoalFact::If(_)))
+    }
+
     /// Writes the parts of the goal with everyday names. Joined with ` & ` they are the goal in the goal language.
     pub fn everyday(&self, world: &World) -> Vec<String> {
         self.written(|fact| fact.everyday(world), |constraint| constraint.everyday(world))

@@ -13,18 +13,23 @@ struct Limits {
     named: i64,
     /// For any other instruction, where nothing else speaks for the answer.
     unnamed: i64,
+    /// For an answer with a condition.
+    conditional: i64,
 }
 
 /// The limits for a model that was not trained for the task.
 const UNTRAINED: Limits = Limits {
     named: -4000,
     unnamed: -1500,
+    // It rarely finds the notation of a condition likely.
+    conditional: i64::MIN,
 };
 
 /// The limits for a model that was.
 const TRAINED: Limits = Limits {
     named: -1500,
     unnamed: -800,
+    conditional: -2000,
 };
 
 /// A token that the grammar forces counts this many times less than one that the model chose.
@@ -48,9 +53,13 @@ pub(super) struct Endings {
 
 impl Endings {
     /// Returns the likelihood below which the answer is a guess.
-    pub(super) fn least(&self, names_entities: bool) -> i64 {
+    pub(super) fn least(&self, names_entities: bool, depends: bool) -> i64 {
         let limits = if self.is_trained { TRAINED } else { UNTRAINED };
-        if names_entities { limits.named } else { limits.unnamed }
+        match (depends, names_entities) {
+            (true, _) => limits.conditional,
+            (false, true) => limits.named,
+            (false, false) => limits.unnamed,
+        }
     }
 
     /// Returns the likelihood of the answer where it ends best.

@@ -68,6 +68,8 @@ pub struct GoalDialogue {
     candidates: Vec<Candidate>,
     /// The reason why the chosen answer is a question.
     doubt: Option<Doubt>,
+    /// The likelihood below which the chosen answer is a guess.
+    limit: Option<i64>,
 }
 
 /// The condition mark of an instruction: if it has a condition, such as "if the milk is sour", as a [screening](super::ScreeningDialogue) marks
@@ -167,6 +169,7 @@ impl GoalDialogue {
             left_out: Vec::new(),
             candidates: Vec::new(),
             doubt: None,
+            limit: None,
         }
     }
 
@@ -461,17 +464,16 @@ impl GoalDialogue {
         Some(self.understood(aside.unwrap_or(goal)))
     }
 
-    /// Returns true if the model finds its first answer, or a further goal, unlikely. Goals with conditions are never called a
-    /// guess.
+    /// Returns true if the model finds its first answer, or a further goal, unlikely.
     fn is_guess(&self, goal: &Goal) -> bool {
-        let least = self.least().filter(|_| !depends(goal));
+        let least = self.least(goal.depends());
         least.is_some_and(|least| self.endings.likelihood() < least)
     }
 
     /// Returns the likelihood below which an answer is a guess; none if no answer is.
-    fn least(&self) -> Option<i64> {
+    fn least(&self, depends: bool) -> Option<i64> {
         let names_entities = !self.correction.mentions.entities.is_empty();
-        (self.is_first || self.is_further()).then(|| self.endings.least(names_entities))
+        (self.is_first || self.is_further()).then(|| self.endings.least(names_entities, depends))
     }
 
     fn understood(&mut self, goal: Goal) -> Understanding {
@@ -480,6 +482,7 @@ impl GoalDialogue {
             candidate.chosen = true;
         }
         let (is_guess, is_empty) = (self.is_guess(&goal), goal.is_empty());
+        self.limit = self.least(goal.depends());
         let may_doubt = self.is_first && self.endings.weighed().is_some();
         let understanding = match understand_mentions(&self.world, &self.correction.mentions, goal) {
             Understanding::Goal(goal) | Understanding::Doubtful(goal) if is_guess => {
@@ -503,6 +506,7 @@ impl GoalDialogue {
         let mut candidate = Candidate::new(question.clone(), likelihood);
         candidate.chosen = true;
         self.candidates.push(candidate);
+        self.limit = self.least(false);
         self.doubt = Some(Doubt::Asks);
         Understanding::Question(question)
     }
@@ -520,7 +524,7 @@ impl GoalDialogue {
             of,
             words: words.to_owned(),
             candidates: self.candidates.clone(),
-            least: self.least().filter(|_| is_weighed).map(nats),
+            least: self.limit.filter(|least| is_weighed && *least > i64::MIN).map(nats),
             doubt: self.doubt,
         }
     }
@@ -536,11 +540,6 @@ enum Settled {
     Aside(Endings, Goal),
     /// There is none any more.
     Closed,
-}
-
-/// Returns true if a part of a goal has a condition.
-fn depends(goal: &Goal) -> bool {
-    goal.facts.iter().any(|fact| matches!(fact, GoalFact::If(_)))
 }
 
 impl Dialogue for GoalDialogue {

@@ -74,10 +74,12 @@ impl Tries {
         true
     }
 
-    /// Returns the likeliest of all answers.
+    /// Returns the likeliest of all answers. One without a condition is never likelier than one with it: it is shorter, and does
+    /// what was asked for in one case only.
     pub(super) fn likeliest(&mut self, endings: Endings, goal: Goal) -> (Endings, Goal) {
+        let order = |endings: &Endings, goal: &Goal| (goal.depends(), endings.likelihood());
         match self.best.take() {
-            Some((best, other)) if best.likelihood() >= endings.likelihood() => (best, other),
+            Some((best, other)) if order(&best, &other) >= order(&endings, &goal) => (best, other),
             _ => (endings, goal),
         }
     }

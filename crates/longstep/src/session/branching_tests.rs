@@ -2,7 +2,7 @@
 
 use super::tests::{goals, reply};
 use super::{Entry, Event, Log, ModelFacts, Response, Session, Settings};
-use crate::dialogue::{ConstraintKind, EstimatedTokens};
+use crate::dialogue::{ConstraintKind, EstimatedTokens, Likelihood, Reply};
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment};
 use crate::json::Path;
@@ -15,12 +15,16 @@ fn checks() -> Domain {
 }
 
 fn session() -> Session {
+    session_with(ConstraintKind::JsonSchema)
+}
+
+fn session_with(kind: ConstraintKind) -> Session {
     let domain = checks();
     let environment = Environment::from_json(LARDER).unwrap();
     let world = environment::read(&domain, &environment, "", "", &Path::default()).unwrap();
     let model = ModelFacts {
         name: "script".to_owned(),
-        kind: ConstraintKind::JsonSchema,
+        kind,
         context: None,
     };
     Session::new("household-checks", domain, world, Settings::default(), model, || 0.0)
@@ -41,6 +45,50 @@ fn log(events: &[Event]) -> Log {
 fn where_is_the_cheese(session: &Session) -> Vec<String> {
     let states = &session.world().environment().object_states["<cheese>"];
     states.as_slice().to_vec()
+}
+
+#[test]
+fn other_words_for_an_instruction_may_not_lose_its_condition() {
+    const GOAL: &str = "if expired(cheese) then put(cheese, trash bin)";
+    for (of_retelling, expected) in [
+        (GOAL, "if expired(<cheese>) then put(<cheese>, <trash_bin>)"),
+        (
+            "put(cheese, trash bin)",
+            "I am not sure what you want. Do you mean: if the cheese is past its date, the cheese is at the trash bin?",
+        ),
+    ] {
+        let mut session = session_with(ConstraintKind::Grammar);
+        session.instruct("Cheese gone? Bin.").unwrap();
+        for (text, likelihood) in [
+            ("wish", -100),
+            (GOAL, -2500),
+            (GOAL, -2500),
+            ("Put the cheese in the trash bin if it has expired.", -1000),
+            ("wish", -100),
+            (of_retelling, -100),
+        ] {
+            assert!(
+                matches!(session.next_request(&mut EstimatedTokens::default()), Ok(Some(_))),
+                "{text}"
+            );
+            let likelihood = Some(Likelihood {
+                text: likelihood,
+                is_trained: true,
+                ..Likelihood::default()
+            });
+            let reply = Reply {
+                likelihood,
+                ..reply(text)
+            };
+            session.supply(&reply, 1.0).unwrap();
+        }
+        assert!(!session.wants_model());
+        let found = match session.response() {
+            Response::Plan(proposal) => proposal.answer.goal.join(" & "),
+            other => other.to_string(),
+        };
+        assert_eq!(found, expected);
+    }
 }
 
 #[test]

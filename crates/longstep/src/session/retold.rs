@@ -224,12 +224,15 @@ impl Turn {
     }
 
     /// Returns the doubt about the goal of a retelling that lacks what the instruction forbids, all but one of the things that it
-    /// puts in order, or a case or a message that was told from the rest: other words for a wish do not answer the question
+    /// puts in order, the condition of its answer, or a case or a message that was told from the rest: other words for a wish do not answer the question
     /// about them. An amount can be in the other words ("only half" is "halfway").
     pub(super) fn forgets(&self, world: &World, goal: &Goal) -> Option<Doubt> {
         let retold = self.retold.as_ref().filter(|_| self.is_retold_now())?;
         if goal.constraints.is_empty() && retold.before.forbids() {
             return Some(Doubt::ForgetsProhibition);
+        }
+        if !goal.depends() && retold.before.depends(world) {
+            return Some(Doubt::NotRepresented);
         }
         let orders = retold.before.marks.iter().any(|mark| mark.gap == Gap::Order);
         if orders && goal.facts.len() < 2 && goal.stages.is_empty() && goal.constraints.is_empty() {
@@ -240,6 +243,13 @@ impl Turn {
         let mut missing = coverage::missing(world, &text, goal, &retold.before.marks);
         let is_lost = missing.any(|mark| matches!(mark.gap, Gap::Condition | Gap::Quotation) && !is_kept(mark.gap));
         (is_lost && matches!(retold.open, Open::Consent(_))).then_some(Doubt::NotRepresented)
+    }
+
+    /// Returns true if the answer to the instruction had a condition.
+    fn depends(&self, world: &World) -> bool {
+        let (wish, _) = self.wishes().last().unzip();
+        let chosen = wish.and_then(|own| own.candidates.iter().find(|candidate| candidate.chosen));
+        chosen.is_some_and(|answer| goal::parse(world, &answer.text).is_ok_and(|goal| goal.depends()))
     }
 
     /// Returns the note that a plan is for other words than those of the instruction.

@@ -18,7 +18,13 @@ fn check(instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &s
 /// Checks this for a model that was trained for the task, or was not.
 #[track_caller]
 fn check_with(is_trained: bool, instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &str) {
-    let domain = shipped("household").unwrap().unwrap();
+    check_in("household", is_trained, instruction, rounds, replies, expected);
+}
+
+/// Checks this in a domain.
+#[track_caller]
+fn check_in(domain: &str, is_trained: bool, instruction: &str, rounds: &[Round], replies: Replies<'_>, expected: &str) {
+    let domain = shipped(domain).unwrap().unwrap();
     let text = r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>", "<ruler>", "<cupboard_handle>"],
         "object_states": {"<pen>": "on_something(<desk>)", "<ruler>": "on_something(<desk>)",
             "<cupboard_handle>": "closed()"}}"#;
@@ -97,6 +103,21 @@ fn a_trained_model_is_asked_back_sooner() {
     check_with(true, instruction, &[], &[(put, -1400, None)], put);
     let question = "I am not sure what you want. Do you mean: the pen is at the shelf?";
     check_with(true, instruction, &[], unsure, question);
+}
+
+#[test]
+fn a_condition_that_a_trained_model_finds_unlikely_is_a_question() {
+    let check = |is_trained: bool, replies: Replies<'_>, expected: &str| {
+        let instruction = "Put the pen on the shelf if it has expired";
+        check_in("household-checks", is_trained, instruction, &[], replies, expected);
+    };
+    let goal = "if expired(pen) then put(pen, shelf)";
+    check(true, &[(goal, -1900, None)], goal);
+    check(false, &[(goal, -9000, None)], goal);
+    let question = "I am not sure what you want. Do you mean: if the pen is past its date, the pen is at the shelf?";
+    check(true, &[(goal, -2100, None), (goal, -2100, None)], question);
+    // Without its condition, an answer is likelier, and does in every case what was asked for in one.
+    check(true, &[(goal, -2100, None), ("put(pen, shelf)", -100, None)], question);
 }
 
 #[test]
