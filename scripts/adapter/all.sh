@@ -51,7 +51,11 @@ cat "$out"/screening-{1,2}.jsonl >"$out/screening-12.jsonl"
 mixed screening-5 screening-4 screening-12 180
 train screening-begun screening-1 --task screening --pack 20 --examples 8 --epochs 1.7 --minutes 22
 train screening-further screening-3 --start "$out/screening-begun.gguf" --task screening --pack 16 --examples 8 --minutes 11.5 --rate 2.5e-4
-train screening screening-5 --start "$out/screening-further.gguf" --task screening --pack 16 --examples 8 --minutes 7 --rate 2e-4
+train screening-third screening-5 --start "$out/screening-further.gguf" --task screening --pack 16 --examples 8 --minutes 7 --rate 2e-4
+data screening-6 "$texts"/screening/ten.txt
+cat "$out"/screening-{1,2,4}.jsonl >"$out/screening-124.jsonl"
+mixed screening-7 screening-6 screening-124 220
+train screening screening-7 --start "$out/screening-third.gguf" --task screening --pack 16 --examples 8 --minutes 16 --rate 2e-4
 
 data description "$texts"/descriptions/*.txt
 train description description --task description --pack 8 --examples 2 --minutes 33 --rate 4e-4
