@@ -80,3 +80,58 @@ fn a_suite_with_an_unreachable_goal_is_refused() {
         }
     }
 }
+
+/// A level of one is not reached in steps of two, and no bound says so.
+#[test]
+fn a_check_of_goals_says_where_the_search_gave_up() {
+    let home = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(home.path().join(name), text).unwrap();
+    write(
+        "tanks.pddl",
+        "(define (domain tanks) (:requirements :typing :numeric-fluents) (:types tank)
+            (:predicates (there ?t - tank) (full ?t - tank)) (:functions (level ?t - tank))
+            (:action pump :parameters (?t - tank) :precondition (there ?t) :effect (increase (level ?t) 2))
+            (:action drain :parameters (?t - tank) :precondition (there ?t) :effect (decrease (level ?t) 2))
+            (:action cap :parameters (?t - tank) :precondition (and (there ?t) (= (level ?t) 1)) :effect (full ?t)))",
+    );
+    write(
+        "problem.pddl",
+        "(define (problem two) (:domain tanks) (:objects even odd - tank)
+            (:init (there even) (= (level even) 0) (there odd) (= (level odd) 1)) (:goal (full odd)))",
+    );
+    std::fs::create_dir_all(home.path().join("suite/scenes")).unwrap();
+    let mut new = longstep(home.path());
+    new.args([
+        "domain",
+        "new",
+        "suite/tanks",
+        "--pddl",
+        "tanks.pddl",
+        "--problem",
+        "problem.pddl",
+    ]);
+    let created = run(new.current_dir(home.path()), "");
+    assert_eq!(created.code, 0, "{}", created.stderr);
+    write(
+        "suite/suite.toml",
+        "name = \"tanks\"\nabout = \"Tanks.\"\ndomain = \"tanks\"\n",
+    );
+    let scene = home.path().join("suite/scenes/tanks.json");
+    std::fs::copy(home.path().join("suite/tanks/environment.json"), scene).unwrap();
+    let case = |tank: &str| {
+        format!("[[case]]\nid = \"{tank}\"\nscene = \"tanks\"\nsays = \"Cap it.\"\ngoal = \"full({tank})\"\n")
+    };
+    write("suite/cases.toml", &(case("even") + &case("odd")));
+    let mut check = longstep(home.path());
+    let checked = run(check.args(["eval", "suite", "--check"]).current_dir(home.path()), "");
+    assert_eq!(checked.code, 12, "{}", checked.stderr);
+    assert_eq!(
+        checked.stdout,
+        "tanks: no expected goal of 2 cases is known to be out of reach; the search gave up for 1 instruction\n"
+    );
+    assert!(
+        checked
+            .stderr
+            .contains("warning: case `even`, instruction 1 (Cap it.): its goal was not reached")
+    );
+}
