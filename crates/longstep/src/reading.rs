@@ -102,6 +102,11 @@ impl Candidate {
 }
 
 impl Reading {
+    /// Returns the answer that was chosen, if one was.
+    pub fn chosen(&self) -> Option<&Candidate> {
+        self.candidates.iter().find(|candidate| candidate.chosen)
+    }
+
     /// Returns the reading as lines for people: the words, each answer with its likelihood, and the doubt.
     pub fn lines(&self) -> Vec<String> {
         let of = match self.of {

@@ -100,6 +100,11 @@ impl From<Vec<GoalFact>> for Goal {
 }
 
 impl GoalFact {
+    /// Returns true if the part has a condition.
+    pub fn is_conditional(&self) -> bool {
+        matches!(self, Self::If(_))
+    }
+
     /// Writes the fact in the goal language; `name` gives the name of each entity.
     fn written(&self, domain: &Domain, name: &dyn Fn(EntityId) -> String) -> String {
         match self {
@@ -348,7 +353,7 @@ impl Goal {
 
     /// Returns true if a part of the goal has a condition.
     pub fn depends(&self) -> bool {
-        self.facts.iter().any(|fact| matches!(fact, GoalFact::If(_)))
+        self.facts.iter().any(GoalFact::is_conditional)
     }
 
     /// Writes the parts of the goal with everyday names. Joined with ` & ` they are the goal in the goal language.
@@ -445,7 +450,7 @@ impl Goal {
                 atoms.any(|(atom, _)| domain.is_sensed(atom.predicate))
             }
         };
-        let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_)) || fact.leaves().into_iter().any(is_sensed);
+        let depends = |fact: &GoalFact| fact.is_conditional() || fact.leaves().into_iter().any(is_sensed);
         self.facts.iter().any(depends)
     }
 }

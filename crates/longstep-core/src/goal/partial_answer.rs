@@ -97,8 +97,7 @@ impl Begun {
 
     /// Returns true if a goal is conditional.
     pub fn has_condition(&self) -> bool {
-        let depends = |fact: &GoalFact| matches!(fact, GoalFact::If(_));
-        matches!(self.next, Next::Then | Next::Otherwise) || self.facts.iter().any(depends)
+        matches!(self.next, Next::Then | Next::Otherwise) || self.facts.iter().any(GoalFact::is_conditional)
     }
 }
 

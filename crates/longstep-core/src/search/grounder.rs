@@ -374,9 +374,8 @@ impl<'a> Grounder<'a> {
                 &effect.forall,
                 &effect.condition,
                 &mut bindings,
-                &mut |grounder, bindings| {
-                    let condition = grounder.formula(&effect.condition, bindings);
-                    if !condition.is_false() && effort::spend(effort::KEPT) {
+                &mut |grounder, condition, bindings| {
+                    if effort::spend(effort::KEPT) {
                         let value = effect.value.ground(grounder.world, bindings);
                         effects.push(GroundNumericEffect {
                             condition,
@@ -393,16 +392,20 @@ impl<'a> Grounder<'a> {
         effects
     }
 
-    /// Calls `done` for all entities of the slots of `forall` with which a condition may hold.
+    /// Calls `done` with the grounded condition for all entities of the slots of `forall` with which it may hold.
     fn for_all(
         &mut self,
         forall: &[(Slot, TypeId)],
         condition: &Condition,
         bindings: &mut Bindings,
-        done: &mut dyn FnMut(&mut Self, &mut Bindings),
+        done: &mut dyn FnMut(&mut Self, Formula, &mut Bindings),
     ) {
         let Some(((slot, kind), others)) = forall.split_first() else {
-            return done(self, bindings);
+            let condition = self.formula(condition, bindings);
+            if !condition.is_false() {
+                done(self, condition, bindings);
+            }
+            return;
         };
         debug_assert_eq!(*slot, bindings.len());
         for entity in self.things((*slot, *kind), condition, true, bindings).as_ref() {
@@ -466,11 +469,7 @@ impl<'a> Grounder<'a> {
                 &effect.forall,
                 &effect.condition,
                 &mut bindings,
-                &mut |grounder, bindings| {
-                    let condition = grounder.formula(&effect.condition, bindings);
-                    if condition.is_false() {
-                        return;
-                    }
+                &mut |grounder, condition, bindings| {
                     let fact = ground_atom(&effect.atom, bindings);
                     if effect.adds {
                         effects.extend(grounder.copied(&condition, fact));

@@ -33,11 +33,11 @@ pub struct WhyNot {
     pub goals: Vec<usize>,
     /// True if each goal can be reached, but not all together.
     pub together: bool,
-    /// What a goal needs and no action can bring about.
+    /// The fact or number that a goal needs and no action can bring about.
     pub missing: Option<Missing>,
 }
 
-/// What a goal needs and no action can bring about.
+/// A requirement of a goal that no action can bring about.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Missing {
@@ -186,7 +186,7 @@ fn missing(world: &World, wanted: &Wanted) -> Option<Missing> {
         Meaning::Fact(fact) => *fact,
         Meaning::Test(test) => return Some(Missing::Number(test.clone())),
     };
-    let prevented = prevented(world, fact).filter(|_| literal.holds);
+    let prevented = literal.holds.then(|| prevented(world, fact)).flatten();
     Some(prevented.unwrap_or(Missing::Fact(fact, literal.holds)))
 }
 

@@ -13,8 +13,8 @@ struct Limits {
     named: i64,
     /// For any other instruction, where nothing else speaks for the answer.
     unnamed: i64,
-    /// For an answer with a condition.
-    conditional: i64,
+    /// For an answer with a condition; none if it is never a guess.
+    conditional: Option<i64>,
 }
 
 /// The limits for a model that was not trained for the task.
@@ -22,14 +22,14 @@ const UNTRAINED: Limits = Limits {
     named: -4000,
     unnamed: -1500,
     // It rarely finds the notation of a condition likely.
-    conditional: i64::MIN,
+    conditional: None,
 };
 
 /// The limits for a model that was.
 const TRAINED: Limits = Limits {
     named: -1500,
     unnamed: -800,
-    conditional: -2000,
+    conditional: Some(-2000),
 };
 
 /// A token that the grammar forces counts this many times less than one that the model chose.
@@ -52,13 +52,13 @@ pub(super) struct Endings {
 }
 
 impl Endings {
-    /// Returns the likelihood below which the answer is a guess.
-    pub(super) fn least(&self, names_entities: bool, depends: bool) -> i64 {
+    /// Returns the likelihood below which the answer is a guess; none if it never is.
+    pub(super) fn least(&self, names_entities: bool, depends: bool) -> Option<i64> {
         let limits = if self.is_trained { TRAINED } else { UNTRAINED };
         match (depends, names_entities) {
             (true, _) => limits.conditional,
-            (false, true) => limits.named,
-            (false, false) => limits.unnamed,
+            (false, true) => Some(limits.named),
+            (false, false) => Some(limits.unnamed),
         }
     }
 

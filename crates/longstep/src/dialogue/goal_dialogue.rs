@@ -473,7 +473,8 @@ impl GoalDialogue {
     /// Returns the likelihood below which an answer is a guess; none if no answer is.
     fn least(&self, depends: bool) -> Option<i64> {
         let names_entities = !self.correction.mentions.entities.is_empty();
-        (self.is_first || self.is_further()).then(|| self.endings.least(names_entities, depends))
+        let may_guess = self.is_first || self.is_further();
+        may_guess.then(|| self.endings.least(names_entities, depends)).flatten()
     }
 
     fn understood(&mut self, goal: Goal) -> Understanding {
@@ -524,7 +525,7 @@ impl GoalDialogue {
             of,
             words: words.to_owned(),
             candidates: self.candidates.clone(),
-            least: self.limit.filter(|least| is_weighed && *least > i64::MIN).map(nats),
+            least: self.limit.filter(|_| is_weighed).map(nats),
             doubt: self.doubt,
         }
     }

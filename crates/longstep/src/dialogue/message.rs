@@ -143,7 +143,7 @@ mod tests {
             let nobody = dialogue.supply(&reply("nobody is told anything", Some(nobody)));
             assert_eq!(nobody, Ok(None));
             assert_eq!(dialogue.supply(&reply("tells: the", Some(tells))), Ok(Some(expected)));
-            let chosen = dialogue.reading().candidates.iter().find(|own| own.chosen).unwrap();
+            let chosen = dialogue.reading().chosen().unwrap();
             assert_eq!(chosen.text.starts_with(TELLS), expected);
         }
         let mut dialogue = MessageDialogue::new("Greet the miller");

@@ -7,7 +7,7 @@
 
 use super::{Candidate, Doubt, Reading, ReadingOf, Reply, nats};
 use crate::environment::World;
-use crate::goal::{self, Goal, GoalFact, JOINT};
+use crate::goal::{self, Goal, JOINT};
 
 /// Maximum number of answers.
 const ANSWERS: usize = 6;
@@ -130,8 +130,7 @@ fn answers_of(world: &World, reading: &Reading) -> Vec<String> {
             continue;
         };
         texts.push(candidate.text.clone());
-        let is_plain = |fact: &GoalFact| !matches!(fact, GoalFact::If(_));
-        if candidate.chosen && goal.constraints.is_empty() && goal.facts.iter().all(is_plain) {
+        if candidate.chosen && goal.constraints.is_empty() && !goal.depends() {
             let begun = (1..goal.facts.len()).map(|end| Goal::from(goal.facts[..end].to_vec()));
             texts.extend(begun.map(|goal| goal.everyday(world).join(" & ")));
         }

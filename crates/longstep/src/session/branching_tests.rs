@@ -1,8 +1,9 @@
 //! Sessions with plans that have several endings.
 
+use super::retold_tests::{end, likely};
 use super::tests::{goals, reply};
 use super::{Entry, Event, Log, ModelFacts, Response, Session, Settings};
-use crate::dialogue::{ConstraintKind, EstimatedTokens, Likelihood, Reply};
+use crate::dialogue::{ConstraintKind, EstimatedTokens};
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment};
 use crate::json::Path;
@@ -71,23 +72,10 @@ fn other_words_for_an_instruction_may_not_lose_its_condition() {
                 matches!(session.next_request(&mut EstimatedTokens::default()), Ok(Some(_))),
                 "{text}"
             );
-            let likelihood = Some(Likelihood {
-                text: likelihood,
-                is_trained: true,
-                ..Likelihood::default()
-            });
-            let reply = Reply {
-                likelihood,
-                ..reply(text)
-            };
-            session.supply(&reply, 1.0).unwrap();
+            session.supply(&likely(text, likelihood, true), 1.0).unwrap();
         }
         assert!(!session.wants_model());
-        let found = match session.response() {
-            Response::Plan(proposal) => proposal.answer.goal.join(" & "),
-            other => other.to_string(),
-        };
-        assert_eq!(found, expected);
+        assert_eq!(end(&session), expected);
     }
 }
 

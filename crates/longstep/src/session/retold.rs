@@ -103,10 +103,7 @@ impl Session {
     /// Returns true if the goal of a retelling is not used as it is: the model is not sure of the retelling, or it may have made
     /// up what it names, for an instruction that names nothing itself.
     pub(super) fn is_shaky(&self, turn: &Turn) -> bool {
-        let likelihood = || {
-            let reading = turn.readings.last()?;
-            reading.candidates.iter().find(|candidate| candidate.chosen)?.likelihood
-        };
+        let likelihood = || turn.readings.last()?.chosen()?.likelihood;
         let is_made_up = || {
             goal::Mentions::of(&self.world, &turn.instruction).entities.is_empty()
                 && likelihood().is_some_and(|likelihood| likelihood < MADE_UP)
@@ -193,12 +190,7 @@ impl Turn {
         let Some(retold) = &mut self.retold else {
             return;
         };
-        let wish = retold
-            .before
-            .readings
-            .iter()
-            .rev()
-            .find(|own| own.of == ReadingOf::Wish);
+        let wish = retold.before.last_wish();
         let is_guess = wish.is_some_and(|own| own.doubt == Some(Doubt::Unlikely));
         if let Open::Question(open) = &mut retold.open
             && is_guess
@@ -224,8 +216,8 @@ impl Turn {
     }
 
     /// Returns the doubt about the goal of a retelling that lacks what the instruction forbids, all but one of the things that it
-    /// puts in order, the condition of its answer, or a case or a message that was told from the rest: other words for a wish do not answer the question
-    /// about them. An amount can be in the other words ("only half" is "halfway").
+    /// puts in order, the condition of its answer, or a case or a message that was told from the rest: other words for a wish do
+    /// not answer the question about them. An amount can be in the other words ("only half" is "halfway").
     pub(super) fn forgets(&self, world: &World, goal: &Goal) -> Option<Doubt> {
         let retold = self.retold.as_ref().filter(|_| self.is_retold_now())?;
         if goal.constraints.is_empty() && retold.before.forbids() {
@@ -245,10 +237,14 @@ impl Turn {
         (is_lost && matches!(retold.open, Open::Consent(_))).then_some(Doubt::NotRepresented)
     }
 
+    /// Returns the last reading of the wish.
+    fn last_wish(&self) -> Option<&Reading> {
+        self.readings.iter().rfind(|own| own.of == ReadingOf::Wish)
+    }
+
     /// Returns true if the answer to the instruction had a condition.
     fn depends(&self, world: &World) -> bool {
-        let (wish, _) = self.wishes().last().unzip();
-        let chosen = wish.and_then(|own| own.candidates.iter().find(|candidate| candidate.chosen));
+        let chosen = self.last_wish().and_then(Reading::chosen);
         chosen.is_some_and(|answer| goal::parse(world, &answer.text).is_ok_and(|goal| goal.depends()))
     }
 

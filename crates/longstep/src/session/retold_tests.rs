@@ -26,18 +26,23 @@ fn grammar(settings: Settings) -> Session {
     session(ConstraintKind::Grammar, settings)
 }
 
+/// A reply with its likelihood, of a model that was trained for the task or was not.
+pub(super) fn likely(text: &str, likelihood: i64, is_trained: bool) -> Reply {
+    let likelihood = Some(Likelihood {
+        text: likelihood,
+        is_trained,
+        ..Likelihood::default()
+    });
+    Reply {
+        likelihood,
+        ..reply(text)
+    }
+}
+
 /// Gives a reply with its likelihood; returns the last user message of its request.
 fn give(session: &mut Session, (text, likelihood): (&str, i64)) -> String {
     let prepared = session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
-    let likelihood = Some(Likelihood {
-        text: likelihood,
-        ..Likelihood::default()
-    });
-    let weighed = Reply {
-        likelihood,
-        ..reply(text)
-    };
-    session.supply(&weighed, 1.0).unwrap();
+    session.supply(&likely(text, likelihood, false), 1.0).unwrap();
     prepared.request.messages.last().unwrap().text.clone()
 }
 
@@ -53,7 +58,7 @@ fn play_weighed(session: &mut Session, instruction: &str, replies: &[(&str, i64)
 }
 
 /// Returns what a session says in the end: its goals, its question, or that it is stuck.
-fn end(session: &Session) -> String {
+pub(super) fn end(session: &Session) -> String {
     match session.response() {
         Response::Plan(proposal) => proposal.answer.goal.join(" & "),
         other => other.to_string(),
@@ -619,17 +624,8 @@ fn a_trained_model_tries_an_answer_without_regard_to_names() {
         let Constraint::Lark(grammar) = &prepared.request.constraint else {
             panic!("a grammar")
         };
-        let likelihood = Some(Likelihood {
-            text: likelihood,
-            is_trained: true,
-            ..Likelihood::default()
-        });
-        let weighed = Reply {
-            likelihood,
-            ..reply(text)
-        };
         let grammar = grammar.clone();
-        session.supply(&weighed, 1.0).unwrap();
+        session.supply(&likely(text, likelihood, true), 1.0).unwrap();
         grammar
     };
     assert!(!answer("put(pen, shelf)", -3000).contains("ruler"));
