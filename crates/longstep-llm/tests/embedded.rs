@@ -193,6 +193,61 @@ fn the_same_request_gets_the_same_answer_whatever_came_before() {
     assert_eq!(ask(&mut *load(cache.path()), &story).text, cold.text);
 }
 
+/// Requests about one instruction alternate between conversations: the last three stay computed.
+#[test]
+#[ignore = "needs LONGSTEP_TEST_MODEL"]
+fn the_last_three_conversations_stay_in_memory() {
+    let cache = tempfile::tempdir().unwrap();
+    let mut model = load(cache.path());
+    let about = |subject: &str| {
+        let mut request = request("What comes to your mind first?", Constraint::Free);
+        request.messages[0].text = format!("You know everything about {subject}. {}", request.messages[0].text);
+        request.max_tokens = 8;
+        request
+    };
+    let first = ask(&mut *model, &about("ships"));
+    ask(&mut *model, &about("trees"));
+    ask(&mut *model, &about("coins"));
+    // Nothing comes from the disk from now on.
+    let saved = states(cache.path());
+    assert_eq!(saved.len(), 3, "{saved:?}");
+    saved.iter().for_each(|path| fs::remove_file(path).unwrap());
+    for subject in ["ships", "trees", "coins"] {
+        let again = ask(&mut *model, &about(subject));
+        assert!(again.usage.cached_tokens > 64, "{subject}: {:?}", again.usage);
+    }
+    // The conversation that was used least recently makes room for a fourth one.
+    ask(&mut *model, &about("maps"));
+    assert!(ask(&mut *model, &about("coins")).usage.cached_tokens > 64);
+    let ships = ask(&mut *model, &about("ships"));
+    assert_eq!((ships.usage.cached_tokens, ships.text), (0, first.text));
+}
+
+/// A scene stays computed for another instruction, and no instruction reaches the disk.
+#[test]
+#[ignore = "needs LONGSTEP_TEST_MODEL"]
+fn what_stands_before_the_last_line_is_computed_once() {
+    let cache = tempfile::tempdir().unwrap();
+    let scene = "The sea is grey today.\nThe sky is white.\nThe grass is brown.\n";
+    let mut model = load(cache.path());
+    let alone = ask(&mut *model, &colours(&format!("{scene}What colour is a tomato?")));
+    let other = ask(
+        &mut *model,
+        &colours(&format!("{scene}What colour is a frog or a strawberry?")),
+    );
+    let fixed = ask(&mut *load(cache.path()), &colours("What colour is the sea?"))
+        .usage
+        .cached_tokens;
+    assert!(other.usage.cached_tokens >= fixed + 16, "{:?} {fixed}", other.usage);
+    // Another start has the scene from the disk.
+    let again = ask(
+        &mut *load(cache.path()),
+        &colours(&format!("{scene}What colour is a tomato?")),
+    );
+    assert_eq!(again.text, alone.text);
+    assert_eq!(again.usage.cached_tokens, other.usage.cached_tokens);
+}
+
 #[test]
 #[ignore = "needs LONGSTEP_TEST_MODEL"]
 fn a_new_engine_takes_the_state_from_disk() {

@@ -10,7 +10,7 @@ use llama_cpp_2::llama_batch::LlamaBatch;
 use llama_cpp_2::model::{LlamaLoraAdapter, LlamaModel};
 use llama_cpp_2::token::LlamaToken;
 
-use super::blocks;
+use super::blocks::{self, Blocks};
 
 /// The only sequence in the context.
 pub(super) const SEQUENCE: i32 = 0;
@@ -90,6 +90,11 @@ impl<'model> Engine<'model> {
         }
     }
 
+    /// True if the cache is empty.
+    pub(super) fn is_empty(&self) -> bool {
+        self.tokens.is_empty() && self.beyond == 0
+    }
+
     /// The length of the common prefix of these tokens and the cache.
     pub(super) fn known(&self, tokens: &[LlamaToken]) -> usize {
         let pairs = self.tokens.iter().zip(tokens);
@@ -121,18 +126,22 @@ impl<'model> Engine<'model> {
         self.ends.clear();
     }
 
-    /// Computes the part of a prompt that is not in the cache, and returns how many tokens came from the cache. `read`
-    /// receives the number of tokens done so far, and stops the computation by returning `false`.
+    /// Keeps what the cache has of a prompt, in whole blocks, and forgets the rest. Returns how many tokens that is.
+    pub(super) fn begin(&mut self, tokens: &[LlamaToken], blocks: &Blocks) -> usize {
+        let known = blocks.reusable(&self.ends, self.known(tokens));
+        self.keep(known)
+    }
+
+    /// Computes the blocks of a prompt that are not in the cache, of its first `until` tokens. `read` receives the number of
+    /// tokens done so far, and stops the computation by returning `false`.
     pub(super) fn read(
         &mut self,
         tokens: &[LlamaToken],
-        fixed: usize,
+        blocks: &Blocks,
+        until: usize,
         read: &mut dyn FnMut(usize) -> bool,
-    ) -> Result<usize, String> {
-        let planned = blocks::ends(tokens.len(), fixed);
-        let known = blocks::reusable(&self.ends, &planned, self.known(tokens));
-        let known = self.keep(known);
-        for end in planned.into_iter().filter(|end| *end > known) {
+    ) -> Result<(), String> {
+        while let Some(end) = blocks.next(self.tokens.len()).filter(|end| *end <= until) {
             let start = self.tokens.len();
             if !read(start) {
                 return Err("it was stopped".into());
@@ -140,7 +149,7 @@ impl<'model> Engine<'model> {
             self.compute(tokens.get(start..end).unwrap_or_default(), false)?;
             self.ends.push(end);
         }
-        Ok(known)
+        Ok(())
     }
 
     /// Computes tokens that the model has generated. `tell` receives each of them but the first with the logits at its place.
@@ -235,8 +244,8 @@ impl<'model> Engine<'model> {
         (&self.context, &self.tokens)
     }
 
-    /// Empties the context and lets `load` restore the saved state of a prompt. `load` returns the tokens of that
-    /// prompt, or `None` if there is no valid state.
+    /// Empties the context and lets `load` restore the saved state of a prompt without its last line. `load` returns the
+    /// tokens, or `None` if there is no valid state.
     pub(super) fn restore(
         &mut self,
         fixed: usize,
@@ -245,7 +254,7 @@ impl<'model> Engine<'model> {
         self.forget();
         match load(&mut self.context) {
             Some(tokens) => {
-                self.ends = blocks::ends(tokens.len(), fixed);
+                self.ends = Blocks::of(tokens.len(), fixed, tokens.len()).into_ends();
                 self.tokens = tokens;
             }
             None => self.forget(),

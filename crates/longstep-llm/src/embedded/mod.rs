@@ -5,6 +5,7 @@
 
 mod adapter;
 mod blocks;
+mod contexts;
 mod engine;
 mod file;
 #[cfg(feature = "vision")]

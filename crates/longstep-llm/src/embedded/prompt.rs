@@ -9,8 +9,10 @@ use longstep::dialogue::{ChatRequest, Message, Role};
 pub(super) struct PromptTokens {
     /// All tokens, including those that open the answer.
     pub(super) tokens: Vec<LlamaToken>,
-    /// Number of leading tokens that belong to the request's fixed messages.
+    /// Number of leading tokens that belong to the request's fixed messages, and to the opening of the next one.
     pub(super) fixed: usize,
+    /// Number of leading tokens before the last line of the last message: what other instructions share.
+    pub(super) shared: usize,
     /// For each picture of the request the number of tokens before it.
     pub(super) pictures: Vec<usize>,
 }
@@ -39,7 +41,7 @@ impl Template {
         if vocabulary.should_add_bos() {
             tokens.push(vocabulary.bos());
         }
-        let mut fixed = 0;
+        let (mut fixed, mut shared) = (0, 0);
         let mut pictures = Vec::new();
         let mut rest = rendered.as_str();
         for (index, message) in request.messages.iter().enumerate() {
@@ -47,19 +49,27 @@ impl Template {
                 .split_once(&placeholder(index))
                 .ok_or("its chat template leaves out or reorders messages")?;
             add_marker(&mut tokens, model, marker);
-            // Pictures come first: most models were trained on questions that follow their picture.
-            pictures.extend(message.pictures.iter().map(|_| tokens.len()));
-            tokens.extend(plain(model, &message.text));
-            if index < request.fixed {
+            if index > 0 && index == request.fixed {
                 fixed = tokens.len();
             }
+            // Pictures come first: most models were trained on questions that follow their picture.
+            pictures.extend(message.pictures.iter().map(|_| tokens.len()));
+            let text = plain(model, &message.text);
+            if index + 1 == request.messages.len() {
+                shared = tokens.len() + before_last_line(model, &message.text, &text);
+            }
+            tokens.extend(text);
             rest = after;
+        }
+        if request.fixed >= request.messages.len() {
+            fixed = tokens.len();
         }
         add_marker(&mut tokens, model, rest);
         tokens.extend(plain(model, &request.answer_so_far));
         Ok(PromptTokens {
             tokens,
             fixed,
+            shared,
             pictures,
         })
     }
@@ -75,6 +85,13 @@ impl Template {
             .apply_chat_template(&self.template, &turns, true)
             .map_err(|error| format!("its chat template is unknown: {error}"))
     }
+}
+
+/// Returns how many tokens of a text stand before its last line.
+fn before_last_line(model: &LlamaModel, text: &str, tokens: &[LlamaToken]) -> usize {
+    let lines = text.rfind('\n').map_or("", |at| &text[..=at]);
+    let pairs = plain(model, lines).into_iter().zip(tokens);
+    pairs.take_while(|(own, token)| own == *token).count()
 }
 
 /// Placeholder for a message's text; the rendered text around it is the template's own.

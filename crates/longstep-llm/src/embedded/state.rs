@@ -17,10 +17,10 @@ use crate::private::create_private_folder;
 
 /// Version of the engine that wrote a state; states of other versions are not loaded. Change it with llama-cpp-2 and
 /// with the way that prompts are computed.
-const ENGINE: &str = "llama-cpp-2 0.1.160, longstep 1";
+const ENGINE: &str = "llama-cpp-2 0.1.160, longstep 2";
 
-/// Number of state files that are kept.
-const KEPT: usize = 8;
+/// Number of state files that are kept: those of two robots. One has eight prompts, if everything is used.
+const KEPT: usize = 16;
 
 const MAGIC: &[u8; 8] = b"LONGSTEP";
 const TRAILER: usize = MAGIC.len() + 32 + 8 + 4;

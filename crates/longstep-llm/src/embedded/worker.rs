@@ -13,7 +13,9 @@ use llguidance::Matcher;
 use longstep::dialogue::{ChatRequest, Constraint, Finish, Likelihood, Message, Reply, Role, Task, Usage};
 
 use super::adapter::Adapter;
-use super::engine::{Engine, backend};
+use super::blocks::Blocks;
+use super::contexts::{Adapted, Contexts};
+use super::engine::backend;
 use super::file::not_loaded;
 use super::grammar::Grammars;
 use super::prompt::{PromptTokens, Template};
@@ -104,27 +106,15 @@ struct Turn {
     prompt: PromptTokens,
 }
 
-/// A loaded adapter.
-struct Adapted {
-    task: Task,
-    adapter: LlamaLoraAdapter,
-    /// The states of the model with this adapter.
-    states: States,
-}
-
 struct Worker<'model> {
     name: &'model str,
-    threads: usize,
     model: &'model LlamaModel,
     /// The model's eyes, if the user has named a projector.
     vision: Option<Vision>,
-    /// The adapters, in the order of the setting.
-    adapters: Vec<Adapted>,
-    /// The adapter that is part of the computation, by its place in the list.
-    active: Option<usize>,
-    engine: Engine<'model>,
+    contexts: Contexts<'model>,
     template: Template,
     grammars: Grammars,
+    /// The states of the model without an adapter.
     states: States,
     sampler: Sampler,
     /// The tokens that end an answer, as indices of the vocabulary.
@@ -152,12 +142,9 @@ impl<'model> Worker<'model> {
         });
         Ok(Self {
             name: &setting.name,
-            threads: setting.threads,
             model,
             vision,
-            adapters: adapted.collect(),
-            active: None,
-            engine: Engine::new(model, size, setting.threads, 0)?,
+            contexts: Contexts::new(model, size, setting.threads, adapted.collect())?,
             template: Template::of(model)?,
             grammars: Grammars::new(model)?,
             states: states(setting.identity.clone()),
@@ -196,7 +183,6 @@ impl<'model> Worker<'model> {
     }
 
     fn answer(&mut self, request: &ChatRequest, tell: &mut Tell<'_>) -> Result<Reply, ModelError> {
-        self.adapt(request.task)?;
         let pictures = self.pictures(&request.messages)?;
         let (prompt, continued) = self.prompt(request)?;
         let total = prompt.tokens.len() + pictures.iter().map(PictureTokens::tokens).sum::<usize>();
@@ -209,12 +195,14 @@ impl<'model> Worker<'model> {
             return Err(ModelError::TooLong { tokens, limit });
         }
         let matcher = self.grammars.matcher(&request.constraint)?;
+        let chosen = self.contexts.choose(request.task, &prompt.tokens, prompt.fixed);
+        chosen.map_err(|reason| self.failed(reason))?;
         let cached = if !pictures.is_empty() {
             self.see(&prompt, &pictures, total, tell)?
         } else if continued {
             self.go_on(&prompt.tokens)?
         } else {
-            self.read(&prompt.tokens, prompt.fixed, total, tell)?
+            self.read(&prompt, prompt.tokens.len(), total, tell)?
         };
         self.sampler.begin();
         let mut written = Written::default();
@@ -234,6 +222,7 @@ impl<'model> Worker<'model> {
             prompt: PromptTokens {
                 tokens: [prompt.tokens, written.tokens].concat(),
                 fixed: prompt.fixed,
+                shared: prompt.shared,
                 pictures: Vec::new(),
             },
         });
@@ -242,27 +231,10 @@ impl<'model> Worker<'model> {
             finish,
             usage,
             likelihood: is_scored.then(|| Likelihood {
-                is_trained: self.active.is_some(),
+                is_trained: self.contexts.is_adapted(),
                 ..written.score.likelihood()
             }),
         })
-    }
-
-    /// Makes the adapter of a task part of the computation, and no other one. What was computed otherwise is forgotten.
-    fn adapt(&mut self, task: Task) -> Result<(), ModelError> {
-        let wanted = self.adapters.iter().position(|own| own.task == task);
-        if wanted == self.active {
-            return Ok(());
-        }
-        self.last = None;
-        for (place, is_on) in [(self.active.take(), false), (wanted, true)] {
-            if let Some(adapted) = place.and_then(|place| self.adapters.get_mut(place)) {
-                let changed = self.engine.adapt(&mut adapted.adapter, is_on);
-                changed.map_err(|reason| self.failed(reason))?;
-            }
-        }
-        self.active = wanted;
-        Ok(())
     }
 
     /// Returns the tokens of a request and whether it continues the last answer. Such a request keeps the tokens of
@@ -285,48 +257,55 @@ impl<'model> Worker<'model> {
 
     /// Computes the tokens of its own answer that are not in the cache; returns how many came from the cache.
     fn go_on(&mut self, tokens: &[LlamaToken]) -> Result<usize, ModelError> {
-        let known = self.engine.known(tokens).min(tokens.len().saturating_sub(1));
-        let known = self.engine.keep(known);
+        let engine = self.contexts.engine_mut();
+        let known = engine.known(tokens).min(tokens.len().saturating_sub(1));
+        let known = engine.keep(known);
         let new = tokens.get(known..).unwrap_or_default();
-        let appended = self.engine.append(new, &mut |_, _| {});
+        let appended = engine.append(new, &mut |_, _| {});
         appended.map_err(|reason| self.failed(reason))?;
         Ok(known)
     }
 
-    /// Computes the part of the prompt that is not in the cache; returns how many tokens came from the cache. The whole
-    /// prompt has `total` tokens; these are its first ones.
+    /// Computes what is not in the cache of the first `until` tokens of a prompt; returns how many came from the cache.
+    /// The whole prompt has `total` tokens, with its pictures.
     fn read(
         &mut self,
-        tokens: &[LlamaToken],
-        fixed: usize,
+        prompt: &PromptTokens,
+        until: usize,
         total: usize,
         tell: &mut Tell<'_>,
     ) -> Result<usize, ModelError> {
-        let state = tokens.get(..fixed).filter(|fixed| !fixed.is_empty()).map(|fixed| {
-            match self.active.and_then(|place| self.adapters.get(place)) {
-                Some(adapted) => adapted.states.file(fixed),
-                None => self.states.file(fixed),
-            }
-        });
+        let tokens = prompt.tokens.get(..until).unwrap_or(&prompt.tokens);
+        let fixed = prompt.fixed.min(tokens.len());
+        let shared = prompt.shared.min(tokens.len());
+        let states = self.contexts.states().unwrap_or(&self.states);
+        let state = tokens.get(..fixed).filter(|fixed| !fixed.is_empty());
+        let state = state.map(|fixed| states.file(fixed));
+        let engine = self.contexts.engine_mut();
         if let Some(state) = &state
-            && self.engine.known(tokens) < fixed
+            && engine.known(tokens) < fixed
         {
-            self.engine.restore(fixed, |context| state.load(context));
+            engine.restore(fixed, |context| state.load(context));
         }
-        let outcome = self
-            .engine
-            .read(tokens, fixed, &mut |done| tell(Progress::ReadingPrompt { done, total }));
-        let known = outcome.map_err(|reason| self.failed(reason))?;
+        let blocks = Blocks::of(tokens.len(), fixed, shared);
+        let known = engine.begin(tokens, &blocks);
+        let mut tell_done = |done| tell(Progress::ReadingPrompt { done, total });
+        let outcome = engine.read(tokens, &blocks, shared, &mut tell_done);
+        outcome.map_err(|reason| failed(self.name, reason))?;
+        // The last line, an instruction, is not saved.
         if let Some(state) = state
-            && tokens.len() - known > WORTH_SAVING
+            && shared.saturating_sub(known) > WORTH_SAVING
         {
-            let (context, tokens) = self.engine.saved();
+            let (context, tokens) = engine.saved();
             if let Err(reason) = state.save(context, tokens) {
                 tell(Progress::Warning(format!(
                     "the state of the model could not be saved; the next start will be slower: {reason}"
                 )));
             }
         }
+        let mut tell_done = |done| tell(Progress::ReadingPrompt { done, total });
+        let outcome = engine.read(tokens, &blocks, tokens.len(), &mut tell_done);
+        outcome.map_err(|reason| failed(self.name, reason))?;
         Ok(known)
     }
 
@@ -371,7 +350,8 @@ impl<'model> Worker<'model> {
             // The last token needs no computation, unless forced tokens are to be scored.
             if !complete || new.len() > 1 {
                 let score = &mut written.score;
-                let appended = self.engine.append(new, &mut |token, logits| score.force(logits, token));
+                let engine = self.contexts.engine_mut();
+                let appended = engine.append(new, &mut |token, logits| score.force(logits, token));
                 appended.map_err(|reason| self.failed(reason))?;
             }
             if complete {
@@ -382,7 +362,7 @@ impl<'model> Worker<'model> {
 
     /// Samples the next token, and counts it in the score if there is a grammar.
     fn next(&mut self, matcher: Option<&mut Matcher>, score: &mut Score) -> Result<LlamaToken, ModelError> {
-        let logits = self.engine.logits();
+        let logits = self.contexts.engine().logits();
         let chosen = match matcher {
             None => self
                 .sampler

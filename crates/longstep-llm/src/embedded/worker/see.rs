@@ -3,7 +3,6 @@
 use longstep::dialogue::Message;
 
 use super::{Tell, Worker};
-use crate::embedded::engine::Engine;
 use crate::embedded::prompt::PromptTokens;
 use crate::embedded::vision::PictureTokens;
 use crate::{ModelError, Progress};
@@ -41,14 +40,10 @@ impl Worker<'_> {
             return Err(self.unsupported("its chat template ends with the picture".into()));
         }
         let largest = pictures.iter().map(PictureTokens::together).max().unwrap_or_default();
-        if largest > self.engine.batch() {
-            let size = u32::try_from(self.limit).unwrap_or(u32::MAX);
-            let engine = Engine::new(self.model, size, self.threads, largest);
-            self.engine = engine.map_err(|reason| self.failed(reason))?;
-        }
+        let widened = self.contexts.widen(largest);
+        widened.map_err(|reason| self.failed(reason))?;
         let mut done = prompt.pictures.first().copied().unwrap_or_default();
-        let before = prompt.tokens.get(..done).unwrap_or_default();
-        let cached = self.read(before, prompt.fixed.min(done), total, tell)?;
+        let cached = self.read(prompt, done, total, tell)?;
         let ends = prompt.pictures.iter().copied().skip(1).chain([prompt.tokens.len()]);
         let texts = prompt.pictures.iter().copied().zip(ends);
         for (picture, (start, end)) in pictures.iter().zip(texts) {
@@ -57,8 +52,9 @@ impl Worker<'_> {
             }
             let vision = self.vision.as_mut().ok_or_else(|| ModelError::no_vision(self.name))?;
             let text = prompt.tokens.get(start..end).unwrap_or_default();
-            let seen = vision.see(picture, &mut self.engine);
-            let read = seen.and_then(|()| self.engine.read_on(text));
+            let engine = self.contexts.engine_mut();
+            let seen = vision.see(picture, engine);
+            let read = seen.and_then(|()| engine.read_on(text));
             read.map_err(|reason| self.failed(reason))?;
             done += picture.tokens() + text.len();
         }
