@@ -41,7 +41,12 @@ cat "$out"/goals-{1,2}.jsonl >"$out/goals-12.jsonl"
 mixed goals-5 goals-4 goals-12 250
 train goals-begun goals-1 --minutes 44
 train goals-further goals-3 --start "$out/goals-begun.gguf" --minutes 42 --rate 2.5e-4
-train goals goals-5 --start "$out/goals-further.gguf" --minutes 23 --rate 2.5e-4
+train goals-third goals-5 --start "$out/goals-further.gguf" --minutes 23 --rate 2.5e-4
+# Robots with sensing: more than half of their instructions have conditions.
+data goals-6 "$robots"/{fruitstall,bikehire,drycleaner}
+cat "$out"/goals-{1,2,4}.jsonl >"$out/goals-124.jsonl"
+mixed goals-7 goals-6 goals-124 560
+train goals goals-7 --start "$out/goals-third.gguf" --minutes 42 --rate 2e-4 --pack 14
 
 data screening-1 "$texts"/screening/{one,two,three,four}.txt
 data screening-2 "$texts"/screening/{five,six}.txt

@@ -29,7 +29,7 @@ const UNTRAINED: Limits = Limits {
 const TRAINED: Limits = Limits {
     named: -1500,
     unnamed: -800,
-    conditional: Some(-2000),
+    conditional: Some(-1200),
 };
 
 /// A token that the grammar forces counts this many times less than one that the model chose.

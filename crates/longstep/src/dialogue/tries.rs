@@ -15,7 +15,7 @@ const TRIES: usize = 3;
 /// The answers so far to one instruction.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tries {
-    /// The first goals of the answers so far.
+    /// The first goals of the answers so far, within a condition or not.
     begins: Vec<GoalFact>,
     /// The first goals of answers that the person has rejected.
     refused: Vec<GoalFact>,
@@ -40,7 +40,7 @@ impl Tries {
     /// A model that was trained for the task first tries an answer without regard to names: what a person means may have
     /// another name in the instruction ("the oak one"), beside the names of other things.
     pub(super) fn again(&mut self, endings: &Endings, goal: &Goal) -> bool {
-        let first = goal.facts.first().cloned();
+        let first = first(goal).cloned();
         let first = match std::mem::replace(&mut self.stage, Stage::Narrowed) {
             Stage::First if endings.is_trained() => {
                 self.stage = Stage::Free(first);
@@ -63,10 +63,7 @@ impl Tries {
 
     /// Takes an answer that the person has rejected. Returns true if another one is worth a try.
     pub(super) fn refuse(&mut self, goal: &Goal) -> bool {
-        let begin = goal
-            .facts
-            .first()
-            .filter(|begin| matches!(begin, GoalFact::Word { .. }));
+        let begin = first(goal).filter(|begin| matches!(begin, GoalFact::Word { .. }));
         let Some(begin) = begin.filter(|_| self.refused.len() < TRIES) else {
             return false;
         };
@@ -123,6 +120,11 @@ impl Tries {
     pub(super) fn is_free(&self) -> bool {
         matches!(self.stage, Stage::Free(_))
     }
+}
+
+/// Returns the first goal of an answer: of one with a condition, what is to be done then.
+fn first(goal: &Goal) -> Option<&GoalFact> {
+    goal.facts.first()?.parts().first().copied()
 }
 
 /// Keeps the arguments that fit.

@@ -51,6 +51,7 @@ fn where_is_the_cheese(session: &Session) -> Vec<String> {
 #[test]
 fn other_words_for_an_instruction_may_not_lose_its_condition() {
     const GOAL: &str = "if expired(cheese) then put(cheese, trash bin)";
+    const OTHER: &str = "if expired(cheese) then put(cheese, shelf)";
     for (of_retelling, expected) in [
         (GOAL, "if expired(<cheese>) then put(<cheese>, <trash_bin>)"),
         (
@@ -64,6 +65,9 @@ fn other_words_for_an_instruction_may_not_lose_its_condition() {
             ("wish", -100),
             (GOAL, -2500),
             (GOAL, -2500),
+            (OTHER, -9000),
+            (OTHER, -9000),
+            (OTHER, -9000),
             ("Put the cheese in the trash bin if it has expired.", -1000),
             ("wish", -100),
             (of_retelling, -100),

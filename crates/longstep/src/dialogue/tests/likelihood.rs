@@ -112,12 +112,26 @@ fn a_condition_that_a_trained_model_finds_unlikely_is_a_question() {
         check_in("household-checks", is_trained, instruction, &[], replies, expected);
     };
     let goal = "if expired(pen) then put(pen, shelf)";
-    check(true, &[(goal, -1900, None)], goal);
+    check(true, &[(goal, -1100, None)], goal);
     check(false, &[(goal, -9000, None)], goal);
     let question = "I am not sure what you want. Do you mean: if the pen is past its date, the pen is at the shelf?";
-    check(true, &[(goal, -2100, None), (goal, -2100, None)], question);
+    // Without regard to names; then without the first goal word, and in the end without the first goals.
+    let (opened, closed) = (
+        "if expired(pen) then opened(cupboard)",
+        "if expired(pen) then closed(cupboard)",
+    );
+    let ruler = "if expired(pen) then put(ruler, shelf)";
+    let begun = [(goal, -2100, None), (goal, -2100, None)];
+    let unsure = [(opened, -3000, None), (closed, -3000, None), (ruler, -3000, None)];
+    check(true, &[&begun[..], &unsure].concat(), question);
+    check(
+        true,
+        &[&begun[..], &[(opened, -1100, None)]].concat(),
+        &format!("doubtful: {opened}"),
+    );
     // Without its condition, an answer is likelier, and does in every case what was asked for in one.
-    check(true, &[(goal, -2100, None), ("put(pen, shelf)", -100, None)], question);
+    let plain = [("put(ruler, shelf)", -1300, None)];
+    check(true, &[&begun[..], &plain].concat(), question);
 }
 
 #[test]
