@@ -13,10 +13,12 @@ mod opened;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use longstep::coverage::{Gap, Mark};
+use longstep::dialogue::{Dialogue, Finish, Reply, ScreeningDialogue, Usage};
 use longstep::session::{Proposal, Response, Session, Settings};
 use longstep::{Planner, World, goal};
 use longstep_core::verify;
-use longstep_llm::load_domain;
+use longstep_llm::{Progress, load_domain};
 
 /// An instruction with its scene and what is checked.
 struct Case<'a> {
@@ -145,6 +147,74 @@ fn measure(text: &str) -> BTreeMap<(String, &'static str), usize> {
         println!("== {kind} {verdict}: {count}");
     }
     counts
+}
+
+/// Whether the screening, by itself, marks what a file says: the kinds of marks, and their words but for signs and spaces.
+fn compare_marks(text: &str, is_shown: bool) -> BTreeMap<(String, bool), usize> {
+    let mut model = opened::model();
+    let kinds = |marks: &[Mark]| {
+        let names: Vec<&str> = marks.iter().map(|mark| mark.gap.name()).collect();
+        match names.is_empty() {
+            true => "nothing".to_owned(),
+            false => names.join(" "),
+        }
+    };
+    let mut counts = BTreeMap::new();
+    for case in text.trim().split("\n\n") {
+        let (instruction, answer) = case.split_once('\n').unwrap();
+        let mut dialogue = ScreeningDialogue::new(instruction);
+        let found = longstep_llm::converse(&mut *model, &mut dialogue, &mut |_: Progress| {}).unwrap();
+        let expected = reply(answer);
+        let expected = ScreeningDialogue::new(instruction).supply(&expected).unwrap().unwrap();
+        let words = |marks: &[Mark]| -> Vec<(Gap, String)> {
+            let letters = |mark: &Mark| instruction[mark.range.clone()].matches(char::is_alphanumeric).collect();
+            marks.iter().map(|mark| (mark.gap, letters(mark))).collect()
+        };
+        let is_right = words(&found) == words(&expected);
+        if is_shown {
+            let quoted: Vec<&str> = found.iter().map(|mark| &instruction[mark.range.clone()]).collect();
+            println!("{is_right:5} {instruction}  ->  {} {quoted:?}", kinds(&found));
+        }
+        let same = kinds(&found) == kinds(&expected);
+        *counts.entry((kinds(&expected), same)).or_default() += 1;
+        if !is_right && same {
+            *counts
+                .entry((format!("{}, other words", kinds(&expected)), same))
+                .or_default() += 1;
+        }
+    }
+    for ((kinds, same), count) in &counts {
+        println!("== {kinds}, {}: {count}", if *same { "found" } else { "not found" });
+    }
+    counts
+}
+
+fn reply(text: &str) -> Reply {
+    Reply {
+        text: text.to_owned(),
+        finish: Finish::Stop,
+        usage: Usage::default(),
+        likelihood: None,
+    }
+}
+
+/// Eighty instructions for two robots that no screening has seen. Of the test half only totals are printed.
+#[test]
+#[ignore = "asks a real model about prohibitions, and about sentences with a negation that forbid nothing"]
+fn prohibitions() {
+    let all = include_str!("screening/prohibitions.txt");
+    for (name, first) in [("development", 0), ("test", 1)] {
+        println!("=== {name}");
+        let half: Vec<&str> = all.trim().split("\n\n").skip(first).step_by(2).collect();
+        let counts = compare_marks(&half.join("\n\n"), name == "development");
+        let of = |same| {
+            counts
+                .get(&("prohibition".to_owned(), same))
+                .copied()
+                .unwrap_or_default()
+        };
+        assert!(of(true) > of(false), "{counts:?}");
+    }
 }
 
 #[test]
