@@ -149,7 +149,8 @@ fn measure(text: &str) -> BTreeMap<(String, &'static str), usize> {
     counts
 }
 
-/// Whether the screening, by itself, marks what a file says: the kinds of marks, and their words but for signs and spaces.
+/// Counts how often the screening, by itself, marks what a file says: the kinds of marks, and their words but for signs
+/// and spaces.
 fn compare_marks(text: &str, is_shown: bool) -> BTreeMap<(String, bool), usize> {
     let mut model = opened::model();
     let kinds = |marks: &[Mark]| {

@@ -12,7 +12,6 @@ pub(super) const LARGE: usize = 256;
 const SMALL: usize = 16;
 
 /// The blocks of a prompt, by their ends.
-#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Blocks(Vec<usize>);
 
 impl Blocks {
@@ -43,7 +42,7 @@ impl Blocks {
             .map_or(0, |(end, _)| *end)
     }
 
-    /// The end of the block that begins at or after a token.
+    /// Returns the end of the block that holds the token at this place.
     pub(super) fn next(&self, start: usize) -> Option<usize> {
         self.0.iter().copied().find(|end| *end > start)
     }

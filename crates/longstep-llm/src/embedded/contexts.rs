@@ -28,6 +28,8 @@ pub(super) struct Contexts<'model> {
     size: u32,
     threads: usize,
     adapters: Vec<Adapted>,
+    /// The states of the model without an adapter.
+    plain: States,
     /// The least recently used one is the first.
     older: Vec<Context<'model>>,
     current: Context<'model>,
@@ -46,12 +48,14 @@ impl<'model> Contexts<'model> {
         size: u32,
         threads: usize,
         adapters: Vec<Adapted>,
+        plain: States,
     ) -> Result<Self, String> {
         Ok(Self {
             model,
             size,
             threads,
             adapters,
+            plain,
             older: Vec::new(),
             current: Context {
                 adapter: None,
@@ -130,10 +134,10 @@ impl<'model> Contexts<'model> {
         Ok(())
     }
 
-    /// Returns the states of the model with the current adapter; none without an adapter.
-    pub(super) fn states(&self) -> Option<&States> {
+    /// Returns the states of the model as the current context computes it.
+    pub(super) fn states(&self) -> &States {
         let adapted = self.current.adapter.and_then(|place| self.adapters.get(place));
-        adapted.map(|adapted| &adapted.states)
+        adapted.map_or(&self.plain, |adapted| &adapted.states)
     }
 
     /// True if an adapter is part of the current computation.

@@ -69,7 +69,7 @@ impl Template {
         Ok(PromptTokens {
             tokens,
             fixed,
-            shared,
+            shared: shared.max(fixed),
             pictures,
         })
     }

@@ -99,6 +99,7 @@ fn load(setting: &Setting) -> Result<LlamaModel, String> {
 
 /// The last answer, which the next request may continue.
 struct Turn {
+    task: Task,
     messages: Vec<Message>,
     /// The text of the answer so far.
     answer: String,
@@ -114,8 +115,6 @@ struct Worker<'model> {
     contexts: Contexts<'model>,
     template: Template,
     grammars: Grammars,
-    /// The states of the model without an adapter.
-    states: States,
     sampler: Sampler,
     /// The tokens that end an answer, as indices of the vocabulary.
     ends: Vec<usize>,
@@ -140,14 +139,14 @@ impl<'model> Worker<'model> {
             adapter,
             states: states(format!("{} {}", setting.identity, own.identity)),
         });
+        let plain = states(setting.identity.clone());
         Ok(Self {
             name: &setting.name,
             model,
             vision,
-            contexts: Contexts::new(model, size, setting.threads, adapted.collect())?,
+            contexts: Contexts::new(model, size, setting.threads, adapted.collect(), plain)?,
             template: Template::of(model)?,
             grammars: Grammars::new(model)?,
-            states: states(setting.identity.clone()),
             sampler: Sampler::new(&setting.sampling),
             ends: ends(model),
             limit: size as usize,
@@ -217,6 +216,7 @@ impl<'model> Worker<'model> {
         };
         // Behind pictures the engine holds more than tokens; such an answer is computed again to go on.
         self.last = pictures.is_empty().then(|| Turn {
+            task: request.task,
             messages: request.messages.clone(),
             answer: request.answer_so_far.clone() + &text,
             prompt: PromptTokens {
@@ -243,6 +243,7 @@ impl<'model> Worker<'model> {
     fn prompt(&mut self, request: &ChatRequest) -> Result<(PromptTokens, bool), ModelError> {
         if let Some(turn) = self.last.take()
             && !request.answer_so_far.is_empty()
+            && turn.task == request.task
             && turn.answer == request.answer_so_far
             && turn.messages == request.messages
         {
@@ -278,9 +279,8 @@ impl<'model> Worker<'model> {
         let tokens = prompt.tokens.get(..until).unwrap_or(&prompt.tokens);
         let fixed = prompt.fixed.min(tokens.len());
         let shared = prompt.shared.min(tokens.len());
-        let states = self.contexts.states().unwrap_or(&self.states);
         let state = tokens.get(..fixed).filter(|fixed| !fixed.is_empty());
-        let state = state.map(|fixed| states.file(fixed));
+        let state = state.map(|fixed| self.contexts.states().file(fixed));
         let engine = self.contexts.engine_mut();
         if let Some(state) = &state
             && engine.known(tokens) < fixed

@@ -40,7 +40,7 @@ impl Tries {
     /// A model that was trained for the task first tries an answer without regard to names: what a person means may have
     /// another name in the instruction ("the oak one"), beside the names of other things.
     pub(super) fn again(&mut self, endings: &Endings, goal: &Goal) -> bool {
-        let first = first(goal).cloned();
+        let first = first_goal(goal).cloned();
         let first = match std::mem::replace(&mut self.stage, Stage::Narrowed) {
             Stage::First if endings.is_trained() => {
                 self.stage = Stage::Free(first);
@@ -63,7 +63,7 @@ impl Tries {
 
     /// Takes an answer that the person has rejected. Returns true if another one is worth a try.
     pub(super) fn refuse(&mut self, goal: &Goal) -> bool {
-        let begin = first(goal).filter(|begin| matches!(begin, GoalFact::Word { .. }));
+        let begin = first_goal(goal).filter(|begin| matches!(begin, GoalFact::Word { .. }));
         let Some(begin) = begin.filter(|_| self.refused.len() < TRIES) else {
             return false;
         };
@@ -123,7 +123,7 @@ impl Tries {
 }
 
 /// Returns the first goal of an answer: of one with a condition, what is to be done then.
-fn first(goal: &Goal) -> Option<&GoalFact> {
+fn first_goal(goal: &Goal) -> Option<&GoalFact> {
     goal.facts.first()?.parts().first().copied()
 }
 
