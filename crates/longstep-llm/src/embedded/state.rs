@@ -233,10 +233,11 @@ mod tests {
     #[test]
     fn the_oldest_states_go_first() {
         let folder = tempfile::tempdir().unwrap();
-        for number in 0..12 {
+        let written = KEPT + 4;
+        for number in 0..written {
             let path = folder.path().join(format!("{number:02}.state"));
             std::fs::write(&path, b"x").unwrap();
-            let age = Duration::from_secs(100 * (20 - number));
+            let age = Duration::from_secs(100) * u32::try_from(written - number).unwrap();
             let file = File::options().append(true).open(&path).unwrap();
             file.set_modified(SystemTime::now() - age).unwrap();
         }
