@@ -60,7 +60,12 @@ train screening-third screening-5 --start "$out/screening-further.gguf" --task s
 data screening-6 "$texts"/screening/ten.txt
 cat "$out"/screening-{1,2,4}.jsonl >"$out/screening-124.jsonl"
 mixed screening-7 screening-6 screening-124 220
-train screening screening-7 --start "$out/screening-third.gguf" --task screening --pack 16 --examples 8 --minutes 16 --rate 2e-4
+train screening-fourth screening-7 --start "$out/screening-third.gguf" --task screening --pack 16 --examples 8 --minutes 16 --rate 2e-4
+# Prohibitions by themselves. Without as many conditions among them, "if it isn't clear, nobody goes in" becomes a prohibition.
+data screening-8 "$texts"/screening/eleven.txt
+mixed screening-9 screening-8 screening-6 150
+mixed screening-10 screening-9 screening-124 174
+train screening screening-10 --start "$out/screening-fourth.gguf" --task screening --pack 16 --examples 8 --minutes 11 --rate 2e-4
 
 data description "$texts"/descriptions/*.txt
 train description description --task description --pack 8 --examples 2 --minutes 33 --rate 4e-4
