@@ -25,8 +25,8 @@ use std::path::Path;
 
 use longstep::compose::{self, CompositionAnswer, CompositionDialogue, CompositionInput};
 use longstep::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Likelihood, Reply, RetellingDialogue, Role,
-    ScreeningDialogue, Usage,
+    ChatRequest, ConstraintKind, Dialogue, GoalDialogue, GoalInput, Likelihood, Reply, RetellingDialogue, Role,
+    ScreeningDialogue,
 };
 use longstep::domain::Domain;
 use longstep::feedback::{Amended, FeedbackDialogue, FeedbackInput, Wish, amend};
@@ -347,14 +347,12 @@ fn described(name: &str, text: &str) -> Result<(), Box<dyn Error>> {
 
 fn reply(text: &str) -> Reply {
     Reply {
-        text: text.to_owned(),
-        finish: Finish::Stop,
-        usage: Usage::default(),
         // A model that is trained for the request.
         likelihood: Some(Likelihood {
             is_trained: true,
             ..Likelihood::default()
         }),
+        ..Reply::complete(text)
     }
 }
 

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use longstep::coverage::{Gap, Mark};
-use longstep::dialogue::{Dialogue, Finish, Reply, ScreeningDialogue, Usage};
+use longstep::dialogue::{Dialogue, Reply, ScreeningDialogue};
 use longstep::session::{Proposal, Response, Session, Settings};
 use longstep::{Planner, World, goal};
 use longstep_core::verify;
@@ -165,7 +165,7 @@ fn compare_marks(text: &str, is_shown: bool) -> BTreeMap<(String, bool), usize> 
         let (instruction, answer) = case.split_once('\n').unwrap();
         let mut dialogue = ScreeningDialogue::new(instruction);
         let found = longstep_llm::converse(&mut *model, &mut dialogue, &mut |_: Progress| {}).unwrap();
-        let expected = reply(answer);
+        let expected = Reply::complete(answer);
         let expected = ScreeningDialogue::new(instruction).supply(&expected).unwrap().unwrap();
         let words = |marks: &[Mark]| -> Vec<(Gap, String)> {
             let letters = |mark: &Mark| instruction[mark.range.clone()].matches(char::is_alphanumeric).collect();
@@ -188,15 +188,6 @@ fn compare_marks(text: &str, is_shown: bool) -> BTreeMap<(String, bool), usize> 
         println!("== {kinds}, {}: {count}", if *same { "found" } else { "not found" });
     }
     counts
-}
-
-fn reply(text: &str) -> Reply {
-    Reply {
-        text: text.to_owned(),
-        finish: Finish::Stop,
-        usage: Usage::default(),
-        likelihood: None,
-    }
 }
 
 /// Eighty instructions for two robots that no screening has seen. Of the test half only totals are printed.

@@ -12,7 +12,7 @@
 mod chain;
 
 use chain::{Drawn, Recomputation, SCENES, domain, is_as_recorded, mean, memory, read, slope, world_of};
-use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
+use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
 use longstep::domain::Domain;
 use longstep::report;
 use longstep::session::{ModelFacts, Session, Settings, Strategy};
@@ -36,12 +36,7 @@ fn session(name: &str, domain: Domain, world: World) -> Session {
 fn supply(session: &mut Session, text: String) {
     let request = session.next_request(&mut EstimatedTokens::default()).unwrap();
     assert!(request.is_some(), "{:?}", session.response());
-    let reply = Reply {
-        text,
-        finish: Finish::Stop,
-        usage: Usage::default(),
-        likelihood: None,
-    };
+    let reply = Reply::complete(text);
     session.supply(&reply, 0.0).unwrap();
 }
 

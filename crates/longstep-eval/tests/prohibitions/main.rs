@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use longstep::compose::{Composed, Stored, inline};
-use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
+use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
 use longstep::domain::Domain;
 use longstep::report::{self, Assessment, Status};
 use longstep::session::{ModelFacts, RepairPolicy, Response, Session, Settings, Strategy};
@@ -145,7 +145,7 @@ impl Scene {
         // Feedback of the program is answered with the same text: the model insists.
         while matches!(session.response(), Response::Waiting) {
             session.next_request(&mut EstimatedTokens::default()).unwrap().unwrap();
-            session.supply(&reply(text), 1.0).unwrap();
+            session.supply(&Reply::complete(text), 1.0).unwrap();
         }
     }
 }
@@ -153,15 +153,6 @@ impl Scene {
 fn solve(world: &World, text: &str) -> Option<VerifiedPlan> {
     let goal = goal::parse(world, text).unwrap_or_else(|error| panic!("{text}: {error}"));
     report::of_goal(world, &goal, "", &Limits::default(), || 0.0).plan
-}
-
-fn reply(text: &str) -> Reply {
-    Reply {
-        text: text.to_owned(),
-        finish: Finish::Stop,
-        usage: Usage::default(),
-        likelihood: None,
-    }
 }
 
 #[test]

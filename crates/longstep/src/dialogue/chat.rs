@@ -119,6 +119,26 @@ pub struct Reply {
     pub likelihood: Option<Likelihood>,
 }
 
+impl Reply {
+    /// A reply that its model ended, without token counts and without a likelihood: from a person, or of a model that tells
+    /// neither.
+    ///
+    /// ```
+    /// use longstep::dialogue::{Finish, Reply};
+    /// let reply = Reply::complete("wish");
+    /// assert_eq!((reply.text.as_str(), reply.finish), ("wish", Finish::Stop));
+    /// ```
+    #[must_use]
+    pub fn complete(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            finish: Finish::Stop,
+            usage: Usage::default(),
+            likelihood: None,
+        }
+    }
+}
+
 /// How likely a model finds a reply under a grammar: logarithms of probabilities over its whole vocabulary, in thousandths
 /// of a nat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -25,11 +25,11 @@ const TOKENS: u32 = 1024;
 /// requests, each with one possible answer, or one possible kind of it.
 ///
 /// ```
-/// use longstep::dialogue::{Dialogue, Finish, Likelihood, MessageDialogue, Reply, Usage};
+/// use longstep::dialogue::{Dialogue, Likelihood, MessageDialogue, Reply};
 /// let mut dialogue = MessageDialogue::new("Take the miller his sacks, love.");
 /// let mut reply = |text: &str, likelihood: i64| {
 ///     let likelihood = Some(Likelihood { text: likelihood, ..Likelihood::default() });
-///     dialogue.supply(&Reply { text: text.to_owned(), finish: Finish::Stop, usage: Usage::default(), likelihood })
+///     dialogue.supply(&Reply { likelihood, ..Reply::complete(text) })
 /// };
 /// assert_eq!(reply("nobody is told anything", -380)?, None);
 /// assert_eq!(reply("tells: love", -2100)?, Some(false));
@@ -121,18 +121,16 @@ impl Dialogue for MessageDialogue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dialogue::{Constraint, Finish, Likelihood, Usage};
+    use crate::dialogue::{Constraint, Likelihood};
 
     fn reply(text: &str, likelihood: Option<i64>) -> Reply {
         Reply {
-            text: text.to_owned(),
-            finish: Finish::Stop,
-            usage: Usage::default(),
             likelihood: likelihood.map(|text| Likelihood {
                 text: text / 2,
                 forced: text - text / 2,
                 ..Likelihood::default()
             }),
+            ..Reply::complete(text)
         }
     }
 

@@ -25,14 +25,14 @@ const LENGTH: usize = 300;
 /// Lets a model retell an instruction. One request, one reply.
 ///
 /// ```
-/// use longstep::dialogue::{Dialogue, Finish, Likelihood, Reply, RetellingDialogue, Usage};
+/// use longstep::dialogue::{Dialogue, Likelihood, Reply, RetellingDialogue};
 /// let planner = longstep::Planner::shipped("household")?;
 /// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>"], "objects": ["<pen>"],
 ///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
 /// let mut dialogue = RetellingDialogue::new(&world, "Der Stift gehört ins Regal.");
 /// let likelihood = Some(Likelihood { text: -2100, ..Likelihood::default() });
-/// let text = "Put the pen on the shelf.".to_owned();
-/// let retold = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood })?;
+/// let text = "Put the pen on the shelf.";
+/// let retold = dialogue.supply(&Reply { likelihood, ..Reply::complete(text) })?;
 /// assert_eq!(retold.flatten().unwrap().text, "Put the pen on the shelf.");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -131,7 +131,7 @@ fn letters(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dialogue::{Finish, Likelihood, Usage};
+    use crate::dialogue::Likelihood;
 
     #[test]
     fn a_retelling_counts_if_it_is_likely_and_new() {
@@ -156,13 +156,11 @@ mod tests {
                 "{asked}"
             );
             let reply = Reply {
-                text: text.to_owned(),
-                finish: Finish::Stop,
-                usage: Usage::default(),
                 likelihood: likelihood.map(|text| Likelihood {
                     text,
                     ..Likelihood::default()
                 }),
+                ..Reply::complete(text)
             };
             let retold = dialogue.supply(&reply).unwrap().unwrap();
             assert_eq!(retold.map(|own| own.is_sure), expected, "{text}");

@@ -31,11 +31,11 @@ const LABELS: [(&str, Gap); 5] = [
 /// Lets a model mark the parts of an instruction that goals do not say. One request, one reply.
 ///
 /// ```
-/// use longstep::dialogue::{Dialogue, Finish, Reply, ScreeningDialogue, Usage};
+/// use longstep::dialogue::{Dialogue, Reply, ScreeningDialogue};
 /// let mut dialogue = ScreeningDialogue::new("Water the roses, but not the ferns");
 /// assert!(dialogue.request().messages.last().unwrap().text.contains("roses"));
-/// let text = "wish & forbids: but not the ferns".to_owned();
-/// let marks = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood: None })?;
+/// let text = "wish & forbids: but not the ferns";
+/// let marks = dialogue.supply(&Reply::complete(text))?;
 /// assert_eq!(marks.unwrap()[0].range, 17..34);
 /// # Ok::<(), longstep::dialogue::DialogueError>(())
 /// ```

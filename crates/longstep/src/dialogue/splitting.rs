@@ -35,14 +35,14 @@ pub struct Split {
 /// Lets a model split an instruction. One request, one reply.
 ///
 /// ```
-/// use longstep::dialogue::{Dialogue, Finish, Likelihood, Reply, SplittingDialogue, Usage};
+/// use longstep::dialogue::{Dialogue, Likelihood, Reply, SplittingDialogue};
 /// let planner = longstep::Planner::shipped("household")?;
 /// let world = planner.world(r#"{"assets": ["<desk>", "<shelf>", "<cupboard>"], "objects": ["<pen>"],
 ///     "object_states": {"<pen>": "on_something(<desk>)"}}"#)?;
 /// let mut dialogue = SplittingDialogue::new(&world, "Der Stift ins Regal, aber lass den Schrank zu.");
 /// let likelihood = Some(Likelihood { text: -2100, ..Likelihood::default() });
-/// let text = "do: Put the pen on the shelf.\nnot: Open the cupboard.".to_owned();
-/// let split = dialogue.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood })?;
+/// let text = "do: Put the pen on the shelf.\nnot: Open the cupboard.";
+/// let split = dialogue.supply(&Reply { likelihood, ..Reply::complete(text) })?;
 /// assert_eq!(split.flatten().unwrap().forbidden, ["Open the cupboard."]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -136,7 +136,7 @@ fn fixed_turns() -> Vec<Message> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dialogue::{Finish, Likelihood, Usage};
+    use crate::dialogue::Likelihood;
 
     #[test]
     fn every_example_has_a_readable_answer() {
@@ -180,13 +180,11 @@ mod tests {
         for (text, likelihood, expected) in replies {
             let mut dialogue = SplittingDialogue::new(&world, "Oil the hinge");
             let reply = Reply {
-                text: text.to_owned(),
-                finish: Finish::Stop,
-                usage: Usage::default(),
                 likelihood: likelihood.map(|text| Likelihood {
                     text,
                     ..Likelihood::default()
                 }),
+                ..Reply::complete(text)
             };
             assert_eq!(dialogue.supply(&reply).unwrap().unwrap(), expected, "{text}");
         }

@@ -2,7 +2,7 @@
 
 use super::reference::References;
 use super::*;
-use crate::dialogue::{ConstraintKind, Dialogue, Finish, Reply, Usage};
+use crate::dialogue::{ConstraintKind, Dialogue, Reply};
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment, World};
 use crate::json::Path;
@@ -89,12 +89,7 @@ impl Scene {
         });
         let request = dialogue.request();
         assert_eq!(request, dialogue.request());
-        let reply = Reply {
-            text: answer.to_owned(),
-            finish: Finish::Stop,
-            usage: Usage::default(),
-            likelihood: None,
-        };
+        let reply = Reply::complete(answer);
         let wish = dialogue.supply(&reply).map_err(|error| error.to_string())?;
         Ok(wish.expect("one reply is enough"))
     }

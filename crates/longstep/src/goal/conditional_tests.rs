@@ -1,9 +1,7 @@
 //! Goals that depend on sensing: notation, parsing, grammar and interpretation.
 
 use super::*;
-use crate::dialogue::{
-    ConditionMark, Constraint, ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Reply, Usage,
-};
+use crate::dialogue::{ConditionMark, Constraint, ConstraintKind, Dialogue, GoalDialogue, GoalInput, Reply};
 use crate::domain;
 use crate::domain::Domain;
 use crate::environment::World;
@@ -86,15 +84,6 @@ fn conditional_goals_are_read_and_written() {
     );
 }
 
-fn reply(text: &str) -> Reply {
-    Reply {
-        text: text.to_owned(),
-        finish: Finish::Stop,
-        usage: Usage::default(),
-        likelihood: None,
-    }
-}
-
 fn dialogue(instruction: &str, condition: ConditionMark, kind: ConstraintKind) -> GoalDialogue {
     let (domain, world) = kitchen();
     GoalDialogue::new(GoalInput {
@@ -109,7 +98,7 @@ fn check_next(condition: ConditionMark, replies: &[&str], present: &[&str], abse
     let instruction = "If the milk is past its date, throw it away, otherwise put it in the fridge";
     let mut dialogue = dialogue(instruction, condition, ConstraintKind::Grammar);
     for text in replies {
-        let reply = reply(text);
+        let reply = Reply::complete(*text);
         assert_eq!(dialogue.supply(&reply), Ok(None), "{text}");
     }
     let Constraint::Lark(grammar) = dialogue.request().constraint else {
@@ -156,7 +145,7 @@ fn check_understood(instruction: &str, replies: &[&str], kind: ConstraintKind, e
     let (_, world) = kitchen();
     let mut understood = String::new();
     for text in replies {
-        let reply = reply(text);
+        let reply = Reply::complete(*text);
         if let Some(done) = dialogue.supply(&reply).unwrap() {
             understood = match done {
                 Understanding::Goal(goal) => goal.everyday(&world).join(" & "),

@@ -62,15 +62,15 @@ pub struct SightInput<'a> {
 ///
 /// ```
 /// use longstep::Planner;
-/// use longstep::dialogue::{ConstraintKind, Dialogue, Finish, Reply, Usage};
+/// use longstep::dialogue::{ConstraintKind, Dialogue, Reply};
 /// use longstep::perception::{SightDialogue, SightInput, View};
 ///
 /// let planner = Planner::shipped("household")?;
 /// let domain = planner.domain();
 /// let input = SightInput { domain, words: "Milk in a fridge", pictures: &[], kind: ConstraintKind::Grammar };
 /// let mut dialogue = SightDialogue::new(&input);
-/// let text = "Milk in a fridge => The milk is in the fridge.\n".to_owned();
-/// let reply = Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood: None };
+/// let text = "Milk in a fridge => The milk is in the fridge.\n";
+/// let reply = Reply::complete(text);
 /// let sighting = dialogue.supply(&reply)?.unwrap();
 /// let view = View::of(domain, &sighting);
 /// assert_eq!(view.environment.object_states["<milk>"].as_slice(), ["inside_something(<fridge>)"]);

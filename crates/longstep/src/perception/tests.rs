@@ -1,17 +1,15 @@
 use super::*;
 use crate::Planner;
 use crate::call::Call;
-use crate::dialogue::{Constraint, ConstraintKind, Dialogue, DialogueError, Finish, Reply, Role, Usage};
+use crate::dialogue::{Constraint, ConstraintKind, Dialogue, DialogueError, Finish, Reply, Role};
 use crate::domain::Domain;
 
 const DOMAINS: [&str; 4] = ["household", "household-checks", "household-dual", "virtualhome"];
 
 fn reply(text: &str, finish: Finish) -> Reply {
     Reply {
-        text: text.to_owned(),
         finish,
-        usage: Usage::default(),
-        likelihood: None,
+        ..Reply::complete(text)
     }
 }
 

@@ -11,7 +11,7 @@
 //!
 //! ```
 //! use longstep::Planner;
-//! use longstep::dialogue::{ConstraintKind, EstimatedTokens, Finish, Reply, Usage};
+//! use longstep::dialogue::{ConstraintKind, EstimatedTokens, Reply};
 //! use longstep::session::{ModelFacts, Settings};
 //!
 //! let planner = Planner::shipped("household")?;
@@ -24,8 +24,8 @@
 //! let prepared = session.next_request(&mut EstimatedTokens::default())?.unwrap();
 //! assert!(prepared.request.messages.last().unwrap().text.contains("The pen belongs on the shelf"));
 //! // The owner of the model sends the request; this is its reply.
-//! let text = r#"{"question": "", "goals": ["put(pen, shelf)"]}"#.to_owned();
-//! session.supply(&Reply { text, finish: Finish::Stop, usage: Usage::default(), likelihood: None }, 740.0)?;
+//! let text = r#"{"question": "", "goals": ["put(pen, shelf)"]}"#;
+//! session.supply(&Reply::complete(text), 740.0)?;
 //!
 //! let proposal = session.proposal().unwrap();
 //! assert_eq!(proposal.plan.steps().len(), 6);

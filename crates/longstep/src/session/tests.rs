@@ -6,7 +6,7 @@ use super::{
     Entry, Event, Failure, Log, LogError, ModelFacts, Refusal, RepairPolicy, Response, Session, Settings, Strategy,
     replay,
 };
-use crate::dialogue::{ConstraintKind, EstimatedTokens, Finish, PromptError, Reply, Usage};
+use crate::dialogue::{ConstraintKind, EstimatedTokens, PromptError, Reply, Usage};
 use crate::domain::{self, Domain};
 use crate::environment::{self, Environment};
 use crate::json::Path;
@@ -51,10 +51,8 @@ pub(super) fn reply(text: &str) -> Reply {
         ..Usage::default()
     };
     Reply {
-        text: text.to_owned(),
-        finish: Finish::Stop,
         usage,
-        likelihood: None,
+        ..Reply::complete(text)
     }
 }
 

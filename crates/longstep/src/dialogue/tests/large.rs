@@ -3,8 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use crate::dialogue::{
-    ChatRequest, ConstraintKind, Dialogue, EstimatedTokens, Finish, GoalDialogue, GoalInput, Reply, TokenCounter,
-    Usage, direct_request, focus,
+    ChatRequest, ConstraintKind, Dialogue, EstimatedTokens, GoalDialogue, GoalInput, Reply, TokenCounter,
+    direct_request, focus,
 };
 use crate::domain::{Domain, shipped};
 use crate::environment::{self, Claim, Environment, Words, World};
@@ -70,12 +70,7 @@ fn check(domain: &Domain, depot: &World, instruction: &str, shown: &[&str], answ
     for name in shown {
         assert!(turn.contains(&format!("- {name}")), "{name} is in {turn}");
     }
-    let reply = Reply {
-        text: json!({"question": "", "goals": [answer]}).to_string(),
-        finish: Finish::Stop,
-        usage: Usage::default(),
-        likelihood: None,
-    };
+    let reply = Reply::complete(json!({"question": "", "goals": [answer]}).to_string());
     let Some(understood) = fitted.dialogue.supply(&reply).unwrap() else {
         panic!("the answer is whole");
     };

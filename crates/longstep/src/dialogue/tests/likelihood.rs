@@ -1,6 +1,6 @@
 //! Answers that a model finds likely, and those that are a guess.
 
-use crate::dialogue::{ConstraintKind, Dialogue, Finish, GoalDialogue, GoalInput, Likelihood, Reply, Round, Usage};
+use crate::dialogue::{ConstraintKind, Dialogue, GoalDialogue, GoalInput, Likelihood, Reply, Round};
 use crate::domain::shipped;
 use crate::environment::{self, Environment};
 use crate::goal::Understanding;
@@ -38,15 +38,13 @@ fn check_in(domain: &str, is_trained: bool, instruction: &str, rounds: &[Round],
     for (text, likelihood, ended) in replies {
         assert_eq!(understood, None, "{instruction}: the answer ended before `{text}`");
         let reply = Reply {
-            text: (*text).to_owned(),
-            finish: Finish::Stop,
-            usage: Usage::default(),
             likelihood: Some(Likelihood {
                 text: *likelihood,
                 ended: *ended,
                 is_trained,
                 ..Likelihood::default()
             }),
+            ..Reply::complete(*text)
         };
         understood = dialogue.supply(&reply).unwrap();
     }
