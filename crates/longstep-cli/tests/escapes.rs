@@ -448,8 +448,10 @@ fn with_a_model(files: &Files) -> Vec<(Case, Vec<Answer>)> {
         cases.push((case(&[&explain[..], &["--domain", &folder]].concat()), Vec::new()));
     }
     let line = HOSTILE.replace(['\r', '\n'], " ");
-    let commands = ["plan", "why", "env", "undo", "save", "strategy", "help", "model", &line];
-    let lines: String = commands.iter().map(|command| format!("/{command} {line}\n")).collect();
+    let commands = ["plan", "why", "env", "undo", "strategy", "help", "model", &line];
+    let mut lines: String = commands.iter().map(|command| format!("/{command} {line}\n")).collect();
+    // A relative path would be a folder in the folder of the tests.
+    lines += &format!("/save {}\n", files.path(&line));
     let input = format!("Put the {line} on the table\n/plan\n/why 1\n\n/plan\n/env\n{lines}");
     cases.push((case(&["chat", "--env", &env]).input(&input), vec![hostile_goal; 3]));
     cases
