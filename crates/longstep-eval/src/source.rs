@@ -2,9 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use longstep::dialogue::{
-    ChatRequest, ConstraintKind, Counting, EstimatedTokens, Finish, Message, Reply, TokenCounter, Usage,
-};
+use longstep::dialogue::{ChatRequest, ConstraintKind, Counting, EstimatedTokens, Message, Reply, TokenCounter, Usage};
 use longstep_llm::{ChatModel, ModelError, Watch};
 use serde::Deserialize;
 use serde_json::Value;
@@ -186,13 +184,11 @@ impl ChatModel for Script {
             });
         };
         Ok(Reply {
-            text,
-            finish: Finish::Stop,
             usage: Usage {
                 calls: 1,
                 ..Usage::default()
             },
-            likelihood: None,
+            ..Reply::complete(text)
         })
     }
 

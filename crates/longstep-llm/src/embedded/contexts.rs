@@ -57,10 +57,7 @@ impl<'model> Contexts<'model> {
             adapters,
             plain,
             older: Vec::new(),
-            current: Context {
-                adapter: None,
-                engine: Engine::new(model, size, threads, 0)?,
-            },
+            current: Context::new(model, size, threads, 0)?,
         })
     }
 
@@ -79,10 +76,7 @@ impl<'model> Contexts<'model> {
         } else if self.current.engine.is_empty() {
             // It stays.
         } else if self.older.len() + 1 < MOST {
-            let context = Context {
-                adapter: None,
-                engine: Engine::new(self.model, self.size, self.threads, 0)?,
-            };
+            let context = Context::new(self.model, self.size, self.threads, 0)?;
             self.older.push(std::mem::replace(&mut self.current, context));
         } else {
             self.take(0);
@@ -125,10 +119,7 @@ impl<'model> Contexts<'model> {
     pub(super) fn widen(&mut self, together: usize) -> Result<(), String> {
         if together > self.current.engine.batch() {
             let adapter = self.current.adapter;
-            self.current = Context {
-                adapter: None,
-                engine: Engine::new(self.model, self.size, self.threads, together)?,
-            };
+            self.current = Context::new(self.model, self.size, self.threads, together)?;
             self.adapt(adapter)?;
         }
         Ok(())
@@ -146,7 +137,15 @@ impl<'model> Contexts<'model> {
     }
 }
 
-impl Context<'_> {
+impl<'model> Context<'model> {
+    /// An empty context without an adapter, which can compute `together` tokens together.
+    fn new(model: &'model LlamaModel, size: u32, threads: usize, together: usize) -> Result<Self, String> {
+        Ok(Self {
+            adapter: None,
+            engine: Engine::new(model, size, threads, together)?,
+        })
+    }
+
     /// Returns how many tokens of a prompt the context holds, if these are its fixed part at least, or half of a prompt
     /// without one.
     fn shares(&self, adapter: Option<usize>, tokens: &[LlamaToken], fixed: usize) -> Option<usize> {
