@@ -185,7 +185,7 @@ impl Conditional {
         let looked_at: Vec<EntityId> = domain.arguments(self.condition).collect();
         let is_free = |thing: &EntityId| match looked_at.contains(thing) {
             // An inspected entity may be a place in another goal.
-            true => !mentioned.iter().any(|fact| fact.subject(domain) == Some(*thing)),
+            true => !mentioned.iter().any(|fact| fact.may_move(domain, *thing)),
             false => !mentioned.iter().any(|fact| fact.about(domain).contains(thing)),
         };
         let slots = (0..bindings.len()).filter(|slot| bindings[..*slot].iter().all(|other| *other != bindings[*slot]));

@@ -223,6 +223,18 @@ impl GoalFact {
         }
     }
 
+    /// Returns true if achieving the goal may move the entity: it is the subject, or an argument that the goal word disturbs.
+    fn may_move(&self, domain: &Domain, entity: EntityId) -> bool {
+        let is_disturbed = match self {
+            Self::Word { word, arguments } => {
+                let mut disturbed = domain.goal_word(*word).disturbs.iter();
+                disturbed.any(|parameter| arguments[*parameter] == entity)
+            }
+            _ => false,
+        };
+        is_disturbed || self.subject(domain) == Some(entity)
+    }
+
     /// Returns all entities in the goal, in order.
     pub fn about(&self, domain: &Domain) -> Vec<EntityId> {
         match self {

@@ -210,3 +210,13 @@ fn what_was_only_looked_at_is_back_where_it_was() {
         "move-hand spam, grasp spam, detach spam table, move-object spam shelf, [check-best-by-date spam ? attach spam shelf, release spam : attach spam shelf, release spam, move-hand milk, grasp milk, detach milk table, move-object milk trash bin, release milk]",
     );
 }
+
+#[test]
+fn what_a_goal_disturbs_may_stay_where_it_was_used() {
+    check(
+        "",
+        "if clean(sponge) then wiped(table, sponge)",
+        "move-hand sponge, [check-cleanness sponge ? grasp sponge, detach sponge floor, move-object sponge table, \
+         attach sponge table, wipe sponge table, release sponge : ]",
+    );
+}
