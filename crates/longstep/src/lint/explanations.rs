@@ -215,6 +215,17 @@ fn same(reach: &Reach<'_>, items: &[Item<'_>], findings: &mut Vec<Finding>) {
     }
 }
 
+/// The goals in a part of an answer: itself, or those of both branches of a condition.
+fn goals_of(part: &str) -> Vec<&str> {
+    match part.strip_prefix("if ").and_then(|rest| rest.split_once(" then ")) {
+        Some((_, branches)) => branches
+            .split(" else ")
+            .flat_map(|branch| branch.split(" and "))
+            .collect(),
+        None => vec![part],
+    }
+}
+
 fn examples(domain: &Domain, places: &Places<'_>, findings: &mut Vec<Finding>) {
     if domain.prompts.examples.is_empty() {
         findings.push(Finding::new(
@@ -233,7 +244,7 @@ fn examples(domain: &Domain, places: &Places<'_>, findings: &mut Vec<Finding>) {
         domain.prompts.examples.iter().any(|example| {
             let scene = example.objects.iter().chain(&example.places);
             let known: Vec<&str> = scene.map(|(name, _)| name.as_str()).collect();
-            let mut parts = example.answer.split(" & ");
+            let mut parts = example.answer.split(" & ").flat_map(goals_of);
             parts.any(|part| read_form(word, part).is_some_and(|names| in_scene(names, &known)))
         })
     };
@@ -261,5 +272,28 @@ fn examples(domain: &Domain, places: &Places<'_>, findings: &mut Vec<Finding>) {
             "no worked example asks back, so a model will answer what it cannot know",
             "add one with `answer = \"question: ...\"`, about a thing that its scene does not have",
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::goals_of;
+
+    #[test]
+    fn goals_behind_a_condition_are_shown_too() {
+        let cases: [(&str, &[&str]); 3] = [
+            ("put(letter, hangar)", &["put(letter, hangar)"]),
+            (
+                "if wet(coat) then hung(coat) and lit(stove)",
+                &["hung(coat)", "lit(stove)"],
+            ),
+            (
+                "if wet(coat) then hung(coat) else put(coat, chest)",
+                &["hung(coat)", "put(coat, chest)"],
+            ),
+        ];
+        for (part, goals) in cases {
+            assert_eq!(goals_of(part), goals, "{part}");
+        }
     }
 }
