@@ -8,7 +8,7 @@ DATA.jsonl is the output of the example `training_data` of longstep-eval. The we
 dequantized ones of the file, in bfloat16); two thin matrices are trained beside each of its linear maps (LoRA). Many
 instructions of one scene share the tokens before them: one sequence holds the scene once and each instruction as a branch
 that sees the scene and itself. So a processor of two cores trains on about a thousand instructions an hour, and a graphics card
-of 2023 on as many in some seconds.
+of 2023 on as many in half a minute.
 
 `--measure` counts, at the end, how many answers of other data would be given word for word (nothing is held to a grammar here).
 
@@ -173,10 +173,10 @@ def mixed(text, chance):
     return "\n".join(lines)
 
 
-def sequence(vocabulary, cases, chance, most, is_mixed, device):
+def sequence(vocabulary, cases, chance, most, is_mixed=False):
     """One sequence: what the cases share, then each case as a branch, or as a branch of the plan that it is about. With `most`
     examples at most, or all where it is None; `is_mixed` puts the goals and the things of the scene in another order. Returns
-    tokens, positions, mask, and the places whose next token is learned with these tokens, and the cases of these."""
+    tokens, positions, mask, the places whose next token is learned, these tokens, and the number of the case of each."""
     fixed = cases[0]["fixed"]
     turns = list(zip(fixed[1::2], fixed[2::2]))
     shown = turns if most is None else chance.sample(turns, min(len(turns), chance.randint(0, most)))
@@ -215,12 +215,18 @@ def sequence(vocabulary, cases, chance, most, is_mixed, device):
         branch += [number] * len(own)
         parent += [above] * len(own)
         tokens += own
-    branch, parent = torch.tensor(branch, device=device), torch.tensor(parent, device=device)
-    order = torch.arange(len(tokens), device=device)
+    order, branch, parent = torch.arange(len(tokens)), torch.tensor(branch), torch.tensor(parent)
     seen = (branch[None] == 0) | (branch[:, None] == branch[None]) | (parent[:, None] == branch[None])
     mask = (order[:, None] >= order[None]) & seen
-    numbers = lambda own: torch.tensor(own, device=device)
-    return numbers(tokens), numbers(positions), mask, numbers(places), numbers(targets), numbers(owners)
+    return torch.tensor(tokens), torch.tensor(positions), mask, torch.tensor(places), torch.tensor(targets), owners
+
+
+def predicted(model, tokens, positions, mask, places, targets):
+    """The logits behind the places of a sequence and the loss, summed over the targets; and the targets where the model is."""
+    device = model.embedding.device
+    logits = model(tokens.to(device), positions.to(device), mask.to(device), places.to(device))
+    targets = targets.to(device)
+    return logits, F.cross_entropy(logits, targets, reduction="sum"), targets
 
 
 def packs(cases, size, chance):
@@ -271,30 +277,32 @@ def load(path, model):
                 value.data.copy_(torch.from_numpy(plain))
 
 
-def measure(path, model, vocabulary, chance, size, device):
-    """Prints how many answers of these data would be given word for word, of each suite."""
-    right, count, loss = collections.Counter(), collections.Counter(), 0.0
-    # Of the answers that are a question or none: what the model says instead.
+def measure(path, model, vocabulary, chance, size):
+    """Prints how many answers of these data would be given word for word, of each suite, with all examples."""
+    right, count, total_loss = collections.Counter(), collections.Counter(), 0.0
+    [question, *_] = vocabulary.text("question:")
+    # Cases that expect a goal and get a question, and the other way round.
     asked, answered = 0, 0
     for group in packs(read_cases(path), size, chance):
+        *parts, owners = sequence(vocabulary, group, chance, None)
         with torch.no_grad():
-            tokens, positions, mask, places, targets, owners = sequence(vocabulary, group, chance, None, False, device)
-            logits = model(tokens, positions, mask, places)
-            loss += F.cross_entropy(logits, targets, reduction="sum").item()
-            best = logits.argmax(-1)
-            missed = torch.zeros(len(group), device=device).index_add_(0, owners, (best != targets).float()).tolist()
-        first = [best[(owners == number).nonzero()[0, 0]].item() for number in range(len(group))]
-        for case, misses, begun in zip(group, missed, first):
+            logits, loss, targets = predicted(model, *parts)
+        total_loss += loss.item()
+        said = [([], []) for _ in group]
+        for owner, best, target in zip(owners, logits.argmax(-1).tolist(), targets.tolist()):
+            said[owner][0].append(best)
+            said[owner][1].append(target)
+        for case, (best, target) in zip(group, said):
             count[case["suite"]] += 1
-            right[case["suite"]] += misses == 0
-            is_question = begun == vocabulary.text("question:")[0]
+            right[case["suite"]] += best == target
+            is_question = best[0] == question
             asked += is_question and case["answer"] is not None
             answered += not is_question and case["answer"] is None
     for suite in sorted(count):
         print(f"{suite}: {right[suite]} of {count[suite]}")
     total = sum(count.values())
     print(f"{path}: {sum(right.values())} of {total} word for word, {asked} asked about without need, {answered} answered instead of "
-          f"asked about, loss {loss / total:.4f} a case", flush=True)
+          f"asked about, loss {total_loss / total:.4f} a case", flush=True)
 
 
 def read_cases(path):
@@ -329,11 +337,8 @@ def main():
     if read.start:
         load(read.start, model)
     cases = read_cases(read.data)
-    groups = []
-    for _ in range(int(read.epochs)):
-        groups += packs(cases, read.pack, chance)
-    last = packs(cases, read.pack, chance)
-    groups += last[:round(read.epochs % 1 * len(last))]
+    rounds = [packs(cases, read.pack, chance) for _ in range(max(1, math.ceil(read.epochs)))]
+    groups = list(itertools.chain(*rounds))[:round(read.epochs * len(rounds[0]))]
     parameters = [p for p in model.parameters() if p.requires_grad]
     optimizer = torch.optim.AdamW(parameters, lr=read.rate, betas=(0.9, 0.99), weight_decay=0.0)
     start, done, tokens_done = time.monotonic(), 0, 0
@@ -350,9 +355,8 @@ def main():
         for part in optimizer.param_groups:
             part["lr"] = rate
         is_mixed = chance.random() < read.mixed
-        tokens, positions, mask, places, targets, _ = sequence(vocabulary, group, chance, read.examples, is_mixed, read.device)
-        logits = model(tokens, positions, mask, places)
-        loss = F.cross_entropy(logits, targets, reduction="sum")
+        *parts, _ = sequence(vocabulary, group, chance, read.examples, is_mixed)
+        logits, loss, targets = predicted(model, *parts)
         loss.backward()
         waiting, total = waiting + len(group), total + len(targets)
         # Scenes of few instructions share a step.
@@ -368,17 +372,19 @@ def main():
             optimizer.zero_grad()
             waiting, total = 0, 0
         done += len(group)
-        tokens_done += len(tokens)
-        if read.device == "cpu" or step % 20 == 19:
+        tokens_done += len(parts[0])
+        is_twentieth = step % 20 == 19
+        # On a card, neither the text nor a save is worth waiting for at each step.
+        if read.device == "cpu" or is_twentieth:
             elapsed = time.monotonic() - start
             right = (logits.argmax(-1) == targets).float().mean().item()
             print(f"{elapsed:6.0f} s  step {step}  cases {done}  tokens {tokens_done} ({tokens_done / elapsed:.1f}/s)  "
                   f"loss {loss.item() / len(targets):.3f}  right tokens {right:.3f}", flush=True)
-        if step % 20 == 19 and read.device == "cpu":
+        if read.device == "cpu" and is_twentieth:
             save(read.adapter + ".part", model, read.rank, alpha, read.task)
     save(read.adapter, model, read.rank, alpha, read.task)
     for path in read.measure:
-        measure(path, model, vocabulary, chance, read.pack, read.device)
+        measure(path, model, vocabulary, chance, read.pack)
 
 
 if __name__ == "__main__":
