@@ -219,4 +219,11 @@ fn what_a_goal_disturbs_may_stay_where_it_was_used() {
         "move-hand sponge, [check-cleanness sponge ? grasp sponge, detach sponge floor, move-object sponge table, \
          attach sponge table, wipe sponge table, release sponge : ]",
     );
+    // With a group, the goal is a choice.
+    check(
+        "",
+        "if clean(sponge) then wiped(any table, sponge)",
+        "move-hand sponge, [check-cleanness sponge ? grasp sponge, detach sponge floor, move-object sponge table, \
+         attach sponge table, wipe sponge table, release sponge : ]",
+    );
 }
