@@ -19,12 +19,12 @@ trap 'rm -f "$page"' EXIT
 
 say() { printf '%s\n' "$@" >>"$page"; }
 
-# tables REPORT [all]: a report below a heading of ours. What was not correct is listed for `all` only: the paper's
+# tables REPORT [all]: a report below a heading of ours. Incorrect attempts are listed for `all` only: the paper's
 # instructions are not ours to print, and the held-out half is not to be looked at.
 tables() {
     awk -v all="${2:-}" '
         /^# / { next }
-        /^## / { skipped = (all == "" && $0 == "## What was not correct"); sub(/^## /, "### ") }
+        /^## / { skipped = (all == "" && $0 == "## Incorrect attempts"); sub(/^## /, "### ") }
         !skipped { print }' "$1" >>"$page"
 }
 

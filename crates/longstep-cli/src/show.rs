@@ -53,7 +53,7 @@ pub(crate) fn answer_in_lanes(answer: &Answer, shown: Changes, lanes: &[Line]) {
             }
             output::blank();
             heading(&match ending.when.is_empty() {
-                true => "Changes otherwise".to_owned(),
+                true => "Changes in every other case".to_owned(),
                 false => format!("Changes when {}", ending.when.join(" and ")),
             });
             match ending.environment_after == *before {

@@ -78,10 +78,10 @@ pub(crate) fn measures(summary: &Summary) -> Vec<Measure> {
         wanted,
     };
     let mut all = vec![
-        measure("correct", "what was expected came of it", summary.correct, true),
+        measure("correct", "the expected result", summary.correct, true),
         measure(
             "executable",
-            "a plan came that can be carried out",
+            "a plan of which every step can be carried out",
             summary.executable,
             true,
         ),
@@ -93,17 +93,17 @@ pub(crate) fn measures(summary: &Summary) -> Vec<Measure> {
         ),
         measure(
             "asked rightly",
-            "asked or refused where that was expected",
+            "a question or a refusal where that was expected",
             summary.asked_rightly,
             true,
         ),
         measure(
             "asked needlessly",
-            "asked where a plan was expected",
+            "a question where a plan was expected",
             summary.asked_needlessly,
             false,
         ),
-        measure("chains right", "every step of a chain correct", summary.chains, true),
+        measure("chains right", "every step of a chain is correct", summary.chains, true),
         measure(
             "claims right",
             "the claimed environment is the simulated one",

@@ -243,7 +243,7 @@ impl Observed<'_> {
         match (&step.expected, plan) {
             (Expected::Plan(_), Some(_)) => amiss.sentences(),
             (Expected::Plan(_), None) => match outcome {
-                Outcome::Question => one("it asked back, and everything was said"),
+                Outcome::Question => one("a question, although the instruction was complete"),
                 Outcome::Invalid => one("the plan is not valid"),
                 _ => one("there is no plan"),
             },

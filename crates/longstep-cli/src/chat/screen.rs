@@ -88,7 +88,7 @@ pub(super) fn ended(session: &Session, endings: &[Ended]) {
     print_line!("{}", "How did the plan end?".yellow().bold());
     for (number, ending) in endings.iter().enumerate() {
         let when = match ending.when.is_empty() {
-            true => "otherwise".to_owned(),
+            true => "in every other case".to_owned(),
             false => ending.when.join(", and "),
         };
         print_line!("  {} {when}", format!("{}.", number + 1).bold());

@@ -113,7 +113,7 @@ pub(super) fn text(comparison: &Comparison) -> Vec<String> {
         }
     }
     if !comparison.settings.is_empty() {
-        lines.push("  What was run differs".to_owned());
+        lines.push("  Differences in the settings".to_owned());
         let settings = comparison.settings.iter();
         lines.extend(settings.map(|(name, before, after)| format!("    {name}: {before} -> {after}")));
     }
@@ -157,7 +157,7 @@ pub(super) fn markdown(comparison: &Comparison) -> String {
         lines.push(String::new());
     }
     if !comparison.settings.is_empty() {
-        lines.extend(["## What was run differs".to_owned(), String::new()]);
+        lines.extend(["## Differences in the settings".to_owned(), String::new()]);
         lines.push(markdown_row([String::new(), first, second]));
         lines.push(rule(3));
         let settings = comparison.settings.iter();
@@ -238,7 +238,7 @@ pub(super) fn html(comparison: &Comparison) -> String {
         };
         let rows: String = comparison.settings.iter().map(row).collect();
         body += &format!(
-            "<section><h2>What was run differs</h2><table class=\"settings\"><tbody>{rows}</tbody></table></section>\n"
+            "<section><h2>Differences in the settings</h2><table class=\"settings\"><tbody>{rows}</tbody></table></section>\n"
         );
     }
     whole(&Page {

@@ -88,7 +88,7 @@ pub(super) fn histogram(milliseconds: &[f64]) -> String {
         .map(column)
         .collect();
     format!(
-        "<figure class=\"histogram\"><figcaption>How long attempts took; the highest column is {tallest} of \
+        "<figure class=\"histogram\"><figcaption>Time of an attempt; the highest column is {tallest} of \
          {}</figcaption>\
          <svg role=\"img\" aria-label=\"Times from {least} to {most}\">{columns}<line class=\"axis\" x2=\"100%\" \
          y1=\"100%\" y2=\"100%\"/></svg><p \

@@ -42,15 +42,15 @@ pub(super) fn article(results: &Results, place: usize, attempt: &Attempt) -> Str
     )];
     parts.push(facts(attempt, results.timings.get(&attempt.key)));
     parts.push(list(
-        "Why it is not correct",
+        "Reasons why it is not correct",
         attempt.why.iter().map(|why| escaped(why)),
     ));
     parts.push(list(
-        "What is wrong with the plan",
+        "Violations of the plan",
         attempt.violations.iter().map(|one| escaped(one)),
     ));
     parts.push(plan(&attempt.plan));
-    parts.push(list("What repair changed", attempt.edits.iter().map(edit)));
+    parts.push(list("Edits by repair", attempt.edits.iter().map(edit)));
     parts.push(readings(attempt));
     parts.push(dialogue(attempt));
     format!(

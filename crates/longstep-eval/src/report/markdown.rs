@@ -51,7 +51,7 @@ pub(super) fn document(results: &Results) -> String {
         lines.push(String::new());
     }
     lines.extend(wrong(results));
-    lines.push("## What was run".to_owned());
+    lines.push("## Settings".to_owned());
     lines.push(String::new());
     lines.extend(head(&["", "value"]));
     lines.extend(
@@ -63,7 +63,7 @@ pub(super) fn document(results: &Results) -> String {
 }
 
 fn measured(summary: &Summary) -> Vec<String> {
-    let mut lines = head(&["measure", "share", "of", "95 % interval", "what it counts"]);
+    let mut lines = head(&["measure", "share", "of", "95 % interval", "definition"]);
     lines.extend(measures(summary).into_iter().map(|measure| {
         let rate = measure.rate;
         row([
@@ -77,7 +77,7 @@ fn measured(summary: &Summary) -> Vec<String> {
     let cost = summary.cost;
     lines.push(String::new());
     lines.push(format!(
-        "Median time {}, {} all together. Median tokens {} in the prompts and {} in the answers, {} of the prompts' \
+        "Median time {}, {} in total. Median tokens {} in the prompts and {} in the answers, {} of the prompts' \
          from the cache; {} calls. {:.2} edits for each plan.",
         duration(cost.total_ms),
         duration(cost.sum_seconds * 1000.0),
@@ -167,10 +167,10 @@ fn wrong(results: &Results) -> Vec<String> {
     if wrong.is_empty() {
         return Vec::new();
     }
-    let mut lines = vec!["## What was not correct".to_owned(), String::new()];
+    let mut lines = vec!["## Incorrect attempts".to_owned(), String::new()];
     lines.extend(wrong.into_iter().map(|(_, attempt)| {
         format!(
-            "- **{}**: \u{201c}{}\u{201d} Expected: {}. Came: {}. Why: {}.",
+            "- **{}**: \u{201c}{}\u{201d} Expected: {}. Result: {}. Reason: {}.",
             escaped(&label(results, attempt)),
             escaped(&attempt.says),
             escaped(&expected(&attempt.expected)),

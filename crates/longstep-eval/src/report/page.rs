@@ -19,17 +19,17 @@ pub(super) fn page(results: &Results) -> String {
         let bars = charts::bars(&paper::shares(results, &summary));
         let note = "<p class=\"quiet\">Whiskers are 95 % intervals. The paper's 36 % is 5 of 14 scenarios; all five \
                     trials of a scenario came out alike.</p>\n";
-        body += &section("paper", "Beside the paper", &(bars + note));
+        body += &section("paper", "Comparison with the paper", &(bars + note));
     }
     body += &section("grid", "Every attempt", &tables::attempts(results));
     if paper::has_rounds(results) {
         body += &section("rounds", "Rounds of feedback", &tables::rounds(results));
     }
-    body += &section("failures", "What went wrong, by kind", &failures(results, &summary));
-    body += &section("groups", "By what attempts have in common", &groupings(results));
+    body += &section("failures", "Failures by kind", &failures(results, &summary));
+    body += &section("groups", "Groups of attempts", &groupings(results));
     body += &section("cost", "Time and tokens", &cost(results, &summary));
-    body += &section("wrong", "What is not correct", &wrong(results));
-    body += &section("run", "What was run", &run(results));
+    body += &section("wrong", "Incorrect attempts", &wrong(results));
+    body += &section("run", "Settings", &run(results));
     let all = results.attempts.iter().enumerate();
     let articles: String = all
         .map(|(place, attempt)| detail::article(results, place, attempt))
@@ -70,7 +70,7 @@ fn headline(summary: &Summary) -> String {
     plain(
         "median time",
         duration(cost.total_ms),
-        format!("{} all together", duration(cost.sum_seconds * 1000.0)),
+        format!("{} in total", duration(cost.sum_seconds * 1000.0)),
     );
     plain(
         "median tokens",
@@ -79,8 +79,8 @@ fn headline(summary: &Summary) -> String {
     );
     plain("edits", format!("{:.2}", summary.edits), "for each plan".to_owned());
     format!(
-        "<ul class=\"tiles\">\n{}</ul>\n<p class=\"quiet\">Below a share: how many of how many, and the 95 % \
-         interval, which the whiskers show too.</p>\n",
+        "<ul class=\"tiles\">\n{}</ul>\n<p class=\"quiet\">Below each rate: the counts and the 95 % interval. \
+         The whiskers show the same interval.</p>\n",
         tiles.concat()
     )
 }
@@ -110,8 +110,8 @@ fn failures(results: &Results, summary: &Summary) -> String {
     match rows.is_empty() {
         true => rows,
         false => format!(
-            "<p class=\"quiet\">What the first reply lacked counts even where it was mended later. Open a kind to \
-             see its attempts.</p>\n<div class=\"kinds\">\n{rows}</div>\n"
+            "<p class=\"quiet\">A mistake in the first reply counts even if it was corrected later. Open a kind \
+             to see its attempts.</p>\n<div class=\"kinds\">\n{rows}</div>\n"
         ),
     }
 }
@@ -154,7 +154,7 @@ fn cost(results: &Results, summary: &Summary) -> String {
     let rows = [
         ("median time", duration(cost.total_ms)),
         ("median time of the model", duration(cost.model_ms)),
-        ("all together", duration(cost.sum_seconds * 1000.0)),
+        ("in total", duration(cost.sum_seconds * 1000.0)),
         ("median tokens in prompts", amount(cost.prompt_tokens)),
         ("of these from the cache", amount(cost.cached_tokens)),
         ("median tokens in answers", amount(cost.completion_tokens)),
@@ -177,7 +177,7 @@ fn cost(results: &Results, summary: &Summary) -> String {
 fn wrong(results: &Results) -> String {
     let entry = |(place, attempt): (usize, &Attempt)| {
         format!(
-            "<li>{} <b>{}</b><p class=\"says\">{}</p><dl><dt>Expected</dt><dd>{}</dd><dt>Came</dt><dd>{}</dd><dt>Why\
+            "<li>{} <b>{}</b><p class=\"says\">{}</p><dl><dt>Expected</dt><dd>{}</dd><dt>Result</dt><dd>{}</dd><dt>Reason\
              </dt><dd>{}</dd></dl></li>\n",
             detail::square(results, place, attempt),
             detail::link(results, place, attempt),

@@ -33,7 +33,7 @@ pub(super) fn lines(results: &Results) -> Vec<String> {
     let cost = summary.cost;
     lines.push(format!("  {:<17}{:>7.2}  for each plan", "edits", summary.edits));
     lines.push(format!(
-        "  {:<17}{:>7}  median; {} all together; {} + {} tokens, {} calls",
+        "  {:<17}{:>7}  median; {} in total; {} + {} tokens, {} calls",
         "time",
         duration(cost.total_ms),
         duration(cost.sum_seconds * 1000.0),

@@ -7,7 +7,7 @@
 use super::Likelihood;
 use crate::goal::{AND, ELSE, JOINT};
 
-/// Likelihoods below which an answer is a guess, in thousandths of a nat (docs/evaluation.md has the measurement).
+/// Likelihoods below which an answer is a guess, in thousandths of a nat (docs/experiments.md has the measurement).
 struct Limits {
     /// For an instruction that names an entity of the environment.
     named: i64,

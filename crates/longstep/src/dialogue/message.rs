@@ -16,7 +16,7 @@ const PROMPT: &str = include_str!("message.txt");
 /// The answer to an instruction with a message begins with this.
 const TELLS: &str = "tells: ";
 /// Distance in thousandths of a nat by which the answer without a message has to be likelier, so that there is none
-/// (docs/evaluation.md has the measurement).
+/// (docs/experiments.md has the measurement).
 const AHEAD: i64 = 500;
 /// Token budget of an answer.
 const TOKENS: u32 = 1024;

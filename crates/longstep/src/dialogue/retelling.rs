@@ -13,7 +13,7 @@ use crate::environment::World;
 
 /// The task in the first paragraph; then examples, each with its answer in the last line.
 const PROMPT: &str = include_str!("retelling.txt");
-/// Likelihood below which what a model says in plain English is not used, in thousandths of a nat (docs/evaluation.md has the measurement).
+/// Likelihood below which what a model says in plain English is not used, in thousandths of a nat (docs/experiments.md has the measurement).
 pub(super) const SURE: i64 = -4500;
 /// Likelihood below which it is not even compared with the instruction.
 const WORTHLESS: i64 = -10_000;

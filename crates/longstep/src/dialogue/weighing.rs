@@ -13,7 +13,7 @@ use crate::goal::{self, Goal, JOINT};
 const ANSWERS: usize = 6;
 /// Maximum number of answers of one reading, without those that begin the chosen one.
 const OF_READING: usize = 3;
-/// Likelihood for both wordings below which the likeliest answer is a guess, in thousandths of a nat (docs/evaluation.md has
+/// Likelihood for both wordings below which the likeliest answer is a guess, in thousandths of a nat (docs/experiments.md has
 /// the measurement).
 const LEAST: i64 = -8000;
 /// Likelihood for both wordings below which an answer is a guess to which only an unsure retelling led.
