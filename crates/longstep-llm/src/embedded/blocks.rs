@@ -11,8 +11,12 @@ pub(super) const LARGE: usize = 256;
 /// before, half a block on average is computed again.
 const SMALL: usize = 16;
 
-/// The blocks of a prompt, by their ends.
-pub(super) struct Blocks(Vec<usize>);
+/// The blocks of a prompt.
+pub(super) struct Blocks {
+    ends: Vec<usize>,
+    /// True if a picture follows the last block.
+    is_followed: bool,
+}
 
 impl Blocks {
     /// Cuts a prompt of `total` tokens, of which the first `fixed` are fixed, and the first `shared` stand before the last
@@ -28,15 +32,30 @@ impl Blocks {
         ends.push(total);
         ends.dedup();
         ends.retain(|end| *end > 0);
-        Self(ends)
+        Self {
+            ends,
+            is_followed: false,
+        }
+    }
+
+    /// Returns the blocks with a picture behind the last one.
+    pub(super) fn followed(self) -> Self {
+        Self {
+            is_followed: true,
+            ..self
+        }
     }
 
     /// Returns how many tokens can be reused from a cache that holds the first `known` tokens of the prompt and was
-    /// computed in blocks that end at `ours`. Never all: the last block is computed to get the logits of the next token.
+    /// computed in blocks that end at `ours`. All only if a picture follows: otherwise the last block is computed to get the
+    /// logits of the next token.
     pub(super) fn reusable(&self, ours: &[usize], known: usize) -> usize {
-        let before_last = self.0.split_last().map_or(&[][..], |(_, rest)| rest);
+        let reused = match self.is_followed {
+            true => self.ends.len(),
+            false => self.ends.len().saturating_sub(1),
+        };
         ours.iter()
-            .zip(before_last)
+            .zip(self.ends.iter().take(reused))
             .take_while(|(our, their)| our == their && **our <= known)
             .last()
             .map_or(0, |(end, _)| *end)
@@ -44,11 +63,11 @@ impl Blocks {
 
     /// Returns the end of the block that holds the token at this place.
     pub(super) fn next(&self, start: usize) -> Option<usize> {
-        self.0.iter().copied().find(|end| *end > start)
+        self.ends.iter().copied().find(|end| *end > start)
     }
 
     pub(super) fn into_ends(self) -> Vec<usize> {
-        self.0
+        self.ends
     }
 }
 
@@ -104,5 +123,7 @@ mod tests {
             assert_eq!(planned.reusable(&ours, known), expected, "{ours:?} {known}");
         }
         assert_eq!(Blocks::of(70, 0, 0).reusable(&whole, 70), 0);
+        assert_eq!(Blocks::of(70, 70, 70).reusable(&[70], 70), 0);
+        assert_eq!(Blocks::of(70, 70, 70).followed().reusable(&[70], 70), 70);
     }
 }

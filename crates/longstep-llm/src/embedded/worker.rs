@@ -288,6 +288,7 @@ impl<'model> Worker<'model> {
             engine.restore(fixed, |context| state.load(context));
         }
         let blocks = Blocks::of(tokens.len(), fixed, shared);
+        let blocks = if until < total { blocks.followed() } else { blocks };
         let known = engine.begin(tokens, &blocks);
         let mut tell_done = |done| tell(Progress::ReadingPrompt { done, total });
         let outcome = engine.read(tokens, &blocks, shared, &mut tell_done);
