@@ -226,15 +226,15 @@ impl GoalFact {
     /// Returns true if achieving the goal may move the entity: it is the subject, or an argument that the goal word disturbs.
     /// A choice may move what one of its alternatives may move.
     fn may_move(&self, domain: &Domain, entity: EntityId) -> bool {
-        let is_disturbed = match self {
+        let is_subject = self.subject(domain) == Some(entity);
+        match self {
+            Self::Choice(choice) => choice.alternatives().any(|goal| goal.may_move(domain, entity)),
             Self::Word { word, arguments } => {
                 let mut disturbed = domain.goal_word(*word).disturbs.iter();
-                disturbed.any(|parameter| arguments[*parameter] == entity)
+                is_subject || disturbed.any(|parameter| arguments[*parameter] == entity)
             }
-            Self::Choice(choice) => choice.alternatives().any(|goal| goal.may_move(domain, entity)),
-            Self::Plain(_) | Self::Number(_) | Self::If(_) => false,
-        };
-        is_disturbed || self.subject(domain) == Some(entity)
+            Self::Plain(_) | Self::Number(_) | Self::If(_) => is_subject,
+        }
     }
 
     /// Returns all entities in the goal, in order.
