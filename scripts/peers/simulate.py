@@ -4,6 +4,7 @@
     scripts/peers/simulate.py --cases 2000              a fresh sample over all classes; prints its seed
     scripts/peers/simulate.py --seed 7 --cases 2000     the same sample again
     scripts/peers/simulate.py --class tree --cases 500  one class
+    scripts/peers/simulate.py --tasks 2000              random planning tasks with costs and numbers instead of the classes
     scripts/peers/simulate.py --self-test               the simulator against cases worked out by hand, and planted faults
 
 Exits with 1 where the two disagree; each disagreement is printed as small as it gets, with its seed.

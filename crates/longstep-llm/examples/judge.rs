@@ -4,11 +4,16 @@
 //!
 //! - `{"command": "verify", "domain": NAME_OR_FOLDER, "environment": {...}, "plan": TEXT}`
 //! - `{"command": "solve", "domain": NAME_OR_FOLDER, "environment": {...}, "goal": TEXT}`
+//! - `{"command": "task", "domain": PDDL, "problem": PDDL, "goal": TEXT, "plans": [TEXT]}`; without `goal`, that of the
+//!   problem counts
 //!
 //! The answer is the object that `longstep verify --json` and `longstep solve --json` print. For `verify` of a plan that
 //! was simulated, `endings` lists each ending: the sensing outcomes that lead to it (`when`, sentences) and the
 //! environment `after` it. For `solve`, `stages` has for each goal of a goal with an order whether it must be achieved
-//! `anew` and whether it must hold at the end (`kept`), and `bound` the steps of the plan with all arguments. What cannot be read is answered with `{"error": TEXT}`.
+//! `anew` and whether it must hold at the end (`kept`), and `bound` the steps of the plan with all arguments. The answer to `task`
+//! has the `outcome` of the search (`solved`, `unsolvable`, `gave_up`), for a solved task its `plan`, `cost`, whether it is
+//! proven to be the `best` one and what the verifier says (`valid`), `stages` as above, and the `verdicts` on the plans. What
+//! cannot be read is answered with `{"error": TEXT}`.
 #![allow(clippy::print_stdout)]
 
 use std::collections::HashMap;
@@ -20,9 +25,11 @@ use longstep::report::Assessment;
 use longstep::{goal, report};
 use longstep_core::domain::Condition;
 use longstep_core::environment::{self, EntityId, Environment, Voice, World};
-use longstep_core::json;
-use longstep_core::plan::{self, PlanFile, TaskCohesion};
-use longstep_core::verify::{bind_tree, check};
+use longstep_core::pddl::{read_plan, read_problem};
+use longstep_core::plan::{self, Plan, PlanFile, Step, TaskCohesion, Violation};
+use longstep_core::search::{self, GroundAction, Outcome};
+use longstep_core::verify::{Purpose, bind_tree, check};
+use longstep_core::{domain, json};
 use longstep_llm::load_domain;
 use serde_json::{Value, json};
 
@@ -42,6 +49,9 @@ fn main() -> Anyhow<()> {
 fn answer(domains: &mut HashMap<String, Domain>, line: &str) -> Anyhow<Value> {
     let request: Value = serde_json::from_str(line)?;
     let text = |key: &str| request[key].as_str().ok_or(format!("the request has no text `{key}`"));
+    if text("command")? == "task" {
+        return task(&request, text("domain")?, text("problem")?);
+    }
     let domain = load(domains, text("domain")?)?;
     let written = request["environment"].to_string();
     let environment = Environment::from_json(&written)?;
@@ -90,12 +100,7 @@ fn solve(world: &World, text: &str) -> Anyhow<Value> {
     let goal = goal::parse(world, text)?;
     let solution = report::of_goal(world, &goal, text, &longstep::Limits::default(), || 0.0);
     let mut answer = serde_json::to_value(solution.answer)?;
-    let purpose = goal.purpose(world);
-    let milestones = purpose.stages.iter().flatten();
-    let meant = milestones.zip(&purpose.wanted);
-    answer["stages"] = meant
-        .map(|(milestone, wanted)| json!({"anew": milestone.anew, "kept": wanted.condition != Condition::TRUE}))
-        .collect();
+    answer["stages"] = stages(&goal.purpose(world));
     let name = |entity: &EntityId| world.entity(*entity).identifier.clone();
     let steps = solution.plan.iter().flat_map(|plan| plan.steps());
     answer["bound"] = steps
@@ -105,4 +110,70 @@ fn solve(world: &World, text: &str) -> Anyhow<Value> {
         })
         .collect();
     Ok(answer)
+}
+
+/// Returns for each goal of a goal with an order whether it must be achieved anew, and whether it must hold at the end.
+fn stages(purpose: &Purpose) -> Value {
+    let milestones = purpose.stages.iter().flatten();
+    let meant = milestones.zip(&purpose.wanted);
+    meant
+        .map(|(milestone, wanted)| json!({"anew": milestone.anew, "kept": wanted.condition != Condition::TRUE}))
+        .collect()
+}
+
+fn task(request: &Value, domain: &str, problem: &str) -> Anyhow<Value> {
+    let domain = domain::from_pddl("domain.pddl", domain)?;
+    let problem = read_problem(&domain, "problem.pddl", problem)?;
+    let world = &problem.world;
+    let purpose = match request["goal"].as_str() {
+        Some(goal) => goal::parse(world, goal)?.purpose(world),
+        None => problem.purpose(),
+    };
+    let mut answer = match search::solve(world, &purpose, &longstep::Limits::default()) {
+        Outcome::Solved {
+            plan, cost, shortest, ..
+        } => {
+            let steps = plan.steps().iter().map(|step| words(world, step));
+            json!({
+                "outcome": "solved",
+                "plan": steps.collect::<Vec<_>>(),
+                "cost": cost.map(|cost| cost.to_string()),
+                "best": shortest,
+                "valid": check(world, plan, &purpose).violations.is_empty(),
+            })
+        }
+        Outcome::ProvenUnsolvable { .. } => json!({"outcome": "unsolvable"}),
+        Outcome::GaveUp { why, .. } => json!({"outcome": "gave_up", "why": why}),
+    };
+    answer["stages"] = stages(&purpose);
+    let plans = request["plans"].as_array().into_iter().flatten();
+    let verdicts = plans.map(|plan| verdict(world, &purpose, plan.as_str().unwrap_or_default()));
+    answer["verdicts"] = verdicts.collect::<Anyhow<Value>>()?;
+    Ok(answer)
+}
+
+/// Verifies a plan as planners write it: the first step that is not applicable, validity, and the cost.
+fn verdict(world: &World, purpose: &Purpose, plan: &str) -> Anyhow<Value> {
+    let explained = |step: GroundAction| Step::explained(world, step.action, step.arguments);
+    let steps = read_plan(world, "plan", plan)?.into_iter().map(explained).collect();
+    let report = check(world, Plan::sequence(steps), purpose);
+    let inapplicable = report.violations.iter().find_map(|violation| match violation {
+        Violation::Precondition { step, .. } => Some(*step),
+        _ => None,
+    });
+    Ok(json!({
+        "inapplicable": inapplicable,
+        "valid": report.violations.is_empty(),
+        "cost": report.cost().map(|cost| cost.to_string()),
+    }))
+}
+
+/// Returns a step as its action and arguments.
+fn words(world: &World, step: &Step) -> Vec<String> {
+    let arguments = step
+        .arguments
+        .iter()
+        .map(|entity| world.entity(*entity).identifier.clone());
+    let action = world.domain().action(step.action).name.clone();
+    std::iter::once(action).chain(arguments).collect()
 }

@@ -39,8 +39,28 @@ pub(crate) fn read_to_limit(file: &mut File, limit: u64) -> std::io::Result<Vec<
     }
 }
 
-/// Reads a text file up to a limit; see [`read_bounded`].
+/// The byte order mark in UTF-8. Some editors write it at the beginning of a text file.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
+/// Reads a text file up to a limit; see [`read_bounded`] and [`text_of`].
 pub(crate) fn read_text_bounded(path: &Path, limit: u64) -> std::io::Result<String> {
-    String::from_utf8(read_bounded(path, limit)?)
+    text_of(read_bounded(path, limit)?)
+}
+
+/// Returns the text of a file from its bytes, without the byte order mark at its beginning.
+///
+/// # Errors
+///
+/// [`std::io::ErrorKind::InvalidData`] for bytes that are not UTF-8.
+///
+/// ```
+/// assert_eq!(longstep_llm::text_of(b"\xef\xbb\xbfnever opened(fridge)".to_vec()).unwrap(), "never opened(fridge)");
+/// assert!(longstep_llm::text_of(vec![0xff]).is_err());
+/// ```
+pub fn text_of(mut bytes: Vec<u8>) -> std::io::Result<String> {
+    if bytes.starts_with(BYTE_ORDER_MARK) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
+    }
+    String::from_utf8(bytes)
         .map_err(|_| std::io::Error::new(std::io::ErrorKind::InvalidData, "it is not a text file (not UTF-8)"))
 }

@@ -52,7 +52,7 @@ mod text_file;
 mod whole_file;
 
 pub use advance::{AdvanceError, advance, instruct};
-pub use bounded::{LOG_LIMIT, read_bounded};
+pub use bounded::{LOG_LIMIT, read_bounded, text_of};
 pub use cache::{cache_directory, session_directory};
 pub use converse::{ConverseError, converse};
 pub use error::{AnswerLimit, ModelError};

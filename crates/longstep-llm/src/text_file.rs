@@ -69,7 +69,15 @@ pub fn plain_reason(error: &Error) -> String {
     first.into_iter().chain(letters).collect()
 }
 
-/// Reads a text file of at most 64 MiB.
+/// Reads a text file of at most 64 MiB, without the byte order mark that some editors put at its beginning.
+///
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let file = tempfile::NamedTempFile::new()?;
+/// std::fs::write(&file, "\u{feff}never opened(fridge)\n")?;
+/// assert_eq!(longstep_llm::read_text(file.path())?, "never opened(fridge)\n");
+/// # Ok(()) }
+/// ```
 ///
 /// # Errors
 ///

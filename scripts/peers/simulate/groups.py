@@ -41,14 +41,15 @@ class Group:
         return f"{text} except {names}" if self.exceptions else text
 
     def is_type(self, world: World) -> bool:
-        """True if the kind is a type, and no name of entities."""
-        return self.kind in ANYTHING or self.kind in types(world)
+        """True if the kind is a type, whether or not entities are called so."""
+        return singular(self.kind) in ANYTHING or kind_type(world, self.kind) is not None
 
     def members(self, world: World) -> list[str]:
         """The entities that the group stands for, in the order of the environment."""
-        if self.kind != "object" and self.kind in types(world):
-            found = world.of_type(self.kind)
-        elif self.kind in ANYTHING:
+        kind = kind_type(world, self.kind)
+        if kind is not None and kind != "object":
+            found = world.of_type(kind)
+        elif singular(self.kind) in ANYTHING:
             constants = dict(world.words.pddl.constants)
             found = [name for name in world.types if name not in constants]
         else:
@@ -104,6 +105,11 @@ def is_overloaded(world: World, form: str) -> bool:
     counts |= {len(state.parameters) + 1 for state in words.states.values() if state.name == name}
     counts |= {len(parameters) for predicate, parameters in words.pddl.predicates.items() if predicate == name}
     return len(counts) > 1
+
+
+def kind_type(world: World, kind: str) -> str | None:
+    """The type that a kind names, in the singular or the plural."""
+    return next((own for own in (kind, singular(kind)) if own in types(world)), None)
 
 
 def types(world: World) -> set[str]:

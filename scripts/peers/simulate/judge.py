@@ -20,8 +20,9 @@ def build() -> Path:
 class Judge:
     """Runs the batch program; a request that ends it is answered with what happened, and the rest goes to a new one."""
 
-    def __init__(self, program: Path):
+    def __init__(self, program: Path, patience: float = PATIENCE):
         self.program = program
+        self.patience = patience
 
     def ask(self, requests: list[dict]) -> list[dict]:
         """The answers to requests, in their order."""
@@ -39,7 +40,7 @@ class Judge:
         lines = "".join(json.dumps(request) + "\n" for request in requests)
         try:
             done = subprocess.run(
-                [self.program], input=lines, capture_output=True, text=True, timeout=PATIENCE + 0.2 * len(requests)
+                [self.program], input=lines, capture_output=True, text=True, timeout=self.patience + 0.2 * len(requests)
             )
             output, why = done.stdout, f"the program ended with {done.returncode}: {done.stderr[:500]}"
         except subprocess.TimeoutExpired as expired:

@@ -12,13 +12,15 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from . import selftest
+from . import selftest, task_compare
 from .cases import CLASSES, Case, Source
 from .compare import compare, shrink
 from .judge import Judge, build
 
 # Seeds that one worker draws at a time, and disagreements that are shrunk in one chunk.
 CHUNK, SHRUNK = 12, 3
+# Planning tasks of one process.
+TASKS = 25
 
 
 @dataclass
@@ -93,6 +95,27 @@ def sample(arguments, program: Path, seed: int, faults: frozenset = frozenset(),
     return total
 
 
+def compare_tasks(arguments, program: Path, seed: int) -> bool:
+    """Compares the search with the least costs of random planning tasks; returns true if all agree."""
+    draw = random.Random(seed)
+    counts: collections.Counter = collections.Counter()
+    disagree = 0
+    with ProcessPoolExecutor(arguments.processes) as pool:
+        sizes = [min(TASKS, arguments.tasks - begin) for begin in range(0, arguments.tasks, TASKS)]
+        jobs = [pool.submit(task_compare.run, program, draw.randrange(10**9), size) for size in sizes]
+        for job in jobs:
+            result = job.result()
+            counts.update(result["counts"])
+            disagree += len(result["disagreements"])
+            for disagreement in result["disagreements"]:
+                print(f"DISAGREE {json.dumps(disagreement)}", flush=True)
+    print(
+        f"{counts['cases']} tasks: {counts['solved']} solved, {counts['unsolvable']} unsolvable, "
+        f"{counts['over']} over a bound, {disagree} disagree"
+    )
+    return disagree == 0
+
+
 def merge(total: Tally, more: Tally) -> None:
     """Adds counts."""
     total.cases += more.cases
@@ -121,6 +144,7 @@ def main() -> None:
     parser.add_argument("--runner", type=Path, help="the built example `judge` [default: build it]")
     parser.add_argument("--processes", type=int, default=2, help="cases at a time [default: 2]")
     parser.add_argument("--keep", type=Path, help="a folder for the random domains, which are else removed")
+    parser.add_argument("--tasks", type=int, help="so many random planning tasks with costs and numbers instead")
     parser.add_argument("--self-test", action="store_true", help="test the simulator itself")
     arguments = parser.parse_args()
     arguments.classes = arguments.classes or CLASSES
@@ -133,6 +157,10 @@ def main() -> None:
         sys.exit(1 if failures else 0)
     print(f"seed {seed}", flush=True)
     started = time.monotonic()
+    if arguments.tasks:
+        agree = compare_tasks(arguments, program, seed)
+        print(f"{time.monotonic() - started:.0f} s, seed {seed}")
+        sys.exit(0 if agree else 1)
     total = sample(arguments, program, seed)
     print_table(total)
     print(f"{sum(tally.cases for tally in total.values())} cases in {time.monotonic() - started:.0f} s, seed {seed}")

@@ -26,19 +26,17 @@ def ranges(case) -> list[range]:
 
 
 def unchanged(world: World, entity: str):
-    """The condition that an entity is where it was and as it was."""
+    """The condition that an entity is as it was: in the facts of the state words of its entry that actions change."""
     words, parts = world.words, []
-    added = {fact[0] for action in world.all_actions() for _, sign, fact in action.effects if sign}
     told = {predicate for call in words.calls.values() for predicate, _ in call.senses}
-    for predicate in {word.predicate for word in words.states.values()}:
-        declared = words.pddl.predicates[predicate]
-        if len(declared) == 2 and predicate in added:
-            facts = [(predicate, entity, other) for other in world.of_type(declared[1][1])]
-        elif len(declared) == 1 and predicate in words.changing and predicate not in told:
-            facts = [(predicate, entity)]
-        else:
+    for word in words.states.values():
+        if word.predicate not in words.changing or word.predicate in told:
             continue
-        parts += [("is" if fact in world.initial else "not", fact) for fact in facts]
+        declared = words.pddl.predicates[word.predicate]
+        variables = [(term, kind) for term, (_, kind) in zip(word.terms, declared) if term in word.parameters]
+        for binding in world.bindings(variables):
+            fact = (word.predicate, *({**binding, "?self": entity}.get(term, term) for term in word.terms))
+            parts.append(("is" if fact in world.initial else "not", fact))
     return join("and", parts)
 
 

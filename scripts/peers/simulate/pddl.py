@@ -1,12 +1,18 @@
 """Reader for the PDDL that domains are written in: typing, ADL conditions, conditional and quantified effects."""
 
 import re
+from decimal import Decimal
 from dataclasses import dataclass, field
 
 # A condition or an effect is a nested tuple whose first entry says what it is:
 #   ("and", [..]) ("or", [..]) ("not", c) ("forall", [(variable, type)], c) ("exists", ..) ("initially", c)
-#   ("=", term, term) ("atom", predicate, terms)
+#   ("=", term, term) ("atom", predicate, terms) ("compare", sign, expression, expression)
 #   effects: ("and", [..]) ("forall", variables, e) ("when", c, e) ("add", predicate, terms) ("delete", predicate, terms)
+#            ("increase" | "decrease" | "assign", name, terms, expression)
+# An expression is ("number", millionths), ("fluent", name, terms) or (sign, expression, expression).
+NUMBER = re.compile(r"^-?\d+(\.\d+)?$")
+COMPARISONS = ("<", "<=", ">=", ">")
+CHANGES = ("increase", "decrease", "assign")
 TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
 
 
@@ -57,9 +63,30 @@ def parse_condition(tree) -> tuple:
         return (head, typed_list(tree[1]), parse_condition(tree[2]))
     if head == "initially":
         return ("initially", parse_condition(tree[1]))
+    if head in COMPARISONS or (head == "=" and any(is_numeric(part) for part in tree[1:])):
+        return ("compare", head, parse_expression(tree[1]), parse_expression(tree[2]))
     if head == "=":
         return ("=", tree[1], tree[2])
     return ("atom", head, tuple(tree[1:]))
+
+
+def is_numeric(tree) -> bool:
+    """True for an expression with a value, as opposed to a variable or a name."""
+    return isinstance(tree, list) or NUMBER.match(tree) is not None
+
+
+def millionths(text: str) -> int:
+    """A decimal number in millionths."""
+    return int(Decimal(text) * 1_000_000)
+
+
+def parse_expression(tree) -> tuple:
+    """A numeric expression from an s-expression."""
+    if isinstance(tree, str):
+        return ("number", millionths(tree))
+    if tree[0] in ("+", "-", "*", "/"):
+        return (tree[0], parse_expression(tree[1]), parse_expression(tree[2]))
+    return ("fluent", tree[0], tuple(tree[1:]))
 
 
 def parse_effect(tree) -> tuple:
@@ -75,11 +102,13 @@ def parse_effect(tree) -> tuple:
         return ("when", parse_condition(tree[1]), parse_effect(tree[2]))
     if head == "not":
         return ("delete", tree[1][0], tuple(tree[1][1:]))
+    if head in CHANGES:
+        return (head, tree[1][0], tuple(tree[1][1:]), parse_expression(tree[2]))
     return ("add", head, tuple(tree[1:]))
 
 
 def changed_predicates(effect: tuple) -> set[str]:
-    """The predicates that an effect can change."""
+    """The predicates and functions that an effect can change."""
     if effect[0] == "and":
         return set().union(*map(changed_predicates, effect[1]))
     if effect[0] in ("forall", "when"):
@@ -105,6 +134,7 @@ class Pddl:
     parents: dict[str, str] = field(default_factory=dict)
     constants: list[tuple[str, str]] = field(default_factory=list)
     predicates: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    functions: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
     actions: dict[str, Action] = field(default_factory=dict)
 
     def type_names(self) -> set[str]:
@@ -131,6 +161,8 @@ def parse_domain(text: str) -> Pddl:
             pddl.constants = typed_list(section[1:])
         elif head == ":predicates":
             pddl.predicates = {entry[0]: typed_list(entry[1:]) for entry in section[1:]}
+        elif head == ":functions":
+            pddl.functions = {entry[0]: typed_list(entry[1:]) for entry in section[1:] if isinstance(entry, list)}
         elif head == ":action":
             parts = dict(zip(section[2::2], section[3::2]))
             condition = parse_condition(parts.get(":precondition", []))

@@ -4,7 +4,7 @@ import argparse
 import tempfile
 from pathlib import Path
 
-from . import search, words
+from . import search, task_compare, task_machine, words
 from .cases import Case
 from .compare import compare
 from .domains import EXAMPLES, GOAL_PROMPT
@@ -13,6 +13,8 @@ from .world import FAULTS
 
 # The classes in which a planted fault shows, and the cases within which it has to be found.
 WITHIN = 6_000
+# The planning tasks within which a fault in their meaning has to be found.
+TASKS = 300
 SHOWS_IN = {
     "add-before-delete": ["flat"],
     "sequential-effects": ["domain"],
@@ -273,4 +275,8 @@ def run_faults(arguments: argparse.Namespace, program: Path, seed: int, sample) 
         found = any(tally.disagreements for tally in total.values())
         missed += not found
         print(f"{'found ' if found else 'MISSED'}  {fault}: {means} (within {cases} cases)", flush=True)
+    for fault, means in task_machine.FAULTS.items():
+        found = bool(task_compare.run(program, seed, TASKS, frozenset([fault]))["disagreements"])
+        missed += not found
+        print(f"{'found ' if found else 'MISSED'}  {fault}: {means} (within {TASKS} tasks)", flush=True)
     return missed

@@ -74,6 +74,16 @@ class Goal:
 
 
 @dataclass
+class NumberWord:
+    """A word of an environment's entries for a numeric function, with its range in millionths."""
+
+    name: str
+    says: str
+    least: int | None
+    most: int | None
+
+
+@dataclass
 class Words:
     """A domain: its PDDL and the words for it."""
 
@@ -92,6 +102,9 @@ class Words:
     events: set[str]
     lexicon: dict[str, list[str]]
     changing: set[str] = field(default_factory=set)
+    numbers: dict[str, NumberWord] = field(default_factory=dict)
+    sentences: dict[str, tuple[str, str]] = field(default_factory=dict)
+    retries: dict[str, int] = field(default_factory=dict)
 
     def call_of(self, action: str) -> Call:
         """The call that stands for an action."""
@@ -142,6 +155,17 @@ def read_call(entry: dict, action: pddl.Action) -> Call:
     return Call(name, shown, action, entry.get("object"), entry.get("actor"), senses)
 
 
+def read_numbers(toml: dict, parsed: pddl.Pddl) -> dict[str, NumberWord]:
+    """The words for numeric functions, by word."""
+    told = {entry["name"]: entry for entry in toml.get("number", [])}
+    found = {}
+    for name in parsed.functions:
+        entry = told.get(name, {})
+        limits = [None if key not in entry else pddl.millionths(str(entry[key])) for key in ("min", "max")]
+        found[entry.get("word", name)] = NumberWord(name, entry.get("says", name), *limits)
+    return found
+
+
 def read(domain_text: str, words_text: str) -> Words:
     """A domain from the texts of its two files."""
     parsed = pddl.parse_domain(domain_text)
@@ -180,6 +204,9 @@ def read(domain_text: str, words_text: str) -> Words:
         complete={entry["name"] for entry in predicates if entry.get("complete")},
         events={entry["name"] for entry in predicates if entry.get("event")},
         lexicon=toml.get("lexicon", {}),
+        numbers=read_numbers(toml, parsed),
+        sentences={entry["name"]: (entry["says"], entry["denies"]) for entry in predicates if "denies" in entry},
+        retries={entry["name"]: entry.get("retries", 2) for entry in toml.get("action", [])},
     )
     for call in calls.values():
         words.changing |= pddl.changed_predicates(call.action.effect)

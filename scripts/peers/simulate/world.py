@@ -4,10 +4,14 @@ import itertools
 import re
 from dataclasses import dataclass
 
+from .numbers import decide, in_range
 from .words import Words, split_call
 
 # A ground condition is True, False, or a tuple: ("is", fact) ("not", fact) ("and", [..]) ("or", [..]).
 # A fact is a tuple of the predicate and its arguments; a state is a frozenset of facts.
+
+# Conditions on numbers are ("compares", (sign, expression, expression)), its opposite "fails", and ("range", ..).
+OPPOSITES = {"is": "not", "not": "is", "compares": "fails", "fails": "compares"}
 
 # Semantics that are wrong on purpose. The self-test switches each on and expects the comparison to find it.
 FAULTS = {
@@ -45,8 +49,8 @@ def negate(ground):
     if ground is True or ground is False:
         return not ground
     head, rest = ground
-    if head in ("is", "not"):
-        return ("not" if head == "is" else "is", rest)
+    if head in OPPOSITES:
+        return (OPPOSITES[head], rest)
     return ("or" if head == "and" else "and", [negate(part) for part in rest])
 
 
@@ -75,7 +79,9 @@ def holds(ground, state: frozenset) -> bool:
         return rest not in state
     if head == "and":
         return all(holds(part, state) for part in rest)
-    return any(holds(part, state) for part in rest)
+    if head == "or":
+        return any(holds(part, state) for part in rest)
+    return in_range(rest, state.numbers) if head == "range" else decide(head, rest, state.numbers)
 
 
 def stem(entity: str) -> str:
