@@ -13,6 +13,8 @@ COMMANDS = (
     ("repair", "plan.py", "--env", "env.json", "--domain", "d"),
     ("plan", "Mark all the spots.", "--env", "env.json", "--domain", "d", "--model", "replay:r.jsonl", "--explain-prompt"),
     ("domain", "check", "d", "--json"),
+    ("domain", "check", "d", "--env", "env.json"),
+    ("run", "plan.py", "--env", "env.json", "--domain", "d", "--robot", "sim", "--approve", "never", "--log", "run.jsonl", "--goal", "GOAL"),
     ("solve", "--goal", "GOAL", "--env", "env.json", "--domain", "d", "--pddl"),
     ("solve", "--goal", "GOAL", "--env", "env.json", "--domain", "d", "--parallel"),
 )

@@ -43,6 +43,9 @@ def starts():
     yield "compose", Case({**stored, "larder.json": plan["larder.json"]}, ("compose", "--script", "stored/cream.py", "--plans", *sorted(name for name in stored if name.endswith("json")), "--env", "larder.json", "--domain", "household-checks"))
     yield "verify a script", Case(office, ("verify", "plan.py", "--env", "env.json", "--domain", "household-checks"))
     suite = folder("suites/branching", "s")
+    yield "robot check", Case({"robot.toml": text("examples/robots/ros2/robot.toml"), "env.json": text("examples/environments/pantry.json")}, ("robot", "check", "robot.toml", "--offline", "--env", "env.json"))
+    yield "see", Case({"boxes.json": text("examples/see/shelf.boxes.json")}, ("see", "boxes.json", "--json"))
+    yield "domain new", Case({"d.pddl": text("examples/greenhouse/domain.pddl")}, ("domain", "new", "made", "--pddl", "d.pddl"))
     yield "suite", Case({**suite, "r.json": "[]"}, ("eval", "s", "--replies", "r.json", "--out", "run"))
 
 

@@ -22,14 +22,17 @@ import time
 from dataclasses import dataclass
 from types import SimpleNamespace
 
+import authoring
 import domains
 import examples
 import plans
+import rules
+import runs
 import sessions
 from climb import FINDINGS, Climber, minimised
 from measure import Case, Cost, Runner, write_files
 
-FAMILIES = plans.FAMILIES + sessions.FAMILIES + domains.FAMILIES + examples.FAMILIES
+FAMILIES = [family for part in (plans, sessions, domains, rules, runs, authoring, examples) for family in part.FAMILIES]
 EMPTY = Case({"plan.json": '{"task_cohesion": {"task_sequence": []}}', "env.json": '{"assets": ["<a>"], "objects": []}'}, ("verify", "plan.json", "--env", "env.json"))
 # The runs that making a finding smaller may take.
 TRIES = 60
