@@ -442,6 +442,58 @@ fn a_bridge_that_is_killed_and_restarted_is_gone_on_with() {
     assert_eq!(repeated(&bench.performed()), BTreeMap::new());
 }
 
+/// Goals outlive Longstep where the robot does not listen for the heartbeat.
+#[test]
+#[ignore = "needs LONGSTEP_ROS2"]
+fn a_goal_that_a_killed_run_left_has_ended_before_the_run_goes_on() {
+    let mut bench = Bench::new(&["5=outlive"]);
+    let child = bench.live("run.jsonl").spawn().unwrap();
+    bench.wait_for("begun 5");
+    // A bridge that lives may cancel the goals of a client that is gone, as this one does.
+    bench.bridge = None;
+    signal(child.id(), "KILL");
+    drop(ended(child, LONGEST));
+    bench.start_bridge();
+    let refused = bench.run("new.jsonl");
+    check_end(&refused, 55, "`/execute_step` has a goal under way: ");
+    assert_eq!((bench.count("begun"), bench.count("cancelled")), (5, 0));
+    let mut child = bench.resume("run.jsonl").stdin(Stdio::piped()).spawn().unwrap();
+    // Step 5 moves the hand, which no observation shows.
+    std::io::Write::write_all(&mut child.stdin.take().unwrap(), b"n\n").unwrap();
+    let output = ended(child, LONGEST);
+    check_end(&output, 0, "the goal is reached in the observed world");
+    check_end(
+        &output,
+        0,
+        "Cancelled what the interrupted run had left under way: 1 goal",
+    );
+    let journal = bench.journal();
+    let place = |event: &str| journal.iter().position(|line| line.starts_with(event)).unwrap();
+    assert!(place("cancelled 5") < place("begun 6"), "{journal:?}");
+    assert_eq!(place("cancelled 5"), place("begun 5") + 1, "{journal:?}");
+    assert_eq!(repeated(&bench.performed()), BTreeMap::new());
+}
+
+#[test]
+#[ignore = "needs LONGSTEP_ROS2"]
+fn a_goal_that_a_killed_run_left_and_nobody_can_cancel_is_waited_for_or_refused() {
+    let bench = Bench::new(&["5=stubborn"]);
+    bench.reconfigure("[timeouts]", "[timeouts]\nstop = 0.5");
+    let child = bench.live("run.jsonl").spawn().unwrap();
+    bench.wait_for("begun 5");
+    signal(child.id(), "KILL");
+    drop(ended(child, LONGEST));
+    let refused = ended(bench.resume("run.jsonl").spawn().unwrap(), LONGEST);
+    check_end(&refused, 55, "the server does not accept its cancellation");
+    assert_eq!(bench.count("begun"), 5);
+    bench.wait_for("done 5");
+    let mut child = bench.resume("run.jsonl").stdin(Stdio::piped()).spawn().unwrap();
+    std::io::Write::write_all(&mut child.stdin.take().unwrap(), b"y\n").unwrap();
+    let output = ended(child, LONGEST);
+    check_end(&output, 0, "the goal is reached in the observed world");
+    assert_eq!(repeated(&bench.performed()), BTreeMap::new());
+}
+
 /// The steps that were done more than once.
 fn repeated(performed: &[String]) -> BTreeMap<&str, usize> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();

@@ -126,3 +126,71 @@ fn a_conversation_keeps_its_rules() {
     );
     assert!(ran.stdout.contains("Verified"), "{}{}", ran.stdout, ran.stderr);
 }
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_a_file() {
+    let home = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = home.path().join(name);
+        std::fs::write(&path, format!("\u{feff}{text}")).unwrap();
+        path.display().to_string()
+    };
+    let environment = std::fs::read_to_string(common::root().join(PANTRY)).unwrap();
+    let env = write("env.json", &environment);
+    let rules = write("robot.rules", "untouched(juice)\n");
+    let plan = home.path().join("plan.json").display().to_string();
+    let solve = [
+        "solve",
+        "--env",
+        &env,
+        "--rules",
+        &rules,
+        "--goal",
+        "put(butter, counter)",
+        "--save",
+        &plan,
+    ];
+    let ran = run(longstep(home.path()).args(solve), "");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let saved = std::fs::read_to_string(&plan).unwrap();
+    let plan = write("marked.json", &saved);
+    let script = write("plan.py", "pass\n");
+    let boxes = std::fs::read_to_string(common::root().join("examples/see/shelf.boxes.json")).unwrap();
+    let boxes = write("boxes.json", &boxes);
+    let pddl = "(define (domain lamps) (:predicates (lit ?lamp)) (:action light :parameters (?lamp) :precondition (not (lit ?lamp)) \
+                :effect (lit ?lamp)))";
+    let pddl = write("lamps.pddl", pddl);
+    let folder = home.path().join("lamps").display().to_string();
+    for (arguments, code) in [
+        (vec!["verify", &plan, "--rules", &rules], 0),
+        (vec!["verify", &script, "--env", &env], 0),
+        (vec!["see", &boxes, "--json"], 0),
+        (vec!["domain", "new", &folder, "--pddl", &pddl], 0),
+    ] {
+        let ran = run(longstep(home.path()).args(&arguments), "");
+        assert_eq!(ran.code, code, "{arguments:?}: {}{}", ran.stdout, ran.stderr);
+    }
+    // An editor saves the files of a domain with the mark, too.
+    for file in ["domain.pddl", "domain.toml", "prompt/examples.toml", "environment.json"] {
+        let text = std::fs::read_to_string(home.path().join("lamps").join(file)).unwrap();
+        write(&format!("lamps/{file}"), text.trim_start_matches('\u{feff}'));
+    }
+    let env = home.path().join("lamps/environment.json").display().to_string();
+    let ran = run(
+        longstep(home.path()).args(["domain", "check", &folder, "--env", &env]),
+        "",
+    );
+    assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+}
+
+#[test]
+fn many_rules_that_prevent_a_plan_are_counted_and_stated_once() {
+    let each = ["juice", "cloth", "butter", "cereal"];
+    let rules: String = (0..600)
+        .map(|index| format!("never put({}, any thing)\n", each[index % 4]))
+        .collect();
+    let (code, answer, stderr) = solve("put(juice, shelf top) & put(butter, shelf top)", Some(&rules));
+    assert_eq!(code, 11, "{stderr}");
+    let notes = answer["notes"].to_string();
+    assert!(notes.len() < 1_000 && notes.contains(" more"), "{notes}");
+}

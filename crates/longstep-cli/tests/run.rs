@@ -476,3 +476,45 @@ fn a_log_that_is_none_is_an_error() {
     }
     assert_eq!(resume(&bench.path("none.jsonl")).status.code(), Some(30));
 }
+
+#[test]
+fn an_error_in_the_goal_has_its_own_hint() {
+    let bench = Bench::new();
+    for (goal, error, hint) in [
+        ("put(spoon, counter)", "`spoon`", "lists the names of an environment"),
+        ("polished(butter)", "is not a goal", "lists the goals"),
+        ("put(butter, counter) &", "empty part", "write a goal on each side"),
+        ("put(3 of butter, counter)", "requires 3 members", ""),
+    ] {
+        let mut command = longstep(bench.folder.path());
+        command.arg("run").arg(bench.path("plan.json")).args(["--goal", goal]);
+        command
+            .args(["--robot", "sim", "--approve", "never", "--log"])
+            .arg(bench.path("no.jsonl"));
+        let output = command.output().unwrap();
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(30), "{goal}: {stderr}");
+        assert!(stderr.contains(error) && !stderr.contains("teach"), "{goal}: {stderr}");
+        match hint {
+            "" => assert!(!stderr.contains("hint:"), "{goal}: {stderr}"),
+            hint => assert!(stderr.contains(hint), "{goal}: {stderr}"),
+        }
+    }
+}
+
+#[test]
+fn a_sentence_of_a_plan_stands_in_a_question_without_its_full_stop() {
+    let bench = Bench::new();
+    let plan = fs::read_to_string(bench.path("plan.json")).unwrap();
+    let mut plan: Value = serde_json::from_str(&plan).unwrap();
+    for sentence in plan["task_cohesion"]["step_instructions"].as_array_mut().unwrap() {
+        *sentence = Value::from(format!("{}.", sentence.as_str().unwrap()));
+    }
+    fs::write(bench.path("plan.json"), plan.to_string()).unwrap();
+    let mut command = bench.command("stops.jsonl", "sim", &["--approve", "each-step"]);
+    let mut child = command.stdin(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(b"y\ny\nn\n").unwrap();
+    let output = child.wait_with_output().unwrap();
+    let all = text(&output.stderr) + &text(&output.stdout);
+    assert!(all.contains("Do this step: ") && !all.contains(".?"), "{all}");
+}

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use longstep_core::environment::{Observation, World};
-use longstep_core::execution::{Event, Execution, Need, Order as Wanted, Proposal, Stop};
+use longstep_core::execution::{Event, Execution, Need, Order as Wanted, Proposal, Stop, Unseen};
 use longstep_core::model::PredicateId;
 
 use crate::error::RobotError;
@@ -29,6 +29,9 @@ pub trait Watcher {
 
     /// Decides whether a step that was under way at a crash was done; none to stop.
     fn judge(&mut self, execution: &Execution, order: &Wanted) -> Option<bool>;
+
+    /// Decides whether something is so that no look has shown; none to stop.
+    fn confirm(&mut self, execution: &Execution, unseen: &Unseen) -> Option<bool>;
 
     /// Takes the feedback of a step that is under way.
     fn feedback(&mut self, _: &Wanted, _: &Feedback) {}
@@ -129,6 +132,14 @@ impl Driver<'_> {
                 Need::Judge(order) => match self.watcher.judge(self.execution, &order) {
                     Some(done) => {
                         if let Err(error) = self.execution.judged(order.number, done) {
+                            self.fail(&error.to_string());
+                        }
+                    }
+                    None => self.request.stop(),
+                },
+                Need::Confirm(unseen) => match self.watcher.confirm(self.execution, &unseen) {
+                    Some(holds) => {
+                        if let Err(error) = self.execution.confirmed(holds) {
                             self.fail(&error.to_string());
                         }
                     }

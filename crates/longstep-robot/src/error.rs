@@ -124,6 +124,23 @@ pub enum RobotError {
         /// The robot, or the part of it.
         robot: String,
     },
+    /// The program of an earlier run, whose Longstep ended without a stop, still drives the robot. Nothing was sent.
+    #[error("the robot `{robot}` is still driven by the program of an earlier run: {program}")]
+    Abandoned {
+        /// The robot, or the part of it.
+        robot: String,
+        /// The processes of the program, and its command.
+        program: String,
+    },
+    /// A goal that this run did not send is under way at a part of the robot. Nothing was sent, or the goal did not end after it
+    /// was cancelled.
+    #[error("`{server}` has a goal under way: {reason}")]
+    UnderWay {
+        /// The action server.
+        server: String,
+        /// Where it may come from, or why it did not end.
+        reason: String,
+    },
     /// The robot was stopped, so that nothing more is sent to it.
     #[error("the robot was stopped")]
     Stopped,
@@ -167,6 +184,11 @@ impl RobotError {
                 Some("`longstep robot check robot.toml` compares it with the servers")
             }
             Self::Missing { .. } => Some("start it, or correct its name in robot.toml"),
+            Self::Abandoned { .. } => Some(
+                "its input has ended, and it is killed after twice its timeout for stops; wait, or end it with `kill -9 NUMBER`, then \
+                 try again",
+            ),
+            Self::UnderWay { .. } => Some("wait until it has ended, or end it at the robot, then try again"),
             Self::InUse { .. } => Some("wait for the other run to end, or stop it"),
             Self::Protocol { .. } => Some("docs/robots.md describes the messages of a robot"),
             _ => None,

@@ -1,6 +1,6 @@
 //! A robot that no other program drives at the same time.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
@@ -9,15 +9,18 @@ use serde_json::Value;
 
 use crate::description::Description;
 use crate::error::RobotError;
+use crate::lock;
 use crate::observation::{Observation, Scope};
 use crate::order::{Handle, Order};
+#[cfg(unix)]
+use crate::presence::{self, Presence};
 use crate::robot::{Progress, Robot, StopSwitch};
-
-/// The longest name of a lock's file, in characters.
-const LONGEST: usize = 120;
 
 /// A robot with a lock for everything that it [drives](Description::drives). The locks are files that the operating system
 /// releases when the program ends, however it ends. They hold among the programs that use the same folder.
+///
+/// A robot behind a program of its own ([`Robot::presence`]) may still be driven by it after this program was killed: no other
+/// program can take the robot until that one has ended.
 ///
 /// ```
 /// use longstep_core::{domain, environment};
@@ -46,52 +49,45 @@ impl Exclusive {
     ///
     /// # Errors
     ///
-    /// [`RobotError::InUse`] if another program has one of them, and [`RobotError::Unreachable`] for a folder in which no file
-    /// can be made. The robot is dropped then.
+    /// [`RobotError::InUse`] if another program has one of them, [`RobotError::Abandoned`] if the program of a robot outlived a
+    /// Longstep that was killed, and [`RobotError::Unreachable`] for a folder in which no file can be made. The robot is dropped
+    /// then.
     pub fn take(robot: Box<dyn Robot>, drives: &[String], folder: &Path) -> Result<Self, RobotError> {
+        Self::open(drives, folder, || Ok(robot))
+    }
+
+    /// Takes the locks, then opens the robot: for a robot of which it is known before what it drives, and which is changed by being
+    /// opened.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Exclusive::take`] and of `open`.
+    pub fn open(
+        drives: &[String],
+        folder: &Path,
+        open: impl FnOnce() -> Result<Box<dyn Robot>, RobotError>,
+    ) -> Result<Self, RobotError> {
         let mut locks = Vec::new();
         for driven in drives {
-            locks.push(lock(driven, folder)?);
+            locks.push(lock::take(driven, folder)?);
         }
+        let robot = open()?;
+        #[cfg(unix)]
+        claim(robot.as_ref(), drives, folder)?;
         Ok(Self { robot, _locks: locks })
     }
 }
 
-fn lock(driven: &str, folder: &Path) -> Result<File, RobotError> {
-    let path = folder.join(file_name(driven));
-    let failed = |error: std::io::Error| RobotError::Unreachable {
-        robot: driven.to_owned(),
-        reason: format!("its lock {} cannot be taken: {error}", path.display()),
-    };
-    let file = OpenOptions::new()
-        .append(true)
-        .create(true)
-        .open(&path)
-        .map_err(failed)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(RobotError::InUse {
-            robot: driven.to_owned(),
-        }),
-        Err(TryLockError::Error(error)) => Err(failed(error)),
-    }
-}
-
-/// Returns the name of a lock's file: readable, and different for different robots.
-fn file_name(driven: &str) -> String {
-    let readable = driven.chars().map(|own| {
-        if own.is_ascii_alphanumeric() || own == '.' {
-            own
-        } else {
-            '-'
-        }
-    });
-    let readable: String = readable.take(LONGEST).collect();
-    // FNV-1a, which is the same in every version and on every machine.
-    let hash = driven.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    format!("{readable}-{hash:016x}.lock")
+/// Checks that no program of an earlier run drives the robot, and keeps what its own program drives.
+#[cfg(unix)]
+fn claim(robot: &dyn Robot, drives: &[String], folder: &Path) -> Result<(), RobotError> {
+    let own = robot.presence();
+    presence::refuse_robots(folder, own, drives)?;
+    let declared = own.map_or(Ok(()), |own| own.declare(drives));
+    declared.map_err(|error| RobotError::Unreachable {
+        robot: drives.join(", "),
+        reason: format!("its presence cannot be written to {}: {error}", folder.display()),
+    })
 }
 
 impl Robot for Exclusive {
@@ -129,5 +125,10 @@ impl Robot for Exclusive {
 
     fn wait(&mut self, limit: Duration) {
         self.robot.wait(limit);
+    }
+
+    #[cfg(unix)]
+    fn presence(&self) -> Option<&Presence> {
+        self.robot.presence()
     }
 }

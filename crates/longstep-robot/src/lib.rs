@@ -30,12 +30,17 @@ mod drive;
 mod dry_run;
 mod error;
 mod exclusive;
+mod lock;
 mod observation;
 mod order;
 mod preflight;
+#[cfg(unix)]
+mod presence;
 /// Process groups and pipes that do not block are those of Unix.
 #[cfg(unix)]
 pub mod process;
+#[cfg(unix)]
+mod processes;
 #[cfg(unix)]
 mod program;
 #[cfg(unix)]
@@ -55,6 +60,8 @@ pub use exclusive::Exclusive;
 pub use observation::{Observation, Scope};
 pub use order::{ArgumentValue, Order};
 pub use preflight::preflight;
+#[cfg(unix)]
+pub use presence::Presence;
 #[cfg(unix)]
 pub use program::{CommandLine, CommandLineError};
 pub use robot::{Feedback, Handle, Progress, Robot, StopSwitch};

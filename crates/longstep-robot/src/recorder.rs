@@ -170,10 +170,12 @@ impl Recorder {
     ///
     /// [`RecorderError::NotStarted`].
     pub fn start(command: &CommandLine, limits: RecorderLimits) -> Result<Self, RecorderError> {
-        let (child, watched) = Child::spawn(command).map_err(|error| RecorderError::NotStarted {
+        let failed = |error: std::io::Error| RecorderError::NotStarted {
             command: command.to_string(),
             reason: error.to_string(),
-        })?;
+        };
+        let (mut child, watched) = Child::spawn(command, None).map_err(failed)?;
+        child.guard(limits.ending).map_err(failed)?;
         let now = Instant::now();
         Ok(Self {
             child,

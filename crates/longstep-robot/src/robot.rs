@@ -10,6 +10,8 @@ use crate::description::Description;
 use crate::error::RobotError;
 use crate::observation::{Observation, Scope};
 use crate::order::Order;
+#[cfg(unix)]
+use crate::presence::Presence;
 
 pub use crate::order::Handle;
 
@@ -146,6 +148,13 @@ pub trait Robot: Send {
             step: order.step,
             reason: error.to_string(),
         })
+    }
+
+    /// Returns the presence of the program that performs the orders, and goes on if this program is killed; none for a robot
+    /// whose orders end with this program, and for one that is reached over a connection.
+    #[cfg(unix)]
+    fn presence(&self) -> Option<&Presence> {
+        None
     }
 
     /// Waits until a poll may have something new, at most `limit` long. May return early.

@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use longstep_core::execution::Event;
+use longstep_core::secret;
 use serde::{Deserialize, Serialize};
 
 /// Maximum length of a log.
@@ -16,7 +17,7 @@ const LARGEST: u64 = 256 << 20;
 pub struct RunHeader {
     /// The version of the log.
     pub longstep_run: u32,
-    /// The robot as the user named it.
+    /// The robot as the user named it, without the passwords of addresses.
     pub robot: String,
     /// The domain as the user named it.
     pub domain: String,
@@ -34,7 +35,7 @@ impl RunHeader {
     pub fn new(robot: &str, domain: &str) -> Self {
         Self {
             longstep_run: 1,
-            robot: robot.to_owned(),
+            robot: secret::in_addresses(robot).into_owned(),
             domain: domain.to_owned(),
             dry_run: false,
         }

@@ -471,8 +471,12 @@ fn what_is_missing_is_found_before_anything_is_sent() {
         Some("/execute_step/_action/status") => vec![listed(&[(1, 4), (2, 2)])],
         _ => usual(message),
     });
-    let robot = "/execute_step, which has a goal under way".to_owned();
-    assert_eq!(busy.connect(SHORT).err(), Some(RobotError::InUse { robot }));
+    let error = busy.connect(SHORT).err().unwrap();
+    assert!(matches!(error, RobotError::UnderWay { .. }), "{error}");
+    assert!(
+        error.to_string().starts_with("`/execute_step` has a goal under way: "),
+        "{error}"
+    );
     // A bridge that does not complain about types: the server is there, and more cannot be known.
     let quiet = Bridge::with_goals(|goal| vec![ended(goal, 4, json!({}))]);
     let silent = Bridge::new(|message| match message["op"].as_str().unwrap() {
@@ -588,6 +592,108 @@ fn a_bridge_that_gives_no_sign_of_life_is_gone() {
     );
     drop(robot.stop());
     assert_eq!(bridge.received("send_action_goal").len(), 1);
+}
+
+/// The behaviour of a server with a goal that an earlier run left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Leftover {
+    /// The goal ends a moment after its cancellation was accepted; a second cancellation finds nothing to cancel.
+    Ends,
+    /// There is none, and the server never had one.
+    Nothing,
+    /// Its end is listed before anything is cancelled.
+    EndedBefore,
+    /// The server accepts no cancellation.
+    Refuses,
+    /// The same, with the answer of `rclpy`: there is nothing to cancel.
+    HasNothing,
+    /// The cancellation is accepted, and the goal goes on.
+    GoesOn,
+    /// The same, and the bridge lists no goals.
+    GoesOnUnlisted,
+    /// The bridge does not answer a cancellation.
+    Silent,
+}
+
+/// A bridge whose server is asked to cancel all of its goals.
+fn bridge_with(leftover: Leftover) -> Bridge {
+    let cancelled = std::sync::atomic::AtomicUsize::new(0);
+    let list = |status| {
+        Deed::Send(
+            json!({"op": "publish", "topic": "/execute_step/_action/status", "msg": {"status_list": [
+        {"goal_info": {"goal_id": {"uuid": vec![7; 16]}}, "status": status}]}}),
+        )
+    };
+    Bridge::new(move |message| {
+        let is_cancel = message["service"] == "/execute_step/_action/cancel_goal";
+        let is_all = is_cancel && message["args"]["goal_info"]["goal_id"]["uuid"] == json!(vec![0; 16]);
+        let is_status = message["op"] == "subscribe" && message["topic"] == "/execute_step/_action/status";
+        match (leftover, is_all, is_status) {
+            (Leftover::Nothing, _, true) => Vec::new(),
+            (Leftover::EndedBefore, _, true) => vec![list(5)],
+            (Leftover::GoesOnUnlisted, _, true) => vec![Deed::Send(
+                json!({"op": "status", "level": "error", "id": message["id"], "msg": "no such type"}),
+            )],
+            (_, _, true) => vec![list(2)],
+            (Leftover::Silent, true, _) => Vec::new(),
+            (Leftover::HasNothing, true, _) => vec![answer(message, json!({"return_code": 0, "goals_canceling": []}))],
+            (Leftover::Refuses, true, _) => vec![answer(message, json!({"return_code": 1, "goals_canceling": []}))],
+            (Leftover::Ends | Leftover::GoesOn | Leftover::GoesOnUnlisted, true, _) => {
+                let count = cancelled.fetch_add(1, std::sync::atomic::Ordering::SeqCst);
+                let goals = if count == 0 {
+                    json!([{"goal_id": {"uuid": vec![7; 16]}}])
+                } else {
+                    json!([])
+                };
+                let mut deeds = vec![answer(message, json!({"return_code": 0, "goals_canceling": goals}))];
+                if leftover == Leftover::Ends {
+                    deeds.push(list(if count == 0 { 3 } else { 5 }));
+                }
+                deeds
+            }
+            _ => usual(message),
+        }
+    })
+}
+
+#[test]
+fn goals_that_an_interrupted_run_left_are_ended_before_anything_else() {
+    let limits = "[timeouts]\nstop = 0.5";
+    for (leftover, expected) in [
+        (Leftover::Ends, Ok(1)),
+        (Leftover::Nothing, Ok(0)),
+        (Leftover::EndedBefore, Ok(0)),
+        (Leftover::Refuses, Err("the server does not accept its cancellation")),
+        (Leftover::HasNothing, Err("the server does not accept its cancellation")),
+        (
+            Leftover::GoesOn,
+            Err("it did not end within 0.5 s after its cancellation"),
+        ),
+        (
+            Leftover::GoesOnUnlisted,
+            Err("it did not end within 0.5 s after its cancellation"),
+        ),
+        (
+            Leftover::Silent,
+            Err("the server did not answer its cancellation within 0.5 s"),
+        ),
+    ] {
+        let bridge = bridge_with(leftover);
+        let begun = Instant::now();
+        let robot = Ros2::reconnect(bridge.configuration(limits), &household());
+        assert!(begun.elapsed() < Duration::from_secs(5));
+        match (robot, expected) {
+            (Ok(robot), Ok(count)) => assert_eq!(robot.cancelled(), count, "{leftover:?}"),
+            (Err(error), Err(reason)) => {
+                assert!(matches!(error, RobotError::UnderWay { .. }), "{leftover:?}: {error}");
+                assert!(error.to_string().contains(reason), "{leftover:?}: {error}");
+            }
+            (found, _) => panic!("{leftover:?}: {:?}", found.err()),
+        }
+        assert!(bridge.received("send_action_goal").is_empty());
+        let calls = bridge.received("call_service");
+        assert!(calls.iter().all(|call| call["service"] != "/observe"), "{leftover:?}");
+    }
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use boon::{Compiler, SchemaIndex, Schemas};
 use campaign::{cases, lanes, monitored};
-use longstep_core::execution::{Aim, Approval, Event, Execution, Need, Settings};
+use longstep_core::execution::{Aim, Approval, Event, Execution, Need, Resumed, Settings};
 use longstep_robot::{RunHeader, RunLog, Sim, reports};
 use serde_json::Value;
 
@@ -65,7 +65,7 @@ fn interrupted() -> Vec<Event> {
             Need::Perform(order) => {
                 orders += 1;
                 if orders == 1 {
-                    execution = Execution::resume(case.world.domain(), &log).unwrap();
+                    execution = Execution::resume(case.world.domain(), &log, Resumed::default()).unwrap();
                 } else {
                     execution.performed(order.number, None).unwrap();
                 }

@@ -389,3 +389,35 @@ fn a_program_is_tried_twice_a_line_and_up_to_the_first_failure() {
         ]
     );
 }
+
+#[test]
+fn a_simulator_has_one_lock_whatever_it_is_called() {
+    let drives = |url: &str| VirtualHomeOptions::new(url).drives();
+    let expected = ["virtualhome localhost:8080".to_owned()];
+    for url in [
+        "http://127.0.0.1:8080",
+        "http://localhost:8080/",
+        "http://[::1]:8080",
+        "http://me:hunter2@127.0.0.1:8080/x",
+    ] {
+        assert_eq!(drives(url), expected, "{url}");
+    }
+    assert_eq!(drives("http://arm"), ["virtualhome arm:80"]);
+}
+
+/// A line that a killed run left: the simulator answers nothing else before its end.
+#[test]
+fn a_run_begins_when_the_simulator_answers() {
+    let busy = Duration::from_millis(1500);
+    let server = Server::start(move |action| {
+        if action == "idle" {
+            thread::sleep(busy);
+        }
+        None
+    });
+    let begun = Instant::now();
+    // The timeout of a line is shorter here.
+    assert!(server.open().is_ok());
+    assert!(begun.elapsed() >= busy);
+    assert_eq!(server.actions()[..2], ["idle", "environment_graph"]);
+}

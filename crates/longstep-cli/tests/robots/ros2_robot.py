@@ -4,7 +4,8 @@ ros2_robot.py ENVIRONMENT.json FOLDER [STEP=FAULT ...] [arms]
 
 FOLDER/journal gets a line for each event. FOLDER/world.json has the states and the steps that were done, which change together.
 Faults: `abort` (the thing falls to the floor),
-`reject`, `hang` (until cancelled), `slow` (half a second), `cancel` (somebody at the robot stops it).
+`reject`, `hang` (until cancelled), `slow` (half a second), `cancel` (somebody at the robot stops it), `outlive` (until cancelled,
+half a second after that, whether Longstep is heard or not), `stubborn` (three seconds, whatever is cancelled).
 """
 import json, os, sys, threading, time
 
@@ -27,9 +28,10 @@ class FaultyRobot(Robot):
                 world = json.load(file)
                 self.states, self.performed = world["states"], world["performed"]
         self.server.destroy()
+        self.stubborn = set()
         names = ["left/execute_step", "right/execute_step"] if arms else ["execute_step"]
         self.servers = [ActionServer(self, ExecuteStep, name, self.execute, callback_group=ReentrantCallbackGroup(),
-                                     goal_callback=self.judge, cancel_callback=lambda goal: CancelResponse.ACCEPT)
+                                     goal_callback=self.judge, cancel_callback=self.judge_cancellation)
                         for name in names]
 
     def journal(self, event, goal):
@@ -42,6 +44,9 @@ class FaultyRobot(Robot):
             return GoalResponse.REJECT
         return GoalResponse.ACCEPT
 
+    def judge_cancellation(self, handle):
+        return CancelResponse.REJECT if handle.request.step in self.stubborn else CancelResponse.ACCEPT
+
     def end(self, handle, how, message):
         getattr(handle, {"aborted": "abort", "cancelled": "canceled"}[how])()
         self.journal(how, handle.request)
@@ -51,12 +56,15 @@ class FaultyRobot(Robot):
         goal = handle.request
         self.journal("begun", goal)
         fault = self.faults.pop(goal.step, None)
-        ticks = {"hang": 10_000, "slow": 50}.get(fault, 3)
+        ticks = {"hang": 10_000, "outlive": 10_000, "stubborn": 300, "slow": 50}.get(fault, 3)
+        if fault == "stubborn":
+            self.stubborn.add(goal.step)
         for tick in range(ticks):
             time.sleep(0.01)
             if handle.is_cancel_requested:
+                time.sleep(0.5 if fault == "outlive" else 0)
                 return self.end(handle, "cancelled", "cancelled")
-            if time.monotonic() - self.heard > 2:
+            if fault not in ("outlive", "stubborn") and time.monotonic() - self.heard > 2:
                 return self.end(handle, "aborted", "no heartbeat for 2 s")
             if fault == "abort":
                 self.states[goal.arguments[-1]] = ["on_something(<floor>)"]

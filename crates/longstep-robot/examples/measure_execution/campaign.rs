@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use longstep_core::environment::{Moment, State, Words, World, holds};
 use longstep_core::execution::{
-    Aim, Approval, Effect, Event, Execution, Need, Order as Wanted, Proposal, Settings, Stop,
+    Aim, Approval, Effect, Event, Execution, Need, Order as Wanted, Proposal, Settings, Stop, Unseen,
 };
 use longstep_core::json::Path as JsonPath;
 use longstep_core::search::{Limits, Outcome, solve};
@@ -121,6 +121,10 @@ impl Watcher for Approving {
     }
 
     fn judge(&mut self, _: &Execution, _: &Wanted) -> Option<bool> {
+        None
+    }
+
+    fn confirm(&mut self, _: &Execution, _: &Unseen) -> Option<bool> {
         None
     }
 }
@@ -319,6 +323,9 @@ pub fn in_lanes(case: &Case, seed: u64, faults: u32) -> LaneRun {
             Some(true)
         }
         fn judge(&mut self, _: &Execution, _: &Wanted) -> Option<bool> {
+            None
+        }
+        fn confirm(&mut self, _: &Execution, _: &Unseen) -> Option<bool> {
             None
         }
     }

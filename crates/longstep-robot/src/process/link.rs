@@ -32,7 +32,7 @@ pub(super) struct Link {
     /// The time at which the output of the program ended.
     closed: Option<Instant>,
     /// The timeouts that the robot declared.
-    pub(super) timeouts: Timeouts,
+    timeouts: Timeouts,
 }
 
 /// A request, and what came for it so far.
@@ -100,6 +100,14 @@ impl Link {
             closed: None,
             timeouts: Timeouts::default(),
         }
+    }
+
+    /// Uses the timeouts that the robot declared, and has the program ended after them if this program is killed. Returns the number
+    /// of the program's process, and of the one that waits for that.
+    pub(super) fn guard(&mut self, timeouts: &Timeouts) -> std::io::Result<(u32, u32)> {
+        self.timeouts = timeouts.clone();
+        // The time for a stop, and the time for the end after it.
+        self.child.guard(timeouts.stop * 2)
     }
 
     /// Fails if the robot is stopped, after everything was read that the program wrote until now.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use longstep_core::visible;
+use longstep_core::{secret, visible};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -153,6 +153,7 @@ pub(super) fn broken(reason: impl Into<String>) -> RobotError {
 
 /// Returns foreign text on one line, shortened.
 fn quotation(text: &str) -> String {
+    let text = secret::redacted(text);
     let mut short: String = text.chars().take(QUOTE_LIMIT).collect();
     if short.len() < text.len() {
         short.push_str("...");

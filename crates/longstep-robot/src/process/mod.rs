@@ -5,7 +5,8 @@
 //! - Before an order is sent, everything that the robot wrote until then is read. An order never follows a message that
 //!   breaks the protocol.
 //! - The first failure stops the robot: `stop` is sent, later orders are not, and the error stays the same.
-//! - The program and its children are ended at the latest one stop timeout after a stop, and again one after that.
+//! - The program and its children are ended at the latest one stop timeout after a stop, and again one after that; also if this
+//!   program is killed.
 //! - Everything that is read has a bound: a line, the feedback of a step, the messages on standard error.
 
 mod link;
@@ -26,6 +27,7 @@ use crate::description::Description;
 use crate::error::RobotError;
 use crate::observation::{Observation, Scope};
 use crate::order::{Handle, Order};
+use crate::presence::{self, Presence};
 use crate::program::{Child, CommandLine, Watched};
 use crate::robot::{Progress, Robot, StopSwitch};
 use crate::stop::StopRequest;
@@ -42,6 +44,7 @@ pub struct Command {
     domain: Option<String>,
     environment: Option<Environment>,
     startup: Duration,
+    presences: Option<PathBuf>,
 }
 
 impl Command {
@@ -79,6 +82,7 @@ impl Command {
             domain: None,
             environment: None,
             startup: Duration::from_secs(30),
+            presences: None,
         }
     }
 
@@ -104,12 +108,22 @@ impl Command {
         self
     }
 
+    /// Keeps the presence of the program in this folder, which must exist: the folder of the locks of
+    /// [`Exclusive`](crate::Exclusive). A program that drives a robot is not started a second time then, also after a Longstep
+    /// that was killed has left it running.
+    #[must_use]
+    pub fn presences(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.presences = Some(folder.into());
+        self
+    }
+
     /// Starts the program and initializes the robot.
     ///
     /// # Errors
     ///
     /// A program that cannot be started, that ends or that does not answer, another protocol version, and an answer that
-    /// breaks the protocol. The program is ended then.
+    /// breaks the protocol. The program is ended then. A program that drives a robot already, for another run or after one that
+    /// was killed, is not started.
     pub fn open(self) -> Result<Process, RobotError> {
         self.open_until(&StopRequest::default())
     }
@@ -124,7 +138,9 @@ impl Command {
             robot: self.line.to_string(),
             reason: error.to_string(),
         };
-        let (child, watched) = Child::spawn(&self.line).map_err(unreachable)?;
+        let presence = self.presence()?;
+        let file = presence.as_ref().and_then(Presence::file);
+        let (child, watched) = Child::spawn(&self.line, file).map_err(unreachable)?;
         let shared = Arc::new(Shared {
             link: Mutex::new(Link::new(child)),
             changed: Condvar::new(),
@@ -139,6 +155,7 @@ impl Command {
             description: Description::new(self.line.program()),
             shared,
             thread: Some(thread),
+            presence,
         };
         request.attach(process.stop_switch());
         let mut parameters = json!({
@@ -157,12 +174,30 @@ impl Command {
             .and_then(initialized);
         match read {
             Ok(description) => {
-                process.lock().timeouts = description.timeouts.clone();
+                let guarded = process.lock().guard(&description.timeouts);
+                let (number, guard) = guarded.map_err(|error| process.failed(unreachable(error)))?;
+                if let Some(presence) = &mut process.presence {
+                    presence.set_processes(number, guard);
+                }
                 process.description = description;
                 Ok(process)
             }
             Err(error) => Err(process.failed(error)),
         }
+    }
+
+    /// Returns the presence of the program, which must not drive a robot already.
+    fn presence(&self) -> Result<Option<Presence>, RobotError> {
+        let Some(folder) = &self.presences else {
+            return Ok(None);
+        };
+        let key = self.line.key();
+        presence::refuse_command(folder, &key)?;
+        let presence = Presence::create(folder, &self.line.to_string(), &key);
+        presence.map(Some).map_err(|error| RobotError::Unreachable {
+            robot: self.line.to_string(),
+            reason: format!("its presence cannot be kept in {}: {error}", folder.display()),
+        })
     }
 }
 
@@ -192,6 +227,7 @@ pub struct Process {
     description: Description,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
+    presence: Option<Presence>,
 }
 
 #[derive(Debug)]
@@ -325,6 +361,10 @@ impl Robot for Process {
         })
     }
 
+    fn presence(&self) -> Option<&Presence> {
+        self.presence.as_ref()
+    }
+
     fn wait(&mut self, limit: Duration) {
         drop(self.shared.pause(self.lock(), limit));
     }
@@ -336,6 +376,10 @@ impl Drop for Process {
         if let Some(thread) = self.thread.take() {
             // The thread ends with the program, which is ended by force after its timeouts.
             drop(thread.join());
+        }
+        let stopped = self.lock().stopped();
+        if let Some(presence) = &mut self.presence {
+            presence.end(stopped.is_some_and(|stopped| stopped.is_ok()));
         }
     }
 }

@@ -1,9 +1,11 @@
 //! A program that was started: its process group, its pipes, its end.
 
+use std::fs::File;
 use std::io::{Read, Write};
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::process::{ChildStderr, ChildStdin, ChildStdout, Stdio};
+use std::process::{ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use longstep_core::visible;
@@ -19,6 +21,19 @@ const MESSAGES_LIMIT: usize = 4096;
 /// everything that was written before it.
 const LOOK_LIMIT: usize = 1 << 20;
 
+/// The lowest number of a file that a program inherits. Scripts give lower ones to their own files.
+const INHERITED: i32 = 100;
+
+/// Ends the group of a robot's program (its own group) after the end of the input: when the program has ended, or after some seconds.
+const GUARD: &str = "trap '' HUP INT QUIT TERM
+while read -r line; do :; done
+left=$2
+while [ \"$left\" -gt 0 ] && kill -0 \"$1\"; do sleep 1; left=$((left - 1)); done
+kill -KILL 0";
+
+/// Held while a program is started.
+static SPAWN: Mutex<()> = Mutex::new(());
+
 /// A program in a process group of its own, so that its end ends its children, and a Ctrl-C in the terminal does not
 /// reach it before this program has told it to stop. Dropping it ends it.
 #[derive(Debug)]
@@ -32,22 +47,28 @@ pub(crate) struct Child {
     ended: Option<String>,
     /// True after the process was reaped: its number may belong to another process from then on.
     reaped: bool,
+    /// The process that ends the program if this one is killed.
+    guard: Option<std::process::Child>,
 }
 
 impl Child {
-    /// Starts a program, with handles to wait for what it writes.
+    /// Starts a program, with handles to wait for what it writes. The program and its children inherit the open file `kept`.
     ///
     /// # Errors
     ///
     /// The program cannot be started, or its pipes cannot be set up. Nothing runs then.
-    pub(crate) fn spawn(line: &CommandLine) -> std::io::Result<(Self, Watched)> {
-        let mut process = line
-            .command()
+    pub(crate) fn spawn(line: &CommandLine, kept: Option<&File>) -> std::io::Result<(Self, Watched)> {
+        let mut command = line.command();
+        command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .process_group(0)
-            .spawn()?;
+            .stderr(Stdio::piped());
+        let mut process = {
+            // A program that another thread starts at the same time must not inherit the file.
+            let _alone = SPAWN.lock().unwrap_or_else(PoisonError::into_inner);
+            let _inherited = kept.map(inheritable).transpose()?;
+            command.process_group(0).spawn()?
+        };
         let (input, output, errors) = (process.stdin.take(), process.stdout.take(), process.stderr.take());
         let child = Self {
             process,
@@ -57,10 +78,45 @@ impl Child {
             messages: Vec::new(),
             ended: None,
             reaped: false,
+            guard: None,
         };
         child.unblock()?;
         let watched = child.watched()?;
         Ok((child, watched))
+    }
+
+    /// Has the program and its children ended by force, if this program ends without ending them: after this time, or as soon as the
+    /// program itself has ended. Returns the number of the program's process, and of the one that waits for that.
+    ///
+    /// # Errors
+    ///
+    /// The process cannot be started.
+    pub(crate) fn guard(&mut self, patience: Duration) -> std::io::Result<(u32, u32)> {
+        let process = self.process.id();
+        let group = i32::try_from(process).map_err(std::io::Error::other)?;
+        let seconds = patience.as_secs_f64().ceil();
+        let mut command = Command::new("/bin/sh");
+        command.args([
+            "-c",
+            GUARD,
+            "longstep-guard",
+            &process.to_string(),
+            &seconds.to_string(),
+        ]);
+        // It never reads more than the end of this pipe, whose other side ends with this program.
+        command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        // As a member of the group, it keeps the number of the group from being given to another one.
+        let guard = {
+            let _alone = SPAWN.lock().unwrap_or_else(PoisonError::into_inner);
+            command.process_group(group).current_dir("/").spawn()
+        };
+        let guard = guard.map_err(|error| std::io::Error::new(error.kind(), format!("its guard /bin/sh: {error}")))?;
+        let number = guard.id();
+        self.guard = Some(guard);
+        Ok((process, number))
     }
 
     /// Makes reading and writing return at once.
@@ -195,6 +251,10 @@ impl Child {
         (self.input, self.output) = (None, None);
         // The only error is that the group is gone already.
         let _gone = kill_process_group(self.pid(), Signal::KILL);
+        if let Some(mut guard) = self.guard.take() {
+            // It was in the group.
+            let _ended = guard.wait();
+        }
         if let Ok(status) = self.process.wait()
             && self.ended.is_none()
         {
@@ -209,6 +269,13 @@ impl Child {
     fn pid(&self) -> Pid {
         Pid::from_child(&self.process)
     }
+}
+
+/// Returns the open file under a number that programs which are started inherit.
+fn inheritable(file: &File) -> std::io::Result<OwnedFd> {
+    let inherited = rustix::io::fcntl_dupfd_cloexec(file, INHERITED)?;
+    rustix::io::fcntl_setfd(&inherited, rustix::io::FdFlags::empty())?;
+    Ok(inherited)
 }
 
 impl Drop for Child {

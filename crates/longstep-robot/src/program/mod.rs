@@ -7,7 +7,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::process::Command;
 
-use longstep_core::visible;
+use longstep_core::{secret, visible};
 
 pub(crate) use child::{Child, Watched};
 pub(crate) use lines::{Lines, TooLong};
@@ -81,6 +81,15 @@ impl CommandLine {
         self.words.first().map_or("", String::as_str)
     }
 
+    /// Returns a text that is the same for the same program with the same arguments in the same folder.
+    pub(crate) fn key(&self) -> String {
+        let folder = self.folder.clone().unwrap_or_default();
+        let folder = std::path::absolute(&folder)
+            .or_else(|_| std::env::current_dir())
+            .unwrap_or(folder);
+        format!("{}\0{}", self.words.join("\0"), folder.display())
+    }
+
     fn command(&self) -> Command {
         let mut command = Command::new(self.program());
         command.args(self.words.iter().skip(1));
@@ -92,7 +101,7 @@ impl CommandLine {
     }
 }
 
-/// The words for a person, with quotes where they need them.
+/// The words for a person, with quotes where they need them and without the passwords of addresses.
 impl fmt::Display for CommandLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words: Vec<_> = self
@@ -100,6 +109,6 @@ impl fmt::Display for CommandLine {
             .iter()
             .map(|word| shlex::try_quote(word).unwrap_or(word.into()))
             .collect();
-        f.write_str(&visible::line(&words.join(" ")))
+        f.write_str(&secret::redacted(&visible::line(&words.join(" "))))
     }
 }

@@ -11,6 +11,7 @@ use serde_json::Value;
 use super::criterion::Criterion;
 use super::file::{Consequence, Lists, Servers, Text};
 use super::template::{Table, Template};
+use crate::lock;
 
 /// The mark for every action without an entry of its own.
 pub(super) const ANY: &str = "*";
@@ -210,6 +211,15 @@ impl Configuration {
     /// True for a robot in a simulation: it moves without `--live`.
     pub fn is_simulated(&self) -> bool {
         self.simulated
+    }
+
+    /// The parts that the robot drives, by the names of their locks: each action server of its bridge.
+    pub fn drives(&self) -> Vec<String> {
+        let host = lock::computer(&self.url.host);
+        let servers = self.servers().into_keys();
+        servers
+            .map(|server| format!("ros2 {host}:{} {server}", self.url.port))
+            .collect()
     }
 
     /// Returns the rule for an action of the domain that the robot may perform.

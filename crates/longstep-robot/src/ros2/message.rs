@@ -1,6 +1,6 @@
 //! Messages of the rosbridge protocol: reading the bridge's, writing ours.
 
-use longstep_core::visible;
+use longstep_core::{secret, visible};
 use serde_json::{Map, Value, json};
 
 use crate::error::RobotError;
@@ -76,6 +76,7 @@ pub(super) enum Incoming {
 
 /// Returns foreign text on one line, shortened.
 pub(super) fn quotation(text: &str) -> String {
+    let text = secret::redacted(text);
     let mut short: String = text.chars().take(QUOTE_LIMIT).collect();
     if short.len() < text.len() {
         short.push_str("...");

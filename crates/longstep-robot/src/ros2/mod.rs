@@ -8,6 +8,7 @@
 //! - The first failure stops the robot: every goal under way is cancelled, nothing else is sent, and the error stays the same.
 //!   If the connection is gone, the stop connects again to cancel.
 //! - A stop is confirmed only if every goal under way ended.
+//! - A run that goes on after an interruption ends the goals that it left ([`Ros2::reconnect`]) before it observes.
 //! - Everything that is read has a bound.
 
 mod check;
@@ -15,6 +16,7 @@ mod configuration;
 mod connection;
 mod criterion;
 mod file;
+mod leftover;
 mod link;
 mod mapping;
 mod message;
@@ -129,14 +131,7 @@ fn description(configuration: &Configuration) -> Description {
         stop: limits.stop,
     };
     description.simulated = configuration.simulated;
-    let url = &configuration.url;
-    // One computer has several names and addresses of its own.
-    let is_local = ["localhost", "127.0.0.1", "::1"].contains(&url.host.as_str());
-    let host = if is_local { "localhost" } else { url.host.as_str() };
-    let drives = configuration.servers().into_keys();
-    description.drives = drives
-        .map(|server| format!("ros2 {host}:{} {server}", url.port))
-        .collect();
+    description.drives = configuration.drives();
     description
 }
 
@@ -165,6 +160,8 @@ pub struct Ros2 {
     mapping: Arc<Mapping>,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
+    /// The goals of an interrupted run that were cancelled.
+    cancelled: usize,
 }
 
 #[derive(Debug)]
@@ -213,17 +210,21 @@ impl Ros2 {
     /// # Errors
     ///
     /// A bridge that cannot be reached, a server that does not answer or has another type, and an observation that cannot
-    /// be subscribed.
+    /// be subscribed; [`RobotError::UnderWay`] for a server that has a goal under way.
     pub fn connect(configuration: Configuration, domain: &Domain) -> Result<Self, RobotError> {
+        let robot = Self::find(configuration, domain)?;
+        robot.find_idle(robot.mapping.configuration.servers().into_keys())?;
+        Ok(robot)
+    }
+
+    /// Connects to the bridge, looks for every server, and subscribes everything.
+    fn find(configuration: Configuration, domain: &Domain) -> Result<Self, RobotError> {
         let robot = Self::open(configuration, domain)?;
-        let mapping = Arc::clone(&robot.mapping);
-        let servers = mapping.configuration.servers();
-        for (server, kind) in &servers {
+        for (server, kind) in robot.mapping.configuration.servers() {
             robot.find_server(server, kind)?;
             robot.lock().subscribe_status(server)?;
         }
         robot.subscribe_observations()?;
-        robot.find_idle(servers.keys().copied())?;
         Ok(robot)
     }
 
@@ -239,8 +240,10 @@ impl Ros2 {
             for server in unknown {
                 match link.latest(&status_topic(server), None) {
                     Ok(Some(list)) if !has_no_active_goal(&list) => {
-                        let robot = format!("{server}, which has a goal under way");
-                        return Err(link.fail(RobotError::InUse { robot }));
+                        let server = server.to_owned();
+                        let reason =
+                            "another program sent it, or a run that was killed, which can be resumed".to_owned();
+                        return Err(link.fail(RobotError::UnderWay { server, reason }));
                     }
                     Ok(Some(_)) => {}
                     // A bridge that cannot list goals: nothing more can be known.
@@ -277,6 +280,7 @@ impl Ros2 {
             mapping,
             shared,
             thread: Some(thread),
+            cancelled: 0,
         })
     }
 

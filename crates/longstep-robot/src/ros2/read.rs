@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use longstep_core::diagnostic::{Diagnostic, Diagnostics};
+use longstep_core::secret;
 use serde_json::{Map, Value, json};
 use toml::Spanned;
 
@@ -172,9 +173,8 @@ impl Reader<'_> {
     fn url(&mut self, text: &Text) -> Option<Url> {
         let written = text.get_ref();
         let Some(rest) = written.strip_prefix("ws://") else {
-            let mut finding = self
-                .source
-                .finding(&text.span(), written, format!("`{written}` is no URL of a bridge"));
+            let message = format!("`{}` is no URL of a bridge", secret::address(written));
+            let mut finding = self.source.finding(&text.span(), written, message);
             finding = finding.hint(match written.starts_with("wss://") {
                 true => "encrypted connections are not supported; use `ws://` through a tunnel such as `ssh -L`",
                 false => "for example `ws://127.0.0.1:9090`",
@@ -195,11 +195,12 @@ impl Reader<'_> {
                 written: format!("ws://{host}:{port}/{path}"),
             }),
             _ => {
-                let finding = self.source.finding(
-                    &text.span(),
-                    written,
-                    format!("`{written}` has no host, or a wrong port"),
-                );
+                let message = match rest.contains('@') {
+                    true => "has a user or a password, which bridges do not know",
+                    false => "has no host, or a wrong port",
+                };
+                let message = format!("`{}` {message}", secret::address(written));
+                let finding = self.source.finding(&text.span(), written, message);
                 self.findings.push(finding.hint("for example `ws://127.0.0.1:9090`"));
                 None
             }

@@ -5,13 +5,14 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use super::LISTING;
 use super::configuration::{Configuration, Service};
 use super::connection::Connection;
 use super::message::{self, Incoming};
 use crate::error::RobotError;
 
 /// The time between two attempts to cancel, or to connect again.
-const AGAIN: Duration = Duration::from_millis(150);
+pub(super) const AGAIN: Duration = Duration::from_millis(150);
 /// The type of the topic on which a server says which goals it has.
 const STATUS: &str = "action_msgs/msg/GoalStatusArray";
 /// The largest status of a goal that has not ended.
@@ -31,6 +32,12 @@ pub(super) struct Stopping {
     tries: u64,
     /// True if the goals were sent over an earlier connection: their results do not come over this one.
     is_new: bool,
+    /// The time at which the servers were first asked over a new connection.
+    asked: Option<Instant>,
+    /// The servers that listed a goal under way, or accepted a cancellation: only their list shows the end.
+    active: BTreeSet<String>,
+    /// The servers that had nothing to cancel.
+    idle: BTreeSet<String>,
     prefix: String,
 }
 
@@ -54,6 +61,9 @@ impl Stopping {
             next: now,
             tries: 0,
             is_new: !limits.is_connected,
+            asked: None,
+            active: BTreeSet::new(),
+            idle: BTreeSet::new(),
             prefix: format!("{prefix}-stop"),
         }
     }
@@ -71,18 +81,23 @@ impl Stopping {
                 if request.starts_with("-service-") {
                     let refused = values.get("success").and_then(Value::as_bool) == Some(false);
                     self.is_service_due &= !is_success || refused;
-                } else if self.is_new && *is_success && has_nothing_to_cancel(values) {
+                } else if self.is_new && *is_success {
                     let server = request
                         .split_once('/')
                         .map_or(String::new(), |(_, name)| format!("/{name}"));
-                    self.clear(&server);
+                    if has_nothing_to_cancel(values) {
+                        self.idle.insert(server);
+                    } else if accepted(values) > 0 {
+                        self.active.insert(server);
+                    }
                 }
             }
             Incoming::Published { topic, message } if self.is_new => {
-                if let Some(server) = topic.strip_suffix("/_action/status")
-                    && has_no_active_goal(message)
-                {
-                    self.clear(server);
+                if let Some(server) = topic.strip_suffix("/_action/status") {
+                    match has_no_active_goal(message) {
+                        true => self.clear(server),
+                        false => drop(self.active.insert(server.to_owned())),
+                    }
                 }
             }
             _ => {}
@@ -93,6 +108,15 @@ impl Stopping {
         self.goals.retain(|_, own| own != server);
     }
 
+    /// Counts the goals of servers as ended that had nothing to cancel and listed nothing in time: a server that had goals lists them
+    /// at once, and one that accepts no cancellation has nothing to cancel either.
+    fn settle(&mut self, now: Instant) {
+        if self.asked.is_some_and(|asked| now.duration_since(asked) >= LISTING) {
+            let ended: BTreeSet<&String> = self.idle.difference(&self.active).collect();
+            self.goals.retain(|_, own| !ended.contains(own));
+        }
+    }
+
     /// Does what is due. Returns the end of the stop.
     pub(super) fn advance(
         &mut self,
@@ -100,6 +124,7 @@ impl Stopping {
         configuration: &Configuration,
         now: Instant,
     ) -> Option<Ended> {
+        self.settle(now);
         let ended = |stop| {
             Some(Ended {
                 error: self.error.clone(),
@@ -130,6 +155,9 @@ impl Stopping {
             *connection = Connection::open(&configuration.url, AGAIN).ok();
         }
         if let Some(open) = connection {
+            if self.is_new {
+                self.asked.get_or_insert(now);
+            }
             let sent = self
                 .messages(configuration.stop.as_ref())
                 .iter()
@@ -190,7 +218,7 @@ pub(super) struct Limits {
 }
 
 /// True for the answer of a server that has no goal which could be cancelled.
-fn has_nothing_to_cancel(values: &Value) -> bool {
+pub(super) fn has_nothing_to_cancel(values: &Value) -> bool {
     let is_empty = values
         .get("goals_canceling")
         .and_then(Value::as_array)
@@ -201,6 +229,12 @@ fn has_nothing_to_cancel(values: &Value) -> bool {
             .get("return_code")
             .and_then(Value::as_i64)
             .is_some_and(|code| code != 1)
+}
+
+/// The number of goals whose cancellation a server accepted.
+fn accepted(values: &Value) -> usize {
+    let goals = values.get("goals_canceling").and_then(Value::as_array);
+    goals.map_or(0, Vec::len)
 }
 
 /// True for a list of goals that have all ended.
@@ -275,6 +309,8 @@ mod tests {
     fn over_a_new_connection_servers_say_that_nothing_is_under_way() {
         let mut stopping = stopping(false, false);
         assert_eq!(operations(&stopping.messages(None)).len(), 4);
+        let (asked, later) = (Instant::now(), Instant::now() + LISTING);
+        stopping.asked = Some(asked);
         let answer = |id: &str, values: Value| Incoming::Response {
             id: id.to_owned(),
             is_success: true,
@@ -282,27 +318,50 @@ mod tests {
         };
         stopping.file(&answer(
             "run-stop-0/left",
-            json!({"return_code": 0, "goals_canceling": [{}]}),
-        ));
-        stopping.file(&answer(
-            "run-stop-0/left",
             json!({"return_code": 1, "goals_canceling": []}),
         ));
         stopping.file(&answer("else-0/left", json!({"return_code": 0, "goals_canceling": []})));
+        stopping.settle(later);
         assert_eq!(stopping.goals.len(), 3);
-        stopping.file(&answer(
-            "run-stop-0/left",
-            json!({"return_code": 0, "goals_canceling": []}),
-        ));
+        let nothing = |server: &str| {
+            answer(
+                &format!("run-stop-0{server}"),
+                json!({"return_code": 0, "goals_canceling": []}),
+            )
+        };
+        stopping.file(&nothing("/left"));
+        stopping.settle(asked);
+        assert_eq!(stopping.goals.len(), 3, "a list may still come");
+        stopping.settle(later);
         assert_eq!(stopping.goals.len(), 2);
         let listed = |status: i64| Incoming::Published {
             topic: "/right/_action/status".to_owned(),
             message: json!({"status_list": [{"status": 4}, {"status": status}]}),
         };
+        stopping.file(&listed(2));
+        // A server that accepts no cancellation answers so, and one whose goal is being cancelled.
+        stopping.file(&nothing("/right"));
+        stopping.settle(later);
+        assert_eq!(stopping.goals.len(), 2);
         stopping.file(&listed(3));
         assert_eq!(stopping.goals.len(), 2);
         stopping.file(&listed(5));
         assert!(stopping.goals.is_empty());
+    }
+
+    #[test]
+    fn a_goal_that_is_being_cancelled_has_not_ended() {
+        let mut stopping = stopping(false, false);
+        stopping.asked = Some(Instant::now());
+        let answer = |goals: Value| Incoming::Response {
+            id: "run-stop-0/left".to_owned(),
+            is_success: true,
+            values: json!({"return_code": 0, "goals_canceling": goals}),
+        };
+        stopping.file(&answer(json!([{}])));
+        stopping.file(&answer(json!([])));
+        stopping.settle(Instant::now() + LISTING);
+        assert_eq!(stopping.goals.len(), 3);
     }
 
     #[test]

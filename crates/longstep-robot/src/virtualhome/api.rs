@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use longstep_core::secret;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -34,6 +35,8 @@ const PICTURE: (u32, u32) = (640, 480);
 pub struct Simulator {
     client: reqwest::Client,
     url: String,
+    /// The address without a password, for messages.
+    shown: String,
     numbers: Arc<AtomicU64>,
     stopped: Arc<AtomicBool>,
 }
@@ -87,13 +90,15 @@ impl Simulator {
             .pool_max_idle_per_host(0)
             .no_proxy()
             .build();
+        let shown = secret::in_addresses(url).into_owned();
         let client = client.map_err(|error| RobotError::Unreachable {
-            robot: url.to_owned(),
+            robot: shown.clone(),
             reason: root(&error),
         })?;
         Ok(Self {
             client,
             url: url.to_owned(),
+            shown,
             numbers: Arc::default(),
             stopped: Arc::default(),
         })
@@ -102,6 +107,11 @@ impl Simulator {
     /// The address.
     pub fn url(&self) -> &str {
         &self.url
+    }
+
+    /// The address without a password, for messages.
+    pub fn shown_url(&self) -> &str {
+        &self.shown
     }
 
     /// Sends nothing more, and ends the wait for every answer but that of a line.
@@ -119,10 +129,16 @@ impl Simulator {
     ///
     /// [`RobotError::Unreachable`] if it does not.
     pub fn check(&self) -> Result<(), RobotError> {
-        match self.request(&Request::new("idle", &[], &[], QUESTION)) {
+        self.settle(QUESTION)
+    }
+
+    /// Waits until the simulator answers. It answers one request after the other: a line of an earlier client, which was killed, has
+    /// ended then.
+    pub(super) fn settle(&self, limit: Duration) -> Result<(), RobotError> {
+        match self.request(&Request::new("idle", &[], &[], limit)) {
             Ok(_) => Ok(()),
             Err(RobotError::Gone { reason, .. }) => Err(RobotError::Unreachable {
-                robot: self.url.clone(),
+                robot: self.shown.clone(),
                 reason,
             }),
             Err(error) => Err(error),
@@ -252,7 +268,8 @@ impl Simulator {
         runtime.shutdown_background();
         let bytes = bytes?;
         serde_json::from_slice(&bytes).map_err(|error| {
-            let beginning = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]).into_owned();
+            let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+            let beginning: String = secret::redacted(&text).chars().take(200).collect();
             let beginning = longstep_core::visible::line(&beginning).into_owned();
             protocol(&format!(
                 "the answer to `{}` cannot be read ({error}): {beginning}",
@@ -274,7 +291,7 @@ impl Simulator {
             let left = request.limit.saturating_sub(begun.elapsed());
             if left.is_zero() {
                 return Err(RobotError::TimedOut {
-                    what: format!("`{}` of {}", request.action, self.url),
+                    what: format!("`{}` of {}", request.action, self.shown),
                     limit: request.limit,
                 });
             }
@@ -335,7 +352,8 @@ fn reason(message: &Value) -> String {
 }
 
 fn shortened(text: &str) -> String {
-    let text: String = text.chars().take(LONGEST_REASON).collect();
+    // A part of a password would not be recognized.
+    let text: String = secret::redacted(text).chars().take(LONGEST_REASON).collect();
     longstep_core::visible::line(&text).into_owned()
 }
 

@@ -1,11 +1,11 @@
 //! Graphs of scenes as environments and observations, in the words of the `virtualhome` domain.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use indexmap::IndexMap;
 use longstep_core::environment::{Environment, Statements, Words, World};
 
-use super::graph::{Graph, Node};
+use super::graph::{Edge, Graph, Node};
 
 /// Properties of what takes part in a task; walls, ceilings and pictures have none of them.
 const USES: [&str; 5] = ["GRABBABLE", "CAN_OPEN", "HAS_SWITCH", "SURFACES", "CONTAINERS"];
@@ -29,14 +29,15 @@ const USES: [&str; 5] = ["GRABBABLE", "CAN_OPEN", "HAS_SWITCH", "SURFACES", "CON
 /// # Ok::<(), longstep_robot::virtualhome::GraphError>(())
 /// ```
 pub fn environment(graph: &Graph, rooms: &[String]) -> Environment {
-    let kept = kept(graph, rooms);
+    let scene = Scene::of(graph);
+    let kept = scene.kept(rooms);
     let (mut assets, mut objects) = (Part::default(), Part::default());
     for node in graph.nodes.iter().filter(|node| kept.contains(&node.id)) {
         let part = match node.can("GRABBABLE") {
             true => &mut objects,
             false => &mut assets,
         };
-        part.add(node, placed(graph, node, &kept));
+        part.add(node, scene.placed(node, &kept));
     }
     Environment {
         assets: assets.identifiers,
@@ -73,51 +74,68 @@ impl Part {
     }
 }
 
-/// Returns the numbers of the nodes that take part in tasks in these rooms, and of what they stand on or in.
-fn kept(graph: &Graph, rooms: &[String]) -> BTreeSet<i64> {
-    let nodes = graph.by_number();
-    let places = graph.places();
-    let supports = |number: i64| {
-        let of = places.get(&number).into_iter().flatten();
-        of.map(|edge| edge.to_id).filter(|support| nodes.contains_key(support))
-    };
-    let is_wanted = |node: &Node| {
-        rooms.is_empty()
-            || node.is_room() && rooms.contains(&node.class_name)
-            || supports(node.id).any(|room| nodes[&room].is_room() && rooms.contains(&nodes[&room].class_name))
-    };
-    let is_floor = |node: &Node| node.class_name == "floor";
-    let is_used = |node: &&Node| {
-        !node.is_character() && (node.is_room() || !is_floor(node) && USES.iter().any(|property| node.can(property)))
-    };
-    let wanted = graph.nodes.iter().filter(is_used).filter(|node| is_wanted(node));
-    let mut todo: Vec<i64> = wanted.map(|node| node.id).collect();
-    let mut kept = BTreeSet::new();
-    while let Some(number) = todo.pop() {
-        if kept.insert(number) {
-            todo.extend(supports(number).filter(|support| !nodes[support].is_character()));
-        }
-    }
-    kept
+/// The relations of a graph, by the numbers of its nodes. A graph may have tens of thousands of them.
+struct Scene<'g> {
+    graph: &'g Graph,
+    nodes: BTreeMap<i64, &'g Node>,
+    places: BTreeMap<i64, Vec<&'g Edge>>,
+    held: BTreeSet<i64>,
 }
 
-/// Returns where a node is, as statements. A thing that can be moved is in a room only if it is nowhere else: the rooms of
-/// things are not part of what the domain follows.
-fn placed(graph: &Graph, node: &Node, known: &BTreeSet<i64>) -> Vec<String> {
-    if graph.held().contains(&node.id) {
-        return vec!["HELD()".to_owned()];
+impl<'g> Scene<'g> {
+    fn of(graph: &'g Graph) -> Self {
+        Self {
+            graph,
+            nodes: graph.by_number(),
+            places: graph.places(),
+            held: graph.held(),
+        }
     }
-    let nodes = graph.by_number();
-    let places = graph.places();
-    let all = places.get(&node.id).into_iter().flatten();
-    let all: Vec<_> = all.filter(|edge| known.contains(&edge.to_id)).collect();
-    let is_somewhere = all.iter().any(|edge| !nodes[&edge.to_id].is_room());
-    let is_left_out = |place: &Node| node.can("GRABBABLE") && is_somewhere && place.is_room();
-    all.iter()
-        .map(|edge| (edge, nodes[&edge.to_id]))
-        .filter(|(_, place)| !is_left_out(place))
-        .map(|(edge, place)| format!("{}({})", edge.relation_type, place.identifier()))
-        .collect()
+
+    /// Returns what a node stands on or is in.
+    fn supports(&self, number: i64) -> impl Iterator<Item = &'g Node> {
+        let places = self.places.get(&number).into_iter().flatten();
+        places.filter_map(|edge| self.nodes.get(&edge.to_id).copied())
+    }
+
+    /// Returns the numbers of the nodes that take part in tasks in these rooms, and of what they stand on or in.
+    fn kept(&self, rooms: &[String]) -> BTreeSet<i64> {
+        let is_room = |node: &Node| node.is_room() && rooms.contains(&node.class_name);
+        let is_wanted = |node: &Node| rooms.is_empty() || is_room(node) || self.supports(node.id).any(is_room);
+        let is_floor = |node: &Node| node.class_name == "floor";
+        let is_used = |node: &&Node| {
+            !node.is_character()
+                && (node.is_room() || !is_floor(node) && USES.iter().any(|property| node.can(property)))
+        };
+        let wanted = self.graph.nodes.iter().filter(is_used).filter(|node| is_wanted(node));
+        let mut todo: Vec<i64> = wanted.map(|node| node.id).collect();
+        let mut kept = BTreeSet::new();
+        while let Some(number) = todo.pop() {
+            if kept.insert(number) {
+                let supports = self.supports(number).filter(|support| !support.is_character());
+                todo.extend(supports.map(|support| support.id));
+            }
+        }
+        kept
+    }
+
+    /// Returns where a node is, as statements. A thing that can be moved is in a room only if it is nowhere else: the rooms of
+    /// things are not part of what the domain follows.
+    fn placed(&self, node: &Node, known: &BTreeSet<i64>) -> Vec<String> {
+        if self.held.contains(&node.id) {
+            return vec!["HELD()".to_owned()];
+        }
+        let all = self.places.get(&node.id).into_iter().flatten();
+        let all = all.filter(|edge| known.contains(&edge.to_id));
+        let all = all.filter_map(|edge| Some((edge, *self.nodes.get(&edge.to_id)?)));
+        let all: Vec<(&&Edge, &Node)> = all.collect();
+        let is_somewhere = all.iter().any(|(_, place)| !place.is_room());
+        let is_left_out = |place: &Node| node.can("GRABBABLE") && is_somewhere && place.is_room();
+        all.iter()
+            .filter(|(_, place)| !is_left_out(place))
+            .map(|(edge, place)| format!("{}({})", edge.relation_type, place.identifier()))
+            .collect()
+    }
 }
 
 /// The states of a node that the domain has words for.
@@ -164,15 +182,16 @@ pub fn statements(graph: &Graph, world: &World) -> Statements {
         .filter_map(|name| nodes.get(name))
         .map(|node| node.id)
         .collect();
+    let rooms = graph.nodes.iter().filter(|room| room.is_room());
+    let in_rooms: BTreeSet<String> = rooms.map(|room| format!("INSIDE({})", room.identifier())).collect();
+    let scene = Scene::of(graph);
     let mut states = IndexMap::new();
     for name in named {
         let Some(node) = nodes.get(name) else {
             continue;
         };
-        let mut words = placed(graph, node, &known);
+        let mut words = scene.placed(node, &known);
         if let Some(stated) = environment.object_states.get(name) {
-            let rooms = graph.nodes.iter().filter(|room| room.is_room());
-            let in_rooms: BTreeSet<String> = rooms.map(|room| format!("INSIDE({})", room.identifier())).collect();
             words.retain(|word| !in_rooms.contains(word));
             let stated = stated.as_slice().iter();
             words.extend(stated.filter(|word| in_rooms.contains(*word)).cloned());

@@ -99,11 +99,11 @@ impl Graph {
     /// Returns the places that each node is on or in, in the order of the edges.
     pub fn places(&self) -> BTreeMap<i64, Vec<&Edge>> {
         let mut places: BTreeMap<i64, Vec<&Edge>> = BTreeMap::new();
+        let mut known = BTreeSet::new();
         let is_place = |edge: &&Edge| matches!(edge.relation_type.as_str(), "ON" | "INSIDE");
         for edge in self.edges.iter().filter(is_place) {
-            let known = places.entry(edge.from_id).or_default();
-            if !known.contains(&edge) {
-                known.push(edge);
+            if known.insert((edge.from_id, edge.relation_type.as_str(), edge.to_id)) {
+                places.entry(edge.from_id).or_default().push(edge);
             }
         }
         places

@@ -4,6 +4,10 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
+use longstep_core::{secret, visible};
+
+use crate::lock;
+
 /// The longest timeout of a line: an hour.
 const LONGEST: u64 = 3_600;
 
@@ -39,6 +43,16 @@ pub struct VirtualHomeOptions {
 pub struct VirtualHomeOptionsError(String);
 
 impl VirtualHomeOptions {
+    /// The simulator by the name of its lock: its computer and port. A simulator has one world for all its clients.
+    pub fn drives(&self) -> Vec<String> {
+        let place = reqwest::Url::parse(&self.url).ok().and_then(|url| {
+            let host = lock::computer(url.host_str()?);
+            Some(format!("{host}:{}", url.port_or_known_default()?))
+        });
+        let place = place.unwrap_or_else(|| secret::in_addresses(&self.url).into_owned());
+        vec![format!("virtualhome {place}")]
+    }
+
     /// Returns the options of a simulator at an address.
     pub fn new(url: &str) -> Self {
         Self {
@@ -75,7 +89,7 @@ impl FromStr for VirtualHomeOptions {
     fn from_str(text: &str) -> Result<Self, VirtualHomeOptionsError> {
         let mut parts = text.split(',').map(str::trim);
         let url = parts.next().unwrap_or_default();
-        let refused = |part: &str| VirtualHomeOptionsError(longstep_core::visible::line(part).into_owned());
+        let refused = |part: &str| VirtualHomeOptionsError(secret::redacted(&visible::line(part)).into_owned());
         let parsed = reqwest::Url::parse(url).map_err(|_| refused(url))?;
         if !matches!(parsed.scheme(), "http" | "https") || parsed.host().is_none() {
             return Err(refused(url));

@@ -1,5 +1,6 @@
 //! The simulator as a robot.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
 use std::time::Duration;
@@ -72,14 +73,14 @@ impl VirtualHome {
     pub fn open(world: World, options: &VirtualHomeOptions) -> Result<Self, RobotError> {
         let simulator = Simulator::new(&options.url)?;
         let unreachable = |reason: String| RobotError::Unreachable {
-            robot: format!("virtualhome:{}", options.url),
+            robot: format!("virtualhome:{}", simulator.shown_url()),
             reason,
         };
         if let Some(folder) = &options.pictures {
             let made = fs::create_dir_all(folder);
             made.map_err(|error| unreachable(format!("cannot make {}: {error}", folder.display())))?;
         }
-        simulator.check()?;
+        simulator.settle(options.timeout.max(QUESTION))?;
         let graph = simulator.graph()?;
         missing(&graph, &world).map_or(Ok(()), |reason| Err(unreachable(reason)))?;
         if graph.character().is_none() {
@@ -89,8 +90,7 @@ impl VirtualHome {
         description.actions = Some(Line::actions().map(str::to_owned).collect());
         description.observes = true;
         description.simulated = true;
-        // A simulator has one world for all its clients.
-        description.drives = vec![format!("virtualhome {}", options.url)];
+        description.drives = options.drives();
         description.timeouts = Timeouts {
             perform: options.timeout,
             observe: QUESTION,
@@ -130,9 +130,9 @@ impl VirtualHome {
 
 /// Returns why a scene is not the one of a world: it lacks an entity.
 fn missing(graph: &Graph, world: &World) -> Option<String> {
-    let known: Vec<String> = graph.nodes.iter().map(|node| node.identifier()).collect();
+    let known: BTreeSet<String> = graph.nodes.iter().map(|node| node.identifier()).collect();
     let environment = world.environment();
-    let lacking = |name: &&String| !known.contains(name);
+    let lacking = |name: &&String| !known.contains(*name);
     let missing: Vec<&String> = environment
         .assets
         .iter()

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use longstep_core::environment::World;
-use longstep_core::execution::{Aim, Approval, Event, Execution, Order, Proposal, Settings, Stop};
+use longstep_core::execution::{Aim, Approval, Event, Execution, Order, Proposal, Settings, Stop, Unseen};
 use longstep_core::search::{self, Outcome};
 use longstep_core::verify::{self, VerifiedPlan};
 use longstep_core::{domain, environment, goal};
@@ -47,6 +47,10 @@ impl Watcher for Keeping {
     }
 
     fn judge(&mut self, _: &Execution, _: &Order) -> Option<bool> {
+        None
+    }
+
+    fn confirm(&mut self, _: &Execution, _: &Unseen) -> Option<bool> {
         None
     }
 }
